@@ -96,6 +96,7 @@ class MjModel:
     opt: _Option
     body_pos: NDArray[np.float64]
     body_quat: NDArray[np.float64]
+    body_ipos: NDArray[np.float64]
     dof_damping: NDArray[np.float64]
     geom_bodyid: NDArray[np.int32]
     geom_contype: NDArray[np.int32]
@@ -108,6 +109,8 @@ class MjModel:
 class MjData:
     contact: _Contacts
     qfrc_applied: NDArray[np.float64]
+    xfrc_applied: NDArray[np.float64]
+    xipos: NDArray[np.float64]
     qpos: NDArray[np.float64]
     qvel: NDArray[np.float64]
     mocap_pos: NDArray[np.float64]

@@ -16,7 +16,7 @@ NESTS = ROOT / "robots" / "yumi" / "nests.toml"
 
 def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, capsys):
     """In one process, which has the compiled code already: the commands are those of the page."""
-    (block,) = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+    block, _ = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
     for name in ("robots", "parts"):
         (tmp_path / name).symlink_to(ROOT / name)
     monkeypatch.chdir(tmp_path)
@@ -30,7 +30,7 @@ def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, caps
 
 
 def test_the_place_on_the_page_is_that_of_the_cell():
-    block, _ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    block, _, _ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     said = tomllib.loads(block)["arm"]["place"][0]
     shipped = tomllib.loads(NESTS.read_text(encoding="utf-8"))["arm"][0]["place"][0]
     assert said == {"free_rotation_deg": 0, "approach": [0, 0, -1], **shipped}
@@ -45,7 +45,7 @@ def test_the_nests_are_those_of_the_shipped_cell_but_for_what_parts_are_put_on()
 
 
 def test_the_station_on_the_page_is_that_of_the_cell():
-    _, block = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    _, _, block = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     (said,) = tomllib.loads(block)["station"]
     shipped = tomllib.loads((NESTS.parent / "regrasp.toml").read_text(encoding="utf-8"))
     assert said == {"position_mm": [0, 0, 0], **shipped["station"][0]}

@@ -11,13 +11,16 @@ from changed_cells import CHANGES
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import ArmPlan, Guarantee, Leg, Step, Strategy
 from workbench.model.scan import Detection, Obstacle
+from workbench.proof.places.layers import kept_box
 
 Bend = Callable[[Case, Draw], Case]
 
 
 def bent(case: Case, draw: Draw) -> tuple[str, Case]:
     """A case with one thing changed, and what that was."""
-    kind = KINDS[draw.integers(len(KINDS))]
+    pallets = any(one.pallet for arm in case.cell.arms for one in arm.part_places)
+    kinds = (*KINDS, *OF_PALLETS) if pallets else KINDS
+    kind = kinds[draw.integers(len(kinds))]
     return kind.__name__, kind(case, draw)
 
 
@@ -247,6 +250,35 @@ def seen(case: Case, draw: Draw) -> Case:
         return replace(case, scene=scene)
     return replace(case, scene=scene, plan=replace(case.plan, obstacles=boxes))
 
+
+def cleared(case: Case, draw: Draw) -> Case:
+    """A part taken from a pallet; the plan may not know it."""
+    kept = [box for box in case.scene.obstacles if box.part]
+    if not kept:
+        return stacked(case, draw)
+    gone = one_of(kept, draw)
+    boxes = tuple(box for box in case.scene.obstacles if box is not gone)
+    scene = replace(case.scene, obstacles=boxes)
+    if draw.random() < 0.2:
+        return replace(case, scene=scene)
+    return replace(case, scene=scene, plan=replace(case.plan, obstacles=boxes))
+
+
+def stacked(case: Case, draw: Draw) -> Case:
+    """One more part anywhere on a pallet; the plan alone may know it."""
+    arm = one_of(case.cell.arms, draw)
+    place = one_of([one for one in arm.part_places if one.pallet], draw)
+    found = Detection(case.plan.detections[0].part, place.T_world_part)
+    box = kept_box(case.cell, case.scene.obstacles, found, place.T_world_part)
+    boxes = (*case.plan.obstacles, box)
+    plan = replace(case.plan, obstacles=boxes)
+    if draw.random() < 0.2:
+        return replace(case, plan=plan)
+    return replace(case, scene=replace(case.scene, obstacles=boxes), plan=plan)
+
+
+OF_PALLETS: tuple[Bend, ...] = (cleared, stacked, cleared, stacked)
+"""Of cells whose parts lie in layers."""
 
 KINDS: tuple[Bend, ...] = (
     moved, dropped, cut_short, swung, doubled, reversed_, swapped, other_order, other_legs, timed,

@@ -35,6 +35,7 @@ PILES = {
     "baxter": ("keyed_cylinder", 3, ("alternated", "auto")),
     "dual_fr3": ("keyed_cylinder", 5, ("coordinated", "alternated", "auto")),
     "pallet": ("puck", 3, ("auto",)),
+    "layers": ("puck", 3, ("auto",)),
 }
 """For each: the kind of its parts, how many, and how they are taken, in turn."""
 
@@ -48,6 +49,10 @@ def folder_of(name: str, made: Path) -> Path:
         return folder
     if name == "pallet":
         return _pallet(folder)
+    if name == "layers":
+        shipped = ROOT / "robots" / "tx2_90"
+        text = (shipped / "pallet.toml").read_text()
+        return _beside(folder, shipped, text.replace('"../../parts', f'"{ROOT / "parts"}'))
     if name == "nests":
         shipped = ROOT / "robots" / "yumi"
         return _beside(folder, shipped, (shipped / "nests.toml").read_text())
@@ -98,6 +103,10 @@ def cases(name: str, seeds, made: Path):
             Ts = cell.arms[0].Ts_world_place[: seed % 4]
             put = [Detection(kind, T * pose_from_rpy((0, 0, half))) for T in Ts]
             boxes = boxes_around(cell, put)
+        if name == "layers":
+            # None to seven parts lie on the pallet already.
+            places = cell.arms[0].part_places[: seed % 8]
+            boxes = boxes_around(cell, [Detection(kind, one.T_world_part) for one in places])
         plan = plan_pick(cell, pile, "scan", strategy=strategy, obstacles=boxes, seed=seed).plan
         if plan is not None:
             yield Case(cell, files, Scene("scan", plan.detections, plan.obstacles), plan)

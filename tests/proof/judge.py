@@ -48,14 +48,15 @@ class Judge:
         kinds = tuple(one.part for one in plan.detections)
         if kinds not in self._scenes:
             self._scenes[kinds] = Scene(files, kinds)
-        return _Run(self, self._scenes[kinds], files, plan).refusal()
+        return _Run(self, self._scenes[kinds], files, scene, plan).refusal()
 
 
 class _Run:
     """One plan, walked through."""
 
-    def __init__(self, judge: Judge, scene: Scene, files: Files, plan) -> None:
+    def __init__(self, judge: Judge, scene: Scene, files: Files, known, plan) -> None:
         self.judge, self.scene, self.files, self.plan = judge, scene, files, plan
+        self.known = known
         boxes = [(one.T_world_box.homogeneous, np.asarray(one.size)) for one in plan.obstacles]
         parts = [one.T_world_part.homogeneous for one in plan.detections]
         scene.set(files, boxes, parts)
@@ -132,7 +133,7 @@ class _Run:
             def hand(q, arm=one.arm):
                 return self._tcp(arm, q)
 
-            broken = is_off(self.files, self.plan, one, hand)
+            broken = is_off(self.files, self.known, self.plan, one, hand)
             if broken:
                 return broken
         return ""

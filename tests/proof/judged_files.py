@@ -3,6 +3,7 @@
 import copy
 import tomllib
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -101,16 +102,23 @@ class Files:
     def part_places(self, arm: str, kind: str) -> list[dict[str, Any]]:
         """Where parts of a kind shall lie: `T` (4, 4), and what is left free [m, rad]."""
         found = []
-        for place in self.arm(arm)["place"]:
+        for number, place in enumerate(self.arm(arm)["place"], start=1):
             if "part_position_mm" in place and place.get("part", kind) == kind:
                 told = {key.removeprefix("part_"): value for key, value in place.items()}
                 free = np.deg2rad(place.get("free_rotation_deg", 0))
                 far = place.get("tolerance_mm", 2) / 1000
                 turn = np.deg2rad(place.get("tolerance_deg", 3))
                 comes = unit(place.get("approach", (0, 0, -1)))
-                found.append(
-                    {"T": pose_of(told), "free": free, "far": far, "turn": turn, "comes": comes}
-                )
+                one = {"free": free, "far": far, "turn": turn, "comes": comes}
+                columns, rows, layers = (*place.get("grid", (1, 1)), 1)[:3]
+                pitch = np.array((*place.get("pitch_mm", (0, 0)), 0)[:3]) / 1000
+                for layer, row, column in product(range(layers), range(rows), range(columns)):
+                    T, shift = pose_of(told), np.eye(4)
+                    shift[:2, 3] = np.array([column, row]) * pitch[:2]
+                    T = T @ shift
+                    T[2, 3] += layer * pitch[2]
+                    pallet = number if layers > 1 else 0
+                    found.append(one | {"T": T, "pallet": pallet, "layer": layer + 1})
         return found
 
     @property

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 from judged_files import Files, turned
+from judged_pallets import stacked
 from judged_stations import stood_on
 from judged_symmetry import turns, unit
 from judged_times import COARSE, FINE, at_rest_between, soonest
@@ -56,6 +57,15 @@ def _scene(scene, plan) -> str:
         return "has a part that is not there"
     if not all(any(same_box(a, b) for b in plan.obstacles) for a in scene.obstacles):
         return "leaves out an obstacle"
+    kept = [box for box in scene.obstacles if box.part]
+    for box in plan.obstacles:
+        if box.part and not any(
+            box.part == known.part
+            and same_box(box, known)
+            and np.abs(box.T_world_put.homogeneous - known.T_world_put.homogeneous).max() < 1e-6
+            for known in kept
+        ):
+            return "has a part on a pallet that is not there"
     return ""
 
 
@@ -185,8 +195,11 @@ def _grasp(files: Files, plan, one) -> str:
     return ""
 
 
-def is_off(files: Files, plan, one, hand) -> str:
-    """What is wrong with where a hand is: `hand` gives its pose (4, 4) at joints (n,) [rad]."""
+def is_off(files: Files, scene, plan, one, hand) -> str:
+    """What is wrong with where a hand is: `hand` gives its pose (4, 4) at joints (n,) [rad].
+
+    What is known to lie on pallets is in `scene`.
+    """
     kind = plan.detections[one.detection].part
     T_part = plan.detections[one.detection].T_world_part.homogeneous
     T_grasp = hand(one.leg("approach").q[-1])
@@ -211,6 +224,9 @@ def is_off(files: Files, plan, one, hand) -> str:
         beside = [np.linalg.norm(np.cross(came, place["comes"])) for place in there]
         if min(beside) > NEAR + 0.001 or not any(came @ place["comes"] >= 0 for place in there):
             return "it does not come from where the place has it come"
+        wrong = stacked(files, scene, one.arm, kind, T_lies, _lies)
+        if wrong:
+            return wrong
     T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
     held = [
         grasp

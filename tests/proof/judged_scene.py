@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from judged_files import Files, pose_of, unit
 
-SPARE = 6
+SPARE = 14
 """Boxes that stand for what a scan shows and for fixtures that come later."""
 
 ROUND = (int(mujoco.mjtGeom.mjGEOM_CYLINDER), int(mujoco.mjtGeom.mjGEOM_CAPSULE))

@@ -28,15 +28,15 @@ def stood_on(files: Files, name: str, kind: str, T_put: np.ndarray) -> np.ndarra
             T = pose_of(fixture) @ T
     seen = np.linalg.inv(T) @ T_put
     half = np.array(station["size_mm"]) / 2000
-    pieces = "".join(_geom(piece) for piece in files.parts[kind]["piece"])
-    w, x, y, z = _quaternion(np.eye(3))
+    pieces = "".join(geom_of(piece) for piece in files.parts[kind]["piece"])
+    w, x, y, z = quaternion(np.eye(3))
     model = mujoco.MjModel.from_xml_string(
         f"""<mujoco><option timestep="0.0005"/><worldbody>
         <geom type="box" size="{half[0]} {half[1]} 0.05" pos="0 0 -0.05" quat="{w} {x} {y} {z}"/>
         <body><freejoint/>{pieces}</body></worldbody></mujoco>"""
     )
     data = mujoco.MjData(model)
-    data.qpos[:3], data.qpos[3:] = seen[:3, 3], _quaternion(seen[:3, :3])
+    data.qpos[:3], data.qpos[3:] = seen[:3, 3], quaternion(seen[:3, :3])
     for _ in range(2500):
         mujoco.mj_step(model, data)
     rests = np.eye(4)
@@ -51,19 +51,19 @@ def stood_on(files: Files, name: str, kind: str, T_put: np.ndarray) -> np.ndarra
     return T @ rests
 
 
-def _geom(piece) -> str:
+def geom_of(piece) -> str:
     T = pose_of(piece)
     size = {
         "box": lambda: np.array(piece["size_mm"]) / 2000,
         "cylinder": lambda: np.array([piece["radius_mm"], piece["length_mm"] / 2]) / 1000,
         "sphere": lambda: np.array([piece["radius_mm"]]) / 1000,
     }[piece["shape"]]()
-    at, turn = (" ".join(map(str, one)) for one in (T[:3, 3], _quaternion(T[:3, :3])))
+    at, turn = (" ".join(map(str, one)) for one in (T[:3, 3], quaternion(T[:3, :3])))
     shape = SHAPES[piece["shape"]]
     return f'<geom type="{shape}" size="{" ".join(map(str, size))}" pos="{at}" quat="{turn}"/>'
 
 
-def _quaternion(R: np.ndarray) -> np.ndarray:
+def quaternion(R: np.ndarray) -> np.ndarray:
     found = np.empty(4)
     mujoco.mju_mat2Quat(found, np.ascontiguousarray(R).ravel())
     return found

@@ -15,7 +15,9 @@ from judge_studies import cell_and_files
 from judged_symmetry import turns
 
 from workbench.app.picking.pipeline import plan_pick
+from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
+from workbench.proof.places.layers import kept_box
 from workbench.proof.prove import prove
 
 
@@ -25,6 +27,7 @@ from workbench.proof.prove import prove
         ("yumi", 40, 10),
         ("pallet", 41, 15),
         ("nests", 40, 10),
+        ("layers", 44, 14),
         ("panda", 45, 8),
         ("dual_fr3", 44, 6),
         ("baxter", 41, 4),
@@ -89,3 +92,32 @@ def test_the_judge_knows_all_turns_of_a_symmetry(symmetry, count):
     assert apart.min() > 1e-3
     point = np.array([*symmetry.get("point_mm", (0, 0, 0)), 1000.0]) / 1000
     assert np.abs(found @ point - point).max() < 1e-12
+
+
+def test_the_judge_knows_pallets_in_layers(tmp_path):
+    """A plan for layer 2, and the pallet otherwise than it was when that was made."""
+    (case,) = cases("layers", [44], tmp_path)
+    boxes = case.plan.obstacles
+    assert len(boxes) == 4 and judged_by(Judge(), case) is None
+    (arm,) = case.cell.arms
+
+    def kept(number: int):
+        T = arm.part_places[number].T_world_part
+        return kept_box(case.cell, boxes, Detection("puck", T), T)
+
+    for other, why in (
+        (boxes[1:], "the layer beneath is not full"),
+        ((*boxes, kept(4)), "a part is there"),
+    ):
+        plan = replace(case.plan, obstacles=other)
+        bent = replace(case, plan=plan, scene=replace(case.scene, obstacles=other))
+        assert judged_by(Judge(), bent).why == why
+        assert not prove(bent.cell, bent.scene, bent.plan).holds
+    said = replace(case, scene=replace(case.scene, obstacles=boxes[1:]))
+    assert judged_by(Judge(), said).why == "has a part on a pallet that is not there"
+    (low,) = cases("layers", [40], tmp_path)
+    above = (kept(6),)
+    plan = replace(low.plan, obstacles=above)
+    bent = replace(low, plan=plan, scene=replace(low.scene, obstacles=above))
+    assert judged_by(Judge(), low) is None
+    assert judged_by(Judge(), bent).why == "a part is above"

@@ -15,6 +15,7 @@ from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Scene
+from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.placing.pallets import open_places
@@ -226,6 +227,14 @@ def test_a_file_says_what_lies_on_the_pallet(cell, on_top, tmp_path):
     assert again.digest == on_top.digest
     assert scene_of(cell, again).obstacles[0].part == "puck"
     assert prove(cell, again).holds
+
+
+def test_no_scan_of_the_bin_shows_the_pallet(cell, on_top):
+    """With a scan the plan's word is taken for what lies there."""
+    scan = synthesize(cell, on_top.detections, seed=1)
+    found = replace(on_top, scan_digest=scan.digest)
+    assert sum(bool(box.part) for box in scene_of(cell, found, scan=scan).obstacles) == 4
+    assert prove(cell, found, scan=scan).holds
 
 
 def test_boxes_of_other_cells_are_as_they_were():

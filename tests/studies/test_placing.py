@@ -7,10 +7,10 @@ import pytest
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.planning.kinematics.quickness import hand_acceleration
 from workbench.studies.placing import (
     Case,
     Gripped,
-    acceleration_of,
     entry_of,
     gripped,
     measure,
@@ -78,7 +78,7 @@ def test_the_hand_accelerates_as_the_strongest_joint_has_it():
     """A joint turns the hand about its axis: at most by its distance from it."""
     cell = read_cell("yumi")
     arm = cell.arms[0]
-    assert 0.5 < acceleration_of(arm, cell) < np.max(arm.acceleration) * 1.0
+    assert 0.5 < hand_acceleration(cell, arm) < np.max(arm.acceleration) * 1.0
 
 
 @pytest.fixture(scope="module")

@@ -90,7 +90,8 @@ def test_buttons_that_a_text_names_are_called_in_it_as_they_are(catalog):
 
 def test_reasons_stages_and_refusals_of_the_rules_are_said(language):
     words = words_of(language)
-    texts = [*Reason, *Stage, *(one for one in Objection), *(one.says for one in RIGHTS.values())]
+    stages, rights = (one.words for one in Stage), (one.says for one in RIGHTS.values())
+    texts = [*Reason, *stages, *Objection, *rights]
     # A word that another language has as well is said, too.
     assert [one for one in texts if words.say(one) == one and one not in words._messages] == []
 

@@ -98,6 +98,8 @@ HOW: Mapping[type, str] = {
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyPlacing: "measuring.placing:placing",
+    studies.StudyPallets: "measuring.pallets:pallets",
+    studies.StudyGrips: "measuring.grips:grips",
     studies.StudyBop: "measuring.bop:study_bop",
     nested.CellNew: "authoring.new_cell:new_cell",
     nested.CellCheck: "authoring.cell_check:check_cell",

@@ -44,7 +44,8 @@ class Tool:
     """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m].
 
     `press` [m]: how far it gives way to the part that it takes, pads of fingers as they close,
-    the lip of a suction cup as it arrives.
+    the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
+    pulls; None where nobody has said it.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Tool:
     fingers: tuple[Finger, ...] = ()
     stroke: tuple[float, float] = (0.0, 0.0)
     press: float = 0.0015
+    force: float | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copied(self.T_flange_tcp))

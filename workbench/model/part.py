@@ -255,6 +255,7 @@ class Part(Told):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
+    `friction`, no unit, is that between it and what it is held with; None where nobody has said it.
     """
 
     name: str
@@ -263,6 +264,7 @@ class Part(Told):
     mass: float
     symmetry: Symmetry
     library: GraspLibrary
+    friction: float | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 

@@ -12,7 +12,7 @@ from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.candidate import Candidate
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import TURNED, Part, PartPlace
@@ -23,6 +23,7 @@ from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import has_pads
+from workbench.planning.kinematics.quickness import hand_acceleration
 from workbench.planning.picking.propose import propose
 from workbench.planning.placing.budget import Budget, budget_of
 from workbench.planning.placing.chance import SURE, drawn, within
@@ -170,7 +171,7 @@ def _by_one(
     arm = cell.arm(candidate.arm)
     budget = budget_of(cell, lying, candidate)
     place = budget.place or PartPlace(pin.SE3.Identity())
-    a = acceleration_of(arm, cell) if case.acceleration is None else case.acceleration
+    a = hand_acceleration(cell, arm) if case.acceleration is None else case.acceleration
     shaking, T = Shaking(case.force, a), lying.T_world_part
     gripping = Gripping(part, arm.tool, T)
     T_tcp_meant = candidate.T_world_tcp.actInv(T)
@@ -222,18 +223,6 @@ def measured(
     shifts, turns = np.full(len(found), np.inf), np.full(len(found), np.inf)
     shifts[is_there], turns[is_there] = budget.counted.off(errors[is_there])
     return shifts, turns
-
-
-def acceleration_of(arm: Arm, cell: Cell) -> float:
-    """The most [m/s2] by which one joint of an arm moves the hand at home from rest."""
-    chain = World(cell, ()).chains[arm.name]
-    step, home = 1e-5, np.asarray(arm.home)
-    here = chain.pose(home).translation
-    ways = [
-        np.linalg.norm(chain.pose(home + step * one).translation - here) / step
-        for one in np.eye(len(home))
-    ]
-    return float(np.max(np.array(ways) * np.asarray(arm.acceleration)))
 
 
 def summary(results: Sequence[Gripped]) -> dict[str, Any]:

@@ -24,6 +24,14 @@ def test_failed_picks_are_picks_and_counted_by_kind():
     assert found["failed_by_kind"] == {"missed": 2, "crooked": 1, "turned": 0}
 
 
+def test_what_slipped_is_told_where_grips_are_weighed():
+    piles = [scene(0, 3, 0, failed=(1, 0, 0, 2)), scene(1, 3, 0, failed=(0, 1, 0))]
+    found = summary(piles, scan_seconds=0.0, approval_seconds=0.0)
+    assert found["failed_by_kind"] == {"missed": 1, "crooked": 1, "turned": 0, "slipped": 2}
+    assert (found["picks"], found["failed_picks"]) == (10, 4)
+    assert found["scenes"][1]["failed_by_kind"] == {"missed": 0, "crooked": 1, "turned": 0}
+
+
 def test_no_piles_have_no_shares():
     found = summary([], scan_seconds=1.0, approval_seconds=0.0)
     assert found["taken_share"] is None and found["planning_ms"] is None

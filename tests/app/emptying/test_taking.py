@@ -68,6 +68,22 @@ def test_a_part_that_lies_as_found_but_for_its_roll_is_told_apart(cell, lying, a
     assert failure(far, lying[0]) == "missed"
 
 
+def test_a_part_that_the_grip_does_not_hold_slips_where_force_and_friction_are_stated(
+    cell, lying, arm_plan
+):
+    def with_numbers(force: float | None, friction: float | None):
+        part = replace(cell.part("keyed_cylinder"), friction=friction)
+        arms = tuple(replace(arm, tool=replace(arm.tool, force=force)) for arm in cell.arms)
+        return replace(cell, arms=arms, parts=(part,))
+
+    weak = carried_out(with_numbers(1.0, 0.1), lying, arm_plan, "keyed_cylinder")
+    assert weak.is_straight and weak.slips and failure(weak, lying[0]) == "slipped"
+    firm = carried_out(with_numbers(400.0, 0.8), lying, arm_plan, "keyed_cylinder")
+    assert firm.is_straight and not firm.slips and failure(firm, lying[0]) == ""
+    for unstated in (with_numbers(1.0, None), with_numbers(None, 0.1)):
+        assert failure(carried_out(unstated, lying, arm_plan, "keyed_cylinder"), lying[0]) == ""
+
+
 def test_fingers_close_on_nothing_where_no_part_of_that_kind_is(cell, lying, arm_plan):
     far = carried_out(cell, moved(lying, (0.03, 0, 0)), arm_plan, "keyed_cylinder")
     assert (far.number, far.way) == (None, ())

@@ -58,6 +58,7 @@ NESTED = (
     ("study", "localization"),
     ("study", "emptying"),
     ("study", "placing"),
+    ("study", "grips"),
     ("study", "bop"),
     ("cell", "new"),
     ("cell", "check"),

@@ -45,6 +45,22 @@ def test_a_moved_bin_changes_one_line(path):
     assert read_cell(path).bin.T_world_bin.isApprox(T, 1e-9)
 
 
+def test_a_tcp_that_was_measured_anew_changes_its_lines(path):
+    cell = read_cell(path)
+    T = pose_from_rpy((0.001, 0.0, 0.1415), (0.0, 0.0, -np.pi / 2))
+
+    def longer(tool):
+        return replace(tool, T_flange_tcp=T)
+
+    arms = tuple(
+        replace(arm, tool=longer(arm.tool), tools=tuple(map(longer, arm.tools)))
+        for arm in cell.arms
+    )
+    save_cell(path, replace(cell, arms=arms))
+    assert "position_mm = [1, 0, 141.5]        # the finger tips" in path.read_text()
+    assert all(near(arm.tool.T_flange_tcp, T) for arm in read_cell(path).arms)
+
+
 @pytest.mark.parametrize(
     ("change", "line"),
     [

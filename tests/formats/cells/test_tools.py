@@ -7,6 +7,7 @@ import pytest
 from workbench.app.picking.pipeline import judge
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.shared.things import with_tool
 from workbench.model.errors import FileError
@@ -89,4 +90,22 @@ def test_a_changed_tool_is_saved(path):
 def test_a_wrong_list_says_which(path, old, new, expected):
     path.write_text(path.read_text().replace(old, new))
     with pytest.raises(FileError, match=expected):
+        read_cell(path)
+
+
+def test_the_force_of_a_tool_is_read_written_and_changes_the_digest_only_where_it_is_stated(
+    tmp_path,
+):
+    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
+    path = tmp_path / "yumi" / "cell.toml"
+    plain, text = read_cell(path), path.read_text()
+    assert plain.arms[0].tool.force is None
+    stated = text.replace("stroke_mm = [0, 50]\n", "stroke_mm = [0, 50]\nforce_n = 20\n", 1)
+    path.write_text(stated)
+    cell = read_cell(path)
+    assert cell.arms[0].tool.force == 20.0 and cell.digest != plain.digest
+    written = write_cell(tmp_path / "again", cell, {}).read_text()
+    assert written.count("force_n = 20") == 1
+    path.write_text(stated.replace("force_n = 20", "force_n = -1"))
+    with pytest.raises(FileError, match="force_n"):
         read_cell(path)

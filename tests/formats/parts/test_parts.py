@@ -62,6 +62,17 @@ def test_grasps_are_counted_with_the_symmetry(folder: Path) -> None:
         read_part(folder)
 
 
+def test_friction_is_read_and_changes_the_digest_only_where_it_is_stated(folder: Path) -> None:
+    plain = read_part(folder)
+    assert plain.friction is None
+    path = changed(folder / "part.toml", "mass_g = 120\n", "mass_g = 120\nfriction = 0.4\n")
+    stated = read_part(folder)
+    assert stated.friction == 0.4 and stated.digest != plain.digest
+    changed(path, "friction = 0.4", "friction = 40")
+    with pytest.raises(FileError, match="friction"):
+        read_part(folder)
+
+
 def test_a_part_without_grasps_is_a_part(folder: Path) -> None:
     (folder / "grasps.toml").unlink()
     assert read_part(folder).library.grasps == ()

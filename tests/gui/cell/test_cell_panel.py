@@ -2,12 +2,49 @@
 
 from dataclasses import replace
 
-from workbench.app.core.commands import ChangeCell
+import numpy as np
+
+from workbench.app.core.commands import ChangeCell, UndoCell
+from workbench.app.core.people import Role
 from workbench.app.runtime.live import Live
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import moved
 from workbench.model.geometry import pose_from_rpy
+
+
+def test_a_tcp_is_moved_by_numbers_in_the_frame_of_its_flange_and_undone(bench, visitor):
+    panel = CellPanel(visitor)
+    thing = f"TCP {bench.state.cell.arms[0].tool.name}"
+    assert thing in panel._thing.options
+    panel._thing.value = thing
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    was = bench.state.cell.arms[0].tool.T_flange_tcp
+    inputs = panel._inputs
+    assert np.allclose(np.array(inputs._position.value) / 1000, was.translation, atol=1e-5)
+    x, y, z = inputs._position.value
+    inputs._position.value = (x, y, z + 5.0)
+    inputs._end(inputs._typed())
+    assert visitor.client.told == []
+    for arm in bench.state.cell.arms:
+        for tool in (arm.tool, *arm.tools):
+            assert np.allclose(
+                tool.T_flange_tcp.translation - was.translation, (0, 0, 0.005), atol=1e-5
+            )
+            assert np.allclose(tool.T_flange_tcp.rotation, was.rotation, atol=1e-6)
+    bench.do(UndoCell(), "Ada", Role.ENGINEER)
+    assert bench.state.cell.arms[0].tool.T_flange_tcp.isApprox(was, 1e-9)
+
+
+def test_a_thing_is_told_in_the_world_again_after_a_tcp(bench, visitor):
+    panel = CellPanel(visitor)
+    cell = bench.state.cell
+    panel._thing.value = f"TCP {cell.arms[0].tool.name}"
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    panel._thing.value = "bin"
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    shown = np.array(panel._inputs._position.value) / 1000
+    assert np.allclose(shown, cell.bin.T_world_bin.translation, atol=1e-5)
 
 
 def test_a_remark_goes_once_it_is_saved(bench, visitor):

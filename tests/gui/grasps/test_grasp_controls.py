@@ -22,11 +22,12 @@ from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.views import check_line
+from workbench.gui.grasps.views import check_line, refused_text
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary
 from workbench.model.part_edits import grasp_of
+from workbench.planning.grasps.firmness import Firmness, in_words
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspFinding
 
 PART = "keyed_cylinder"
@@ -243,6 +244,24 @@ def test_every_grasp_is_tried_with_the_tool_that_it_is_for(bench, visitor):
     assert not any("opens" in finding.text for finding in editing.checked(for_wide).findings)
     check = GraspCheck("side", "wide", (GraspFinding("cut", "the jaws touch", 0.001),), None, 0.0)
     assert "with the wide: the jaws touch" in check_line("side", check)
+
+
+def test_how_much_of_the_load_a_grip_holds_is_said_where_it_is_known():
+    firm = Firmness(1.84, (0.0, 0.0, 1.0), False, 2.0, 4.41, 20.0, 0.4, False)
+    check = GraspCheck("side", "hand", (), 0.02, 0.004)
+    assert "times the load" not in check_line("side", check)
+    said = check_line("side", replace(check, firmness=firm))
+    assert (
+        "4.0 mm clear on arrival, holds 1.8 times the load (20 N, friction 0.4, 4.4 m/s2)" in said
+    )
+    weak = [replace(firm, share=share, turns=True) for share in (0.5, 0.929)]
+    refused = [
+        replace(check, findings=(GraspFinding("weight", in_words(one), one.share),)) for one in weak
+    ]
+    told = refused_text(refused)
+    assert told.startswith(
+        "Left out for the weight: 2; the firmest would turn in the fingers: 0.92"
+    )
 
 
 def test_a_remark_goes_once_it_is_saved(bench, visitor):

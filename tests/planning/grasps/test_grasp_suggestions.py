@@ -11,7 +11,8 @@ from workbench.model.geometry import Mesh, Solid
 from workbench.model.part import GraspLibrary, Part
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.grasps.grasp_suggestions import centre_of_mass, suggest
+from workbench.planning.grasps.grasp_suggestions import suggest
+from workbench.planning.grasps.part_rays import centre_of_mass
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from workbench.planning.planners.asking import CompiledCheck, edges_in
 from workbench.planning.planners.rrt import rrt_connect
 from workbench.planning.planners.shorten import shortened
 from workbench.planning.planners.trees import EDGES_A_TURN, EXHAUSTED, OPEN, PAUSED, grown, planted
-from workbench.studies.motion_cases import ARM, Case, cases_of
+from workbench.studies.motion.problems import ARM, Case, cases_of
 
 
 @pytest.fixture(scope="module")

@@ -75,8 +75,11 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         ended: what the link says.
         at: when [s since the epoch].
     """
-    # After a fault nobody knows: no other part is put where one may lie.
-    state = replace(state, placed=(*_still_placed(state, ended), *(ended.placed or ())))
+    # After a fault nobody knows: no other part is put where one may lie, and none onto it.
+    placed = ended.placed or ()
+    if ended.fault:
+        placed = tuple(map(_doubted, placed))
+    state = replace(state, placed=(*_still_placed(state, ended), *placed))
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(_in_row(state, part), part.is_picked, part.why)
@@ -94,6 +97,18 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         if part.is_picked is False:
             message += f"; {part.arm} arm failed: {part.why}"
     return escalated(replace(state, phase=Phase.DONE, message=message))
+
+
+def _doubted(placed: Detection) -> Detection:
+    """A part that was to be put down, of which nobody knows whether it is there."""
+    return replace(placed, score=0.0)
+
+
+def _was(placed: Detection, found: Detection) -> bool:
+    """Whether a part was put down that had been found like this."""
+    T = placed.T_world_found
+    is_there = T is not None and T.isApprox(found.T_world_part, 1e-6)
+    return placed.part == found.part and bool(is_there)
 
 
 def _goes_on(plan: Plan | None) -> bool:
@@ -158,6 +173,10 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         message=f"part-{command.detection + 1} {said}, says {actor}{why}",
     )
     if not command.is_picked:
+        state = replace(
+            state,
+            placed=tuple(_doubted(one) if _was(one, detection) else one for one in state.placed),
+        )
         x, y, z = (state.cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
         place = (float(x), float(y), float(z))
         until = at + AVOID_MINUTES * 60.0

@@ -237,7 +237,24 @@ def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
 
     Another scan or cell is not looked for: with that the plan would be gone.
     """
-    return other_threshold(state) or moved_away(state.cell, plan, joints)
+    return (
+        other_threshold(state) or other_pallets(state, plan) or moved_away(state.cell, plan, joints)
+    )
+
+
+def other_pallets(state: State, plan: Plan) -> str:
+    """Why a pallet is not as a plan counts on; empty when every part that it knows lies there."""
+    for box in plan.obstacles:
+        T = box.T_world_put
+        if T is not None and not any(
+            one.part == box.part and one.score > 0 and one.T_world_part.isApprox(T, 1e-6)
+            for one in state.placed
+        ):
+            return (
+                "a part that the plan counts on does not lie on the pallet any more, or nobody "
+                "knows whether it does; make a new plan"
+            )
+    return ""
 
 
 def other_threshold(state: State) -> str:

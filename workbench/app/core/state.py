@@ -111,7 +111,8 @@ class SessionState:
     `number` is that of the last entry.  `before` are the cells that an undo goes back to, the last
     one first to be taken, `undone` those of a redo; `saved` is the digest of the cell as its file
     has it, and `cell_problem` says why the file cannot be used as it is now.
-    `placed` are parts on pallets, or where they may be since a fault.  `failures` counts failed
+    `placed` are parts on pallets, in the order in which they were put there; one with a score of 0
+    may be there, or not, since a fault or since its pick has failed.  `failures` counts failed
     picks in a row, over all cycles, and `avoided` says where.
     `observations` are those of a calibration that is being made.
     `emptying` is what came of the piles that were emptied in simulation last, in whichever cell.

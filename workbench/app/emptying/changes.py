@@ -16,6 +16,7 @@ from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
+from workbench.planning.kinematics.quickness import tool_acceleration
 
 SUGGESTED = 12
 """Grasps that are suggested and added as spares."""
@@ -248,7 +249,15 @@ def _shallow(cell: Cell, by: int) -> Cell | None:
 
 def _suggested(cell: Cell) -> Cell | None:
     def made(part: Part) -> tuple[Entry, ...]:
-        found = suggest(part, cell.arms[0].tool, most=SUGGESTED, seed=0, name="what-if")
+        tool = cell.arms[0].tool
+        found = suggest(
+            part,
+            tool,
+            most=SUGGESTED,
+            seed=0,
+            name="what-if",
+            acceleration=tool_acceleration(cell, tool),
+        )
         more = tuple(replace(one.grasp, priority=SPARE) for one in found)
         return (*part.library.entries, *more)
 

@@ -135,7 +135,7 @@ def emptied(
         task,
         task.count,
         tally.taken,
-        tuple(tally.failed[kind] for kind in FAILURES),
+        _counts(tally.failed),
         tally.touches,
         tally.knocked_out,
         tally.cycles,
@@ -149,6 +149,15 @@ def emptied(
         tally.rolled,
         tuple(tally.outcomes),
     )
+
+
+def _counts(failed: Counter[str]) -> tuple[int, ...]:
+    """Failed picks by kind, the last one only where there are any: as before there was that kind.
+
+    So what is recorded in sessions stays the same in cells whose grips nobody weighs.
+    """
+    counts = tuple(failed[kind] for kind in FAILURES)
+    return counts if counts[-1] else counts[:-1]
 
 
 def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -27,9 +28,8 @@ def summary(
         approval_seconds: [s] that a person needs to look at a plan and approve it.
     """
     parts, taken = sum(one.parts for one in scenes), sum(one.taken for one in scenes)
-    kinds = {
-        kind: sum(one.failed[number] for one in scenes) for number, kind in enumerate(FAILURES)
-    }
+    counts = zip_longest(*(one.failed for one in scenes), fillvalue=0)
+    kinds = dict.fromkeys(FAILURES[:3], 0) | dict(zip(FAILURES, map(sum, counts), strict=False))
     planning = [seconds for one in scenes for seconds in one.planning]
     stages: Counter[str] = Counter()
     for one in scenes:
@@ -68,6 +68,11 @@ def summary(
     }
 
 
+def _by_kind(one: EmptiedPile) -> dict[str, int]:
+    """Failed picks by kind, those that were counted."""
+    return dict(zip(FAILURES, one.failed, strict=False))
+
+
 def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
     """Median and 95th percentile [ms]; None where there are no times."""
     if not seconds:
@@ -94,7 +99,7 @@ def _scene(one: EmptiedPile) -> dict[str, Any]:
         "cycles": one.cycles,
         "scans": one.scans,
         "failed_picks": sum(one.failed),
-        "failed_by_kind": dict(zip(FAILURES, one.failed, strict=True)),
+        "failed_by_kind": _by_kind(one),
         "touches": one.touches,
         "knocked_out": one.knocked_out,
         "motion_seconds": one.motion_seconds,

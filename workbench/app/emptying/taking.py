@@ -15,6 +15,7 @@ from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspChecker
+from workbench.planning.kinematics.quickness import hand_acceleration
 
 NEAR, TURNED = 0.002, float(np.deg2rad(3.0))
 """[m], [rad] A part that lies further from where the plan has it is gripped crooked."""
@@ -29,8 +30,9 @@ class Taking:
 
     `number` is the true part that the hand closes on, None when there is none, `is_straight`
     whether it lies there as planned, and `is_turned` whether it does but for its roll; `is_held`:
-    the hand holds it all the same.  `way` are the true poses in the world through which it is
-    lifted.  `touches` counts the straight legs on which something meets.
+    the hand holds it all the same, `slips`: it weighs more than the grip holds.  `way` are the true
+    poses in the world through which it is lifted.  `touches` counts the straight legs on which
+    something meets.
     """
 
     number: int | None
@@ -39,6 +41,7 @@ class Taking:
     touches: int
     is_turned: bool = False
     is_held: bool = False
+    slips: bool = False
 
 
 def in_turn(plan: Plan) -> Iterator[ArmPlan]:
@@ -87,7 +90,8 @@ def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part:
     distance, turn = pose_error(cell.part(part), lies, T_world_part, roll_known=False)
     is_turned = not is_straight and distance <= NEAR and turn <= TURNED
     is_held = is_turned and _is_held(cell, part, arm_plan, T_tcp_part)
-    return Taking(number, is_straight, way, touches, is_turned, is_held)
+    slips = (is_straight or is_held) and _slips(cell, part, arm_plan, T_tcp_part)
+    return Taking(number, is_straight, way, touches, is_turned, is_held, slips)
 
 
 def failure(taking: Taking, meant: Detection) -> str:
@@ -101,11 +105,12 @@ def failure(taking: Taking, meant: Detection) -> str:
     """
     if taking.number is None:
         return "missed"
+    held = "slipped" if taking.slips else ""
     if taking.is_straight:
-        return ""
+        return held
     if not taking.is_turned or meant.roll_known:
         return "crooked"
-    return "" if taking.is_held else "turned"
+    return held if taking.is_held else "turned"
 
 
 def _is_held(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> bool:
@@ -122,6 +127,16 @@ def _is_held(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> b
         return False
     loose = abs(hold.width - extract.opening) / 2 + abs(hold.offset)
     return gap >= -tool.press and loose <= tool.press
+
+
+def _slips(cell: Cell, part: str, arm_plan: ArmPlan, T_tcp_part: pin.SE3) -> bool:
+    """Whether a part weighs more than the hand holds as it moves; False where nobody can say."""
+    arm = cell.arm(arm_plan.arm)
+    if arm.tool.force is None or cell.part(part).friction is None:
+        return False  # before anything is prepared for nothing
+    checker = GraspChecker(cell.part(part), arm.tool, hand_acceleration(cell, arm))
+    firm = checker.firmness(T_tcp_part.inverse(), arm_plan.leg("approach").opening)
+    return firm is not None and not firm.is_enough
 
 
 def _without_margins(cell: Cell) -> Policy:

@@ -112,5 +112,5 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
                 T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
-            placed.append(kept)
+            placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))
     return tuple(placed)

@@ -45,7 +45,8 @@ def scene_of(
 
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
     obstacle that the plan leaves out.  One that the scan does not show is not known to be there.
-    Nor is one that another plan has to put there first: such a plan is proven in its row.
+    Nor is one that another plan has to put there first: such a plan is proven in its row.  No scan
+    shows what lies on pallets in layers: the plan's word is taken for it.
 
     Args:
         cell: as it is now.
@@ -67,7 +68,9 @@ def scene_of(
         # Brings Open3D along, which takes longer to load than a proof takes.
         from workbench.perception.scene.unexplained import unexplained
 
-        obstacles = unexplained(cell, scan, found)
+        # What lies on pallets no scan of the bin shows: the plan's word is taken for it.
+        kept = (one for one in plan.obstacles if one.part)
+        obstacles = (*unexplained(cell, scan, found), *kept)
         if detections is None:
             found = _shown(cell, scan, found)
     return Scene(digest, found, obstacles)

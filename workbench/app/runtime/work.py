@@ -1,29 +1,29 @@
 """The jobs: what the worker process does.  Importing this imports all the heavy layers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.held_plate import simulated_sight
+from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError, JobCancelled
+from workbench.model.errors import JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, SearchOverrides
+from workbench.model.scan import LocalizationResult, Scan, SearchOverrides
 from workbench.perception.calibration.balls import sight_plate
 from workbench.perception.scene.unexplained import unexplained
 from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest, scanner_of
-from workbench.proof.places.layers import kept_box
 
 
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
@@ -70,25 +70,6 @@ def import_part(
 ) -> Part:
     """The part made of a CAD file, in the folder of parts of the working directory."""
     return imported_part(arguments["command"], report, cancelled)
-
-
-def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
-    """Parts that have been put down, as obstacles, those that were put down first coming first.
-
-    Raises:
-        InputError: one of them is of a part that the cell does not have any more.
-    """
-    boxes: list[Obstacle] = []
-    known = {part.name for part in cell.parts}
-    for one in placed:
-        if one.part not in known:
-            raise InputError(
-                f"a part {one.part} lies on a pallet and the cell does not know that part any "
-                "more; take it away and empty the pallets"
-            )
-        # What nothing speaks for may be there since a fault, or not: it carries no other.
-        boxes.append(kept_box(cell, boxes, one, one.T_world_part, is_sure=one.score > 0))
-    return tuple(boxes)
 
 
 def plan(

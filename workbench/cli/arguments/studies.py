@@ -153,6 +153,52 @@ class StudyPlacing:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyPallets:
+    """Fill pallets in layers, a part from each of many piles, and see whether the stacks stand.
+
+    Parts fall in simulation, their poses are known; each plan is proven, and MuJoCo says how the
+    parts come to rest that are let go of.
+    """
+
+    cell: Positional[CellName] = "robots/tx2_90/pallet.toml"
+    pallets: int = 10
+    parts: int = 8
+    """In each pile."""
+    part: str = ""
+    """One of the cell's kinds; its first when not given."""
+    off_mm: float = 0.0
+    """Standard deviation of where a hand really lets go, along x and along y."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class StudyGrips:
+    """Whether grips hold a part's weight as said before, and as MuJoCo has it.
+
+    Grips, masses and frictions are drawn, about half of them too heavy; each is pulled in many
+    directions.
+    """
+
+    cell: Positional[CellName] = "yumi"
+    """Its first arm's hand takes the parts."""
+    grips: int = 200
+    part: str = ""
+    """Parts of the cell, names under parts/ or paths, joined by +; all of the cell's when not
+    given."""
+    force: float = 20.0
+    """Of each finger, or of the vacuum [N]."""
+    acceleration: float = 5.0
+    """Of the hand, in any direction [m/s2]."""
+    seed: FirstSeed = 0
+    workers: int = 1
+    """Processes on this machine; more than one needs the extra `cluster`."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
@@ -194,5 +240,7 @@ class Study:
         | Annotated[StudyLocalization, subcommand("localization")]
         | Annotated[StudyEmptying, subcommand("emptying")]
         | Annotated[StudyPlacing, subcommand("placing")]
+        | Annotated[StudyPallets, subcommand("pallets")]
+        | Annotated[StudyGrips, subcommand("grips")]
         | Annotated[StudyBop, subcommand("bop")]
     )

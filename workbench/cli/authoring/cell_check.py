@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from workbench.app.picking.pallets import pallet_problems, pallets_of
 from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.nested import CellCheck
@@ -40,6 +41,7 @@ def check_cell(typed: CellCheck) -> int:
         for problem in _problems(cell, arm, reach)
     ]
     problems += station_problems(cell)
+    problems += pallet_problems(cell)
     if typed.json:
         print_json(
             {
@@ -63,6 +65,8 @@ def check_cell(typed: CellCheck) -> int:
         ("arm", "poses in the bin", "clear", "in collision", "out of reach", "places reached"),
         [_words(reach) for reach in reaches],
     )
+    for pallet in pallets_of(cell, ()):
+        print(f"{pallet.arm} pallet {pallet.number}: {pallet.places} places in layers")
     for problem in problems:
         print(f"problem: {problem}")
     if not problems:

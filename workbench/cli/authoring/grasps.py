@@ -12,7 +12,9 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import add_grasps
 from workbench.formats.parts.reading import read_part
+from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
+from workbench.planning.kinematics.quickness import hand_acceleration
 
 
 def grasps(typed: Grasps) -> int:
@@ -24,7 +26,15 @@ def grasps(typed: Grasps) -> int:
     with progress("grasps") as report:
         make_ready(report, ("planning",))
         report(0.0, "looking at the shape")
-        found = suggest(part, arm.tool, most=typed.most, seed=typed.seed)
+        refused: list[GraspCheck] = []
+        found = suggest(
+            part,
+            arm.tool,
+            most=typed.most,
+            seed=typed.seed,
+            acceleration=hand_acceleration(cell, arm),
+            refused=refused.append,
+        )
     names = [one.grasp.name for one in found]
     place = find("parts", typed.part)
     file = (place if place.is_dir() else place.parent) / "grasps.toml"
@@ -35,12 +45,16 @@ def grasps(typed: Grasps) -> int:
         added = str(file) if typed.add and found else None
         print_json({"ok": bool(found), "tool": arm.tool.name, "grasps": forms, "added_to": added})
         return SUCCESS if found else NO_PLAN
+    if refused:
+        firmest = max(refused, key=lambda check: check.findings[0].amount)
+        print(f"{len(refused)} left out for the weight; the firmest {firmest.findings[0].text}")
     if not found:
         print(f"{arm.tool.name} of {cell.name} can take {part.name} in no further way")
         return NO_PLAN
+    held = () if found[0].check.firmness is None else ("held",)
     print_table(
         f"Grasps of {part.name} for {arm.tool.name}",
-        ("grasp", "score", "at mm", "points along", "width mm", "off centre of mass mm"),
+        ("grasp", "score", "at mm", "points along", "width mm", "off centre of mass mm", *held),
         [_row(name, one) for name, one in zip(names, found, strict=True)],
     )
     if typed.add:
@@ -50,7 +64,7 @@ def grasps(typed: Grasps) -> int:
 
 def _row(name: str, one: Suggestion) -> tuple[str, ...]:
     T = one.grasp.T_part_tcp
-    width = one.check.width
+    width, firm = one.check.width, one.check.firmness
     return (
         name,
         f"{one.score:.2f}",
@@ -58,11 +72,12 @@ def _row(name: str, one: Suggestion) -> tuple[str, ...]:
         ", ".join(f"{value + 0.0:.2f}" for value in np.round(T.rotation[:, 2], 2)),
         "" if width is None else f"{width * 1000:.1f}",
         f"{one.lever * 1000:.1f}",
+        *(() if firm is None else (f"{firm.share:.1f} x",)),
     )
 
 
 def _form(name: str, one: Suggestion) -> dict[str, Any]:
-    grasp, width = one.grasp, one.check.width
+    grasp, width, firm = one.grasp, one.check.width, one.check.firmness
     return {
         "name": name,
         "score": round(one.score, 4),
@@ -74,4 +89,5 @@ def _form(name: str, one: Suggestion) -> dict[str, Any]:
         "width_mm": None if width is None else round(width * 1000, 2),
         "clearance_mm": round(one.check.clearance * 1000, 2),
         "lever_mm": round(one.lever * 1000, 2),
+        **({} if firm is None else {"held_share": round(firm.share, 3)}),
     }

@@ -22,6 +22,7 @@ from workbench.planning.grasps.part_symmetry import (
     deviation_of,
     tolerance_of,
 )
+from workbench.planning.kinematics.quickness import hand_acceleration
 
 
 def check_part(typed: PartCheck) -> int:
@@ -98,7 +99,7 @@ def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
     """For each arm that may use them, every grasp's check with its tool."""
     checks: dict[str, list[GraspCheck]] = {}
     for arm in cell.arms:
-        checker = GraspChecker(part, arm.tool)
+        checker = GraspChecker(part, arm.tool, hand_acceleration(cell, arm))
         checks[arm.name] = [
             checker.check(grasp)
             for grasp in part.library.grasps
@@ -110,7 +111,7 @@ def _grasp_checks(part: Part, cell: Cell) -> dict[str, list[GraspCheck]]:
 
 def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> None:
     good = {
-        (arm, check.grasp): "good" if check.is_ok else "see below"
+        (arm, check.grasp): _word(check) if check.is_ok else "see below"
         for arm, found in checks.items()
         for check in found
     }
@@ -127,6 +128,11 @@ def _print_grasps(checks: dict[str, list[GraspCheck]], covered: Coverage) -> Non
     if rows:
         title = f"Grasps on the part alone, and in which share of {covered.poses} poses in the bin"
         print_table(title, ("grasp", *(f"{arm} arm" for arm in covered.arms)), rows)
+
+
+def _word(check: GraspCheck) -> str:
+    firm = check.firmness
+    return "good" if firm is None else f"good, {firm.share:.1f} x the load held"
 
 
 def _print_coverage(covered: Coverage) -> None:
@@ -181,6 +187,7 @@ def _check_form(check: GraspCheck) -> dict[str, Any]:
         "width_mm": None if check.width is None else round(check.width * 1000, 2),
         "clearance_mm": round(check.clearance * 1000, 2),
         "findings": [finding.text for finding in check.findings],
+        **({} if check.firmness is None else {"held_share": round(check.firmness.share, 3)}),
     }
 
 

@@ -8,7 +8,7 @@ from workbench.cli.arguments.nested import BenchBothArms
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.studies.picking.both_arms import BothArms, compare, summary
+from workbench.studies.motion.both_arms import BothArms, compare, summary
 
 MOST = 1_000_000
 

@@ -10,7 +10,8 @@ from workbench.cli.terminal import check_number, check_whole, print_json, print_
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
 from workbench.plugins.planner import planner_named
-from workbench.studies.motion import (
+from workbench.studies.motion.problems import cases_of
+from workbench.studies.motion.solving import (
     KLAMPT,
     OMPL,
     compare,
@@ -18,7 +19,6 @@ from workbench.studies.motion import (
     figures,
     summary,
 )
-from workbench.studies.motion_cases import cases_of
 
 MOST = 1_000_000
 WIDEST = 0.5

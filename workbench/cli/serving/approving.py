@@ -61,6 +61,7 @@ def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dic
         kind = plan.detections[one.detection].part
         takes = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
         facts[f"Arm {one.arm}"] = takes + (f", to station {one.station}" if one.station else "")
+    kept = sum(bool(one.part) for one in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
     near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:
@@ -71,7 +72,8 @@ def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dic
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
         "Smallest clearance": near,
         "Proof": f"holds, {proof.digest[:SHORTEST]}",
-        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles)} unknown things: {told}",
+        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {told}",
+        **({"Pallets": f"by the plan's word alone {kept} parts lie there: look"} if kept else {}),
         "Robot": start,
         "Controller": f"{link.host} port {link.port}, {link.link}",
         "Preview": "not played: nobody has watched this plan",

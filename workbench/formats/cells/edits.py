@@ -15,7 +15,7 @@ from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.toml_documents import read_document, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
-from workbench.model.cell import Arm, Cell, Policy
+from workbench.model.cell import Arm, Cell, Policy, Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -31,9 +31,9 @@ def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration, unit
-    and axes, sizes of the bin, homes, places and the tool of the arms, and of the policy the lifts
-    and the margin of straight legs can be written; the file is left as it is when anything else
-    differs.
+    and axes, sizes of the bin, homes, places and the tool of the arms, the TCPs of tools, and of
+    the policy the lifts and the margin of straight legs can be written; the file is left as it is
+    when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -100,6 +100,8 @@ def _is_same(one: Cell, other: Cell) -> bool:
     arms = tuple(
         replace(
             mine,
+            tool=_with_tcp(mine.tool, arm.tool),
+            tools=_with_tcps(mine.tools, arm.tools),
             home=arm.home,
             Ts_world_place=arm.Ts_world_place,
             part_places=_moved_as(mine.part_places, arm.part_places),
@@ -140,6 +142,7 @@ def _numbers(cell: Cell) -> Floats:
     Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
     Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
     Ts += [T for arm in cell.arms for T in _places(arm)]
+    Ts += [tool.T_flange_tcp for arm in cell.arms for tool in (arm.tool, *arm.tools)]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
     record = cell.scanner.calibration
     errors = (record.rms, record.position_error, record.angle_error) if record else ()
@@ -173,6 +176,31 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         if not np.array_equal(one.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
         _edit_places(table, one, other)
+    _edit_tools(document.get("tool", []), old, new)
+
+
+def _edit_tools(tables: Any, old: Cell, new: Cell) -> None:
+    """Write TCPs of tools that are told by their solids; the trial tells of those of a kind."""
+    were, are = (
+        {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+        for cell in (old, new)
+    )
+    for table in tables:
+        name = str(table["name"])
+        if "tcp" in table and name in were and name in are:
+            _edit_pose(table["tcp"], were[name].T_flange_tcp, are[name].T_flange_tcp)
+
+
+def _with_tcps(tools: tuple[Tool, ...], others: tuple[Tool, ...]) -> tuple[Tool, ...]:
+    """The tools, each with the TCP of that of the others, as far as there are as many."""
+    if len(tools) != len(others):
+        return tools
+    return tuple(map(_with_tcp, tools, others))
+
+
+def _with_tcp(tool: Tool, other: Tool) -> Tool:
+    """A tool with the TCP of another one of its name."""
+    return replace(tool, T_flange_tcp=other.T_flange_tcp) if tool.name == other.name else tool
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:

@@ -17,7 +17,7 @@ class ParallelGripper:
 
     @dataclass(frozen=True, slots=True)
     class Options:
-        """Millimetres."""
+        """Millimetres and newtons."""
 
         palm_mm: float = option(60.0, low=5, high=500, says="height of the body above the flange")
         width_mm: float = option(80.0, low=5, high=500, says="of the body, along the opening")
@@ -26,6 +26,7 @@ class ParallelGripper:
         thickness_mm: float = option(6.0, low=0.5, high=100, says="of a finger, along the opening")
         finger_width_mm: float = option(12.0, low=0.5, high=200, says="across the opening")
         stroke_mm: float = option(50.0, low=0.5, high=500, says="largest opening")
+        force_n: float = option(0.0, low=0, high=1e5, says="of each finger; 0: not known")
 
     def make(self, name: str, options: Options) -> Tool:
         """Its TCP lies between the tips."""
@@ -56,6 +57,7 @@ class ParallelGripper:
                 for number, side in enumerate((1, -1), start=1)
             ),
             (0.0, options.stroke_mm / 1000),
+            force=options.force_n or None,
         )
 
 
@@ -64,13 +66,14 @@ class SuctionCup:
 
     @dataclass(frozen=True, slots=True)
     class Options:
-        """Millimetres."""
+        """Millimetres and newtons."""
 
         rod_mm: float = option(100.0, low=1, high=1000, says="length of the rod")
         rod_diameter_mm: float = option(12.0, low=1, high=200, says="of the rod")
         cup_mm: float = option(15.0, low=1, high=200, says="height of the cup")
         cup_diameter_mm: float = option(20.0, low=1, high=300, says="of the cup's lip")
         gives_way_mm: float = option(3.0, low=0, high=50, says="how far the lip is pressed in")
+        force_n: float = option(0.0, low=0, high=1e5, says="by which it pulls; 0: not known")
 
     def make(self, name: str, options: Options) -> Tool:
         """Its TCP lies in the middle of the lip."""
@@ -88,4 +91,5 @@ class SuctionCup:
                 round_bar("cup", options.cup_diameter_mm, cup, rod + cup / 2),
             ),
             press=options.gives_way_mm / 1000,
+            force=options.force_n or None,
         )

@@ -9,6 +9,9 @@ from workbench.model.cell import Finger, Tool
 from workbench.plugins.found import load, names
 from workbench.plugins.tool import made_tool
 
+MOST_FORCE = 1e5
+"""[N]"""
+
 
 def read_tool(table: Table) -> Tool:
     """The table `[[tool]]`; see `plugins.tool` for kinds."""
@@ -37,6 +40,7 @@ def read_tool(table: Table) -> Tool:
         fingers=tuple(fingers),
         stroke=(float(low), float(high)),
         press=table.number("press_mm", 1.5, low=0, high=50) / 1000,
+        force=table.number("force_n", 0.0, low=0.0, high=MOST_FORCE) or None,
     )
     table.finish()
     if not tool.body and not tool.fingers:

@@ -152,6 +152,8 @@ def _tool(folder: Path, tool: Tool) -> Iterator[str]:
     yield f"name = {text(tool.name)}"
     yield f"stroke_mm = {_mm(np.array(tool.stroke))}             # smallest, largest opening"
     yield f"press_mm = {number(tool.press * 1000)}"
+    if tool.force is not None:
+        yield f"force_n = {number(tool.force)}"
     yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
         yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid.name, solid))

@@ -160,6 +160,7 @@ def _lines(
     yield f"# {size} mm, {imported.surface.volume * 1e6:.4g} cm3."
     yield f"name = {json.dumps(name)}"
     yield f"mass_g = {mass * 1000:.6g}"
+    yield "# friction = 0.4     # against pads or cup: stated, grips are checked for its weight"
     yield f"tolerance_mm = {TOLERANCE * 1000:g}     # a convex hull this much too large will do"
     yield ""
     yield f"# The surface that the scanner sees, {imported.surface.triangles} triangles."

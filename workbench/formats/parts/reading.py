@@ -21,6 +21,9 @@ MOST_PIECES = 16
 MOST_GRASPS = 10_000
 """Of one part, patterns and symmetry written out."""
 
+MOST_FRICTION = 5.0
+"""Of what is held, no unit: nothing dry that fingers are lined with has more."""
+
 LONGEST_NAME = 60
 """Characters in the name of a grasp."""
 
@@ -42,6 +45,7 @@ def read_part(name: str | Path) -> Part:
     table = read_toml(path)
     part_name = table.text("name")
     mass = table.number("mass_g", low=0.001, high=1e6) / 1000
+    friction = table.number("friction", 0.0, low=0.0, high=MOST_FRICTION) or None
     mesh_table = table.table("mesh")
     mesh = read_mesh_entry(mesh_table, convex=False)
     mesh_table.finish()
@@ -60,7 +64,7 @@ def read_part(name: str | Path) -> Part:
             f"stands for {count:,} grasps with the symmetry written out; {MOST_GRASPS:,} are "
             "allowed",
         )
-    return Part(part_name, mesh, pieces, mass, symmetry, library)
+    return Part(part_name, mesh, pieces, mass, symmetry, library, friction)
 
 
 def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:

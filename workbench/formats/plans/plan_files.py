@@ -45,7 +45,8 @@ from workbench.model.plan import (
 from workbench.model.scan import Obstacle
 
 MOST_JOINTS = 64
-MOST_OBSTACLES = 200
+MOST_OBSTACLES = 600
+"""What a scan shows, and parts on pallets."""
 
 FARTHEST = 1000.0
 """[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""

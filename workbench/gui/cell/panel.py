@@ -14,9 +14,19 @@ from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
 from workbench.gui.scene.measure import pointed_at
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import SCANNER, moved, moving, pose_of, things, with_tool
+from workbench.gui.shared.things import (
+    SCANNER,
+    frame_of,
+    moved,
+    moving,
+    pose_of,
+    things,
+    tool_of,
+    with_tool,
+)
 from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 
 NOT_SHOWN = "not shown"
@@ -108,7 +118,7 @@ class CellPanel:
         if old is None or old.state is not state:
             admit = self._visitor.admit
             cannot = self._visitor.obstacle(state, ChangeCell)
-            self._inputs.show(pose_of(cell, self._thing.value), problem=cannot)
+            self._show_thing(cell, cannot)
             admit(self._undo, state, UndoCell, otherwise=not_undone(state))
             admit(self._redo, state, RedoCell, otherwise=not_redone(state))
             is_changed = state.saved != cell.digest
@@ -154,8 +164,12 @@ class CellPanel:
         visitor, thing = self._visitor, self._thing.value
         if event.client is not None:
             visitor.own.change(thing=thing)
-        problem = visitor.obstacle(visitor.bench.state, ChangeCell)
-        self._inputs.show(pose_of(visitor.cell, thing), problem=problem)
+        self._show_thing(visitor.cell, visitor.obstacle(visitor.bench.state, ChangeCell))
+
+    def _show_thing(self, cell: Cell, problem: str) -> None:
+        thing = self._thing.value
+        frame = frame_of(cell, thing)
+        self._inputs.show(pose_of(cell, thing), problem=problem, T_world_frame=frame)
 
     def _saved(self) -> None:
         """Save with the remark, which goes once it is in the files."""
@@ -205,9 +219,10 @@ class CellPanel:
         )
 
     def _otherwise(self, T: pin.SE3) -> Mapping[str, Any] | None:
-        """What is other while a thing is dragged; the scanner is in no verdict."""
-        thing = self._thing.value
-        return None if thing == SCANNER else {"change": moving(self._visitor.cell, thing, T)}
+        """What is other while a thing is dragged; scanner and TCP are in no verdict."""
+        cell, thing = self._visitor.cell, self._thing.value
+        is_in_none = thing == SCANNER or bool(tool_of(cell, thing))
+        return None if is_in_none else {"change": moving(cell, thing, T)}
 
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value

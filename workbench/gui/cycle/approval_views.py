@@ -178,8 +178,10 @@ def _corners(motion: MotionModel, zone: float) -> str:
 
 
 def _kept_clear(state: State, plan: Plan) -> str:
-    parts, seen = counted(len(plan.detections), "part"), len(plan.obstacles)
+    parts, kept = counted(len(plan.detections), "part"), sum(bool(o.part) for o in plan.obstacles)
+    seen = len(plan.obstacles) - kept
     unknown = f", {counted(seen, 'unknown thing')} in the scan" if seen else ""
+    unknown += f", {counted(kept, 'part')} on pallets" if kept else ""
     source = "the scan has" if state.scan is not None else "poses from outside have"
     left = ", each plan by what those before leave" if state.row else ""
     return f"cell, {parts}{unknown}, as {source} them{left}"

@@ -47,11 +47,14 @@ class PoseInputs:
         self._name, self._size = name, size
         self._meant, self._otherwise = meant, otherwise
         self._verdicts = LiveVerdicts(visitor, command)
-        self._T = pin.SE3.Identity()
+        self._T = self._T_world_frame = pin.SE3.Identity()
         self._gizmo: viser.TransformControlsHandle | None = None
         gui = visitor.gui
         self._position = gui.add_vector3(
-            "Position [mm]", (0.0, 0.0, 0.0), step=0.1, hint="In the world frame."
+            "Position [mm]",
+            (0.0, 0.0, 0.0),
+            step=0.1,
+            hint="In the world frame; a TCP in that of the flange.",
         )
         self._angles = gui.add_vector3(
             "Angles [deg]", (0.0, 0.0, 0.0), step=0.1, hint="Roll, pitch, yaw: fixed axes."
@@ -65,12 +68,15 @@ class PoseInputs:
         self._switch.on_click(lambda _: self._turn())
         visitor.on_end(self._hide, in_scene=True)
 
-    def show(self, T: pin.SE3 | None, *, problem: str) -> None:
+    def show(
+        self, T: pin.SE3 | None, *, problem: str, T_world_frame: pin.SE3 | None = None
+    ) -> None:
         """What it is about is there; None: there is nothing to move.
 
         Args:
             T: its pose in the world.
             problem: why it cannot be moved; empty when it can.
+            T_world_frame: of the frame that its numbers are in; None: the world.
         """
         problem = problem or ("nothing is chosen that could be moved" if T is None else "")
         for button in (self._apply, self._switch):
@@ -79,7 +85,13 @@ class PoseInputs:
         if T is None:
             self._hide()
             return
-        if not np.array_equal(T.homogeneous, self._T.homogeneous):
+        frame = pin.SE3.Identity() if T_world_frame is None else T_world_frame
+        are_same = [
+            np.array_equal(one.homogeneous, other.homogeneous)
+            for one, other in ((T, self._T), (frame, self._T_world_frame))
+        ]
+        if not all(are_same):
+            self._T_world_frame = frame
             self._put(T)
 
     def tell(self, old: View | None, new: View) -> None:
@@ -89,12 +101,15 @@ class PoseInputs:
 
     def _put(self, T: pin.SE3) -> None:
         self._T = pin.SE3(T)
-        self._position.value, self._angles.value = shown_pose(T)
+        self._tell_numbers(T)
         if self._gizmo is not None:
             place(self._gizmo, T)
 
+    def _tell_numbers(self, T: pin.SE3) -> None:
+        self._position.value, self._angles.value = shown_pose(self._T_world_frame.actInv(T))
+
     def _typed(self) -> pin.SE3:
-        return typed_pose(self._position.value, self._angles.value)
+        return self._T_world_frame * typed_pose(self._position.value, self._angles.value)
 
     def _end(self, T: pin.SE3) -> None:
         if not self._meant(T):
@@ -126,7 +141,7 @@ class PoseInputs:
 
     def _dragged(self, T: pin.SE3, is_over: bool) -> None:
         # From the numbers that are shown: what a person reads is what is meant.
-        self._position.value, self._angles.value = shown_pose(T)
+        self._tell_numbers(T)
         visitor = self._visitor
         held = Held(visitor.person.name, visitor.number, self._typed())
         visitor.look.change(held=None if is_over else held)

@@ -27,6 +27,7 @@ FAILED = {
     "missed": "closes on nothing: missed",
     "crooked": "takes a part that lies elsewhere: crooked",
     "turned": "takes a part whose roll is another: turned",
+    "slipped": "takes a part that is too heavy for the grip: slipped",
 }
 """What an arm does whose pick fails, by the kind of failure."""
 

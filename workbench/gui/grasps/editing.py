@@ -17,6 +17,7 @@ from workbench.model.part import Entry, Grasp, GraspPair, Part
 from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
+from workbench.planning.kinematics.quickness import tool_acceleration
 
 T = TypeVar("T")
 
@@ -93,10 +94,13 @@ class Editing:
         """Ask the checker of the part and a tool, that in use when none is given, something."""
         part, tool = self.part, tool or self.tool
         with self._lock:
-            key = digest_of((part.mesh, part.pieces, tool))
+            is_weighed = part.friction is not None and tool.force is not None
+            acceleration = tool_acceleration(self.visitor.cell, tool) if is_weighed else None
+            held = (part.mass, part.friction, acceleration)
+            key = digest_of((part.mesh, part.pieces, tool, held))
             known = self._checkers.get(tool.name)
             if known is None or known[0] != key:
-                known = self._checkers[tool.name] = key, GraspChecker(part, tool)
+                known = self._checkers[tool.name] = key, GraspChecker(part, tool, acceleration)
             return asked(known[1])
 
     def free_name(self, name: str) -> str:

@@ -8,7 +8,12 @@ import viser
 
 from workbench.app.core.commands import EditPart
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.grasps.views import MOST_SUGGESTIONS, suggestions_html, symmetry_line
+from workbench.gui.grasps.views import (
+    MOST_SUGGESTIONS,
+    refused_text,
+    suggestions_html,
+    symmetry_line,
+)
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
@@ -17,8 +22,10 @@ from workbench.model.geometry import Mesh
 from workbench.model.part import Grasp, Part
 from workbench.model.part_edits import free_name, names_in
 from workbench.model.symmetry import Symmetry
+from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.part_symmetry import proposed_symmetry
+from workbench.planning.kinematics.quickness import tool_acceleration
 
 
 class SymmetryControls:
@@ -91,6 +98,7 @@ class Suggestions:
         self._found: tuple[Suggestion, ...] = ()
         self._about: tuple[Mesh, str] | None = None
         self._chosen = 0
+        self._left_out = ""
         gui = visitor.gui
         self._most = gui.add_slider(
             "How many", 1, MOST_SUGGESTIONS, 1, 8, hint="The best ones are listed."
@@ -123,13 +131,22 @@ class Suggestions:
     def _look(self) -> None:
         self._table.content = line("Looking …", kind="hint")
         part, tool = self._editing.part, self._editing.tool
+        refused: list[GraspCheck] = []
         try:
             seed = int(self._seed.value)
-            found = suggest(part, tool, most=int(self._most.value), seed=seed)
+            found = suggest(
+                part,
+                tool,
+                most=int(self._most.value),
+                seed=seed,
+                acceleration=tool_acceleration(self._visitor.cell, tool),
+                refused=refused.append,
+            )
         except (WorkbenchError, ValueError) as error:
             self._table.content = line(str(error), kind="bad")
             return
         self._about = part.mesh, tool.name
+        self._left_out = line(refused_text(refused), kind="hint") if refused else ""
         self._show(found, 0)
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
@@ -137,9 +154,9 @@ class Suggestions:
         self._admit()
         if not found:
             says = f"Nothing new that {self._editing.tool.name} could hold well was found."
-            self._table.content = line(says, kind="hint")
+            self._table.content = line(says, kind="hint") + self._left_out
             return
-        self._table.content = suggestions_html(found, chosen, self._rows)
+        self._table.content = suggestions_html(found, chosen, self._rows) + self._left_out
         self._preview(found[chosen].grasp)
 
     def _choose(self, number: int) -> None:

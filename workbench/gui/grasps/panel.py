@@ -16,8 +16,10 @@ from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
 from workbench.gui.grasps.ideas import Suggestions, SymmetryControls
 from workbench.gui.grasps.library import LibraryControls, PairControls
+from workbench.gui.grasps.offset import GraspOffset
 from workbench.gui.grasps.part_upload import PartUpload
 from workbench.gui.grasps.pose import GraspPose
+from workbench.gui.grasps.stepping import CopySteps
 from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html, no_grasp
 from workbench.gui.help.groups import group
 from workbench.gui.scene.stage import Stage, nearest_entry, size_of
@@ -82,8 +84,10 @@ class GraspsPanel:
             visible=False,
             hint="As a copy beside what somebody else made of it.",
         )
+        self._steps = CopySteps(visitor, editing, self._stepped, lambda: self._stage.is_open)
         with group(gui, "Where the hand is"):
             self._pose = GraspPose(visitor, editing, self._moving)
+            self._offset = GraspOffset(visitor, editing)
         with group(gui, "How it takes the part", expand_by_default=False):
             self._fields = GraspFields(visitor, editing)
         with group(gui, "Copies and patterns", expand_by_default=False):
@@ -161,6 +165,7 @@ class GraspsPanel:
         state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
         cannot = self._visitor.obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
+        copy = self._steps.show(state, part, entry)
         self._upload.show(state)
         self._look_at_all(part)
         self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
@@ -174,6 +179,7 @@ class GraspsPanel:
         self._keep.visible = self._editing.lost is not None
         is_open, size = self._stage.is_open, size_of(part)
         self._pose.show(entry, problem=cannot, is_open=is_open, size=size)
+        self._offset.show(part, entry, problem=cannot)
         self._fields.show(entry, problem=cannot)
         self._copies.show(entry, problem=cannot)
         self._suggestions.show(part)
@@ -185,6 +191,8 @@ class GraspsPanel:
             bad = frozenset(n for n, check in self._checks.items() if check and not check.is_ok)
             self._stage.draw(part, name, bad)
             self._show_tool(entry)
+        if copy is not None:
+            self._preview(copy)
 
     def _list_parts(self) -> None:
         """Follow the cell's parts; the one that was asked for here is taken in hand."""
@@ -241,6 +249,13 @@ class GraspsPanel:
             self._open.label = "Back to cell"
         self._label_add()
         self._draw()
+
+    def _stepped(self) -> None:
+        """Another copy of the chosen grasp is looked at: with the part alone."""
+        if self._stage.is_open:
+            self._draw()
+        else:
+            self._turn()
 
     def _leave_stage(self) -> None:
         with self._drawing:

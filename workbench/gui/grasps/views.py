@@ -15,6 +15,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Entry, GraspPair, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.model.symmetry import Symmetry
+from workbench.planning.grasps.firmness import in_words
 from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion
 
@@ -118,7 +119,8 @@ def findings_text(check: GraspCheck) -> str:
     if check.findings:
         return f"with the {check.tool}: " + "; ".join(finding.text for finding in check.findings)
     wide = "" if check.width is None else f", holds {mm(check.width)}"
-    return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival"
+    firm = "" if check.firmness is None else f", {in_words(check.firmness)}"
+    return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival{firm}"
 
 
 def check_line(name: str, check: GraspCheck | None) -> str:
@@ -176,6 +178,12 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
         f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
     )
+
+
+def refused_text(refused: Sequence[GraspCheck]) -> str:
+    """How many suggestions are not made since the part weighs too much, and the firmest of them."""
+    best = max(refused, key=lambda check: check.findings[0].amount)
+    return f"Left out for the weight: {len(refused)}; the firmest {best.findings[0].text}."
 
 
 def pairs_html(pairs: Sequence[GraspPair]) -> str:

@@ -82,8 +82,8 @@ HELP: Mapping[str, tuple[str, str]] = {
     ),
     "Where the hand is": (
         "The pose of the chosen grasp: where the tip of the tool is on the part, and how it is "
-        "turned. It is moved by numbers, by the gizmo or by keys. Snap puts it square to the "
-        "surface.",
+        "turned. It is moved by numbers, by the gizmo or by keys, or put at an offset from another "
+        "grasp. Snap puts it square to the surface.",
         GRASPS,
     ),
     "How it takes the part": (

@@ -4,6 +4,7 @@ import viser
 
 from workbench.app.core.commands import EmptyPallets
 from workbench.app.core.state import Phase
+from workbench.app.picking.pallets import pallets_of
 from workbench.gui.shared.link_views import link_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import joints_html, line
@@ -31,7 +32,9 @@ class RobotPanel:
             cell = new.state.cell
             keeps = bool(cell.stations) or any(arm.keeps_parts for arm in cell.arms)
             parts = "1 part lies" if count == 1 else f"{count} parts lie"
-            self._pallets.content = line(f"{parts} on the pallets.") if keeps else ""
+            fills = pallets_of(cell, new.state.placed)
+            told = [f"{parts} on the pallets.", *(words for fill in fills for words in fill.words)]
+            self._pallets.content = "".join(map(line, told)) if keeps else ""
             self._empty.visible = keeps
             missing = "" if count else "no part lies on the pallets"
             self._visitor.admit(self._empty, new.state, EmptyPallets, otherwise=missing)

@@ -8,6 +8,7 @@ import viser
 
 from workbench.app.core.state import Phase
 from workbench.app.picking.facts import stands_on_station
+from workbench.app.picking.pallets import at_rest
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import place
@@ -77,15 +78,19 @@ class DrawnBeside:
         if shown == self._drawn:
             return
         self._scene.remove_by_name("/placed")
-        for number, one in enumerate(shown):
-            mesh = view.state.cell.part(one.part).mesh
-            add_body(self._scene, f"/placed/{number}", mesh, one.T_world_part, BESIDE_BIN)
+        known = {part.name: part.mesh for part in view.state.cell.parts}
+        there = [one for one in view.state.placed if one.part in known]
+        for number, (one, T) in enumerate(zip(there, at_rest(view.state.cell, there), strict=True)):
+            if one in shown:
+                add_body(self._scene, f"/placed/{number}", known[one.part], T, BESIDE_BIN)
         self._drawn = shown
 
 
 def _is_shown(view: View, one: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:
     """Whether what stands beside the bin is a part that the film of the plan has to show."""
     state = view.state
+    if state.phase is not Phase.FAULT and any(_are_one(T, one) for T in Ts_world_part):
+        return True  # where the hand has just let go of it
     stand = [
         T
         for plan in state.plans

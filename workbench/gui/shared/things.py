@@ -1,18 +1,25 @@
 """What of a cell a person can move: each by name, with its pose, and the cell with another one."""
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.part import PartPlace
+from workbench.planning.kinematics.robot import Kinematics
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
 
 OF_PARTS = "part-place"
 """Between an arm's name and a number: a place where a part shall lie."""
+
+
+TCP = "TCP"
+"""Before a tool's name: its tool centre point, with an arm that can carry it at home."""
 
 
 def things(cell: Cell) -> tuple[str, ...]:
@@ -27,7 +34,41 @@ def things(cell: Cell) -> tuple[str, ...]:
         for arm in cell.arms
         for number in range(1, len(arm.part_places) + 1)
     ]
-    return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places)
+    tcps = [f"{TCP} {name}" for name in _carriers(cell)]
+    return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places, *tcps)
+
+
+def frame_of(cell: Cell, thing: str) -> pin.SE3:
+    """`T_world_frame` of the frame that one of `things` is told in: a TCP in that of its flange."""
+    tool = tool_of(cell, thing)
+    return _flange(cell, _carriers(cell)[tool].name) if tool else pin.SE3.Identity()
+
+
+def tool_of(cell: Cell, thing: str) -> str:
+    """The tool whose TCP one of `things` is; empty: it is something else."""
+    name = thing.removeprefix(f"{TCP} ")
+    is_fixture = any(fixture.name == thing for fixture in cell.fixtures)
+    return name if name != thing and name in _carriers(cell) and not is_fixture else ""
+
+
+def _carriers(cell: Cell) -> dict[str, Arm]:
+    """The tools of a cell by name, each with the first arm that can carry it."""
+    found: dict[str, Arm] = {}
+    for arm in cell.arms:
+        for tool in (arm.tool, *arm.tools):
+            found.setdefault(tool.name, arm)
+    return found
+
+
+@lru_cache(maxsize=8)
+def _flange(cell: Cell, arm: str) -> pin.SE3:
+    """`T_world_flange` of an arm at home."""
+    one = cell.arm(arm)
+    return Kinematics(cell).tcp_pose(one, one.home) * one.tool.T_flange_tcp.inverse()
+
+
+def _tool(arm: Arm, name: str) -> Tool:
+    return next(tool for tool in (arm.tool, *arm.tools) if tool.name == name)
 
 
 def pose_of(cell: Cell, thing: str) -> pin.SE3:
@@ -43,6 +84,9 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
             for fixture in cell.fixtures:
                 if fixture.name == thing:
                     return fixture.T_world_fixture
+            if tool := tool_of(cell, thing):
+                arm = _carriers(cell)[tool]
+                return _flange(cell, arm.name) * _tool(arm, tool).T_flange_tcp
             arm, number = _place(thing)
             if _is_of_parts(thing):
                 return cell.arm(arm).part_places[number].T_world_part
@@ -75,14 +119,30 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
                     for one in cell.fixtures
                 )
                 return {"fixtures": fixtures}
+            if tool := tool_of(cell, thing):
+                T_flange_tcp = frame_of(cell, thing).actInv(T)
+                return {"arms": _arms_with_tcp(cell, tool, T_flange_tcp)}
             arm, number = _place(thing)
             if _is_of_parts(thing):
-                of_parts = list(cell.arm(arm).part_places)
-                of_parts[number] = replace(of_parts[number], T_world_part=T)
-                return {"arms": _arms_with(cell, arm, part_places=tuple(of_parts))}
+                of_parts = _with_pallet(cell.arm(arm).part_places, number, T)
+                return {"arms": _arms_with(cell, arm, part_places=of_parts)}
             places = list(cell.arm(arm).Ts_world_place)
             places[number] = T
             return {"arms": _arms_with(cell, arm, Ts_world_place=tuple(places))}
+
+
+def _with_pallet(places: tuple[PartPlace, ...], number: int, T: pin.SE3) -> tuple[PartPlace, ...]:
+    """The places with one somewhere else; those of a pallet in layers go along with it."""
+    one = places[number]
+    T_new_old = T * one.T_world_part.inverse()
+    return tuple(
+        replace(other, T_world_part=T)
+        if other is one
+        else replace(other, T_world_part=T_new_old * other.T_world_part)
+        if one.pallet and other.pallet == one.pallet
+        else other
+        for other in places
+    )
 
 
 def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:
@@ -107,6 +167,18 @@ def _with_arm(cell: Cell, name: str, **fields: Any) -> Cell:
 
 def _arms_with(cell: Cell, name: str, **fields: Any) -> tuple[Arm, ...]:
     return tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)
+
+
+def _arms_with_tcp(cell: Cell, name: str, T_flange_tcp: pin.SE3) -> tuple[Arm, ...]:
+    """All arms with another TCP of a tool, whoever can carry it: it is one table of the file."""
+
+    def changed(tool: Tool) -> Tool:
+        return replace(tool, T_flange_tcp=T_flange_tcp) if tool.name == name else tool
+
+    return tuple(
+        replace(arm, tool=changed(arm.tool), tools=tuple(map(changed, arm.tools)))
+        for arm in cell.arms
+    )
 
 
 def _is_of_parts(thing: str) -> bool:

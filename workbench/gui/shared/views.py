@@ -274,8 +274,9 @@ def plan_line(state: State) -> str:
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     takes = _takes(state)
     text = f"{takes}, {clearance_words(proof)}"
-    if plan.obstacles:
-        text += f", clear of {len(plan.obstacles)} unknown obstacles"
+    unknown = sum(not one.part for one in plan.obstacles)
+    if unknown:
+        text += f", clear of {unknown} unknown obstacles"
     text = sentence(f"{text}; {plan.note}" if plan.note else text)
     return line(text, tip=text)
 

@@ -151,7 +151,7 @@ class Gripping:
         """`T_world_part` after a while in which nobody touches it: what leans on things falls."""
         data = self._at_rest(pin.SE3(np.eye(3), self._T_world_part.translation + ASIDE))
         mujoco.mj_step(self._model, data, nstep=round(WHILE / STEP))
-        return _pose(data)
+        return pose_of(data)
 
     def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> Held:
         """Close fingers that are open by `opening` [m] at a pose of the hand, lift and shake."""
@@ -168,7 +168,7 @@ class Gripping:
             if np.abs(data.qvel[6:]).max() < STILL and self._touches(data):
                 break
         mujoco.mj_step(model, data, nstep=round(SETTLE / STEP))
-        closed = T_world_tcp.actInv(_pose(data))
+        closed = T_world_tcp.actInv(pose_of(data))
         if not self._touches(data):
             return Held()
         # The plane goes, and the hand accelerates upwards and to all sides.
@@ -177,7 +177,7 @@ class Gripping:
         for way in ((0, 0, a), (a, 0, 0), (-a, 0, 0), (0, a, 0), (0, -a, 0), (0, 0, 0)):
             model.opt.gravity[:] = -np.array(way, float) - (0.0, 0.0, GRAVITY)
             mujoco.mj_step(model, data, nstep=round(SHAKE / STEP))
-        return Held(closed, T_world_tcp.actInv(_pose(data)))
+        return Held(closed, T_world_tcp.actInv(pose_of(data)))
 
     def _touches(self, data: mujoco.MjData) -> bool:
         """Whether a finger is in touch with the part."""
@@ -188,27 +188,30 @@ class Gripping:
         """The part on the plane, and the hand there."""
         model = self._model
         model.body_pos[self._hand] = T_world_hand.translation
-        model.body_quat[self._hand] = _quaternion(T_world_hand)
+        model.body_quat[self._hand] = quaternion_of(T_world_hand)
         model.opt.gravity[:] = (0.0, 0.0, -GRAVITY)
         model.geom_contype[self._floor] = ON_PLANE
         data = mujoco.MjData(model)
-        data.qpos[:7] = [*self._T_world_part.translation, *_quaternion(self._T_world_part)]
+        data.qpos[:7] = [*self._T_world_part.translation, *quaternion_of(self._T_world_part)]
         return data
 
 
-def _pose(data: mujoco.MjData) -> pin.SE3:
+def pose_of(data: mujoco.MjData) -> pin.SE3:
     """`T_world_part`."""
     x, y, z, w, i, j, k = data.qpos[:7]
     return pin.SE3(pin.Quaternion(w, i, j, k).normalized().matrix(), np.array([x, y, z]))
 
 
-def tiles(solid: Solid, direction: Floats) -> list[Solid]:
-    """A box cut across the way of its finger (3,), no unit; another shape is left whole."""
+def tiles(solid: Solid, direction: Floats, tile: float = TILE) -> list[Solid]:
+    """A box cut across the way of its finger (3,), no unit, into tiles of about `tile` [m].
+
+    Another shape is left whole.
+    """
     if not isinstance(solid.shape, Box):
         return [solid]
     T, size = solid.T_owner_shape, np.array(solid.shape.size)
     thick = int(np.argmax(np.abs(T.rotation.T @ direction)))
-    counts = np.maximum(np.round(size / TILE), 1).astype(int)
+    counts = np.maximum(np.round(size / tile), 1).astype(int)
     counts[thick] = 1
     shape = Box(size / counts)
     return [
@@ -227,7 +230,7 @@ def _points(piece: Solid) -> Floats:
     return points @ T.rotation.T + T.translation
 
 
-def _quaternion(T: pin.SE3) -> Floats:
+def quaternion_of(T: pin.SE3) -> Floats:
     """w, x, y, z (4,), no unit, as MuJoCo has them."""
     q = pin.Quaternion(T.rotation)
     return np.array([q.w, q.x, q.y, q.z])

@@ -23,7 +23,12 @@ LOST = -0.1
 
 
 def model_of(
-    parts: Sequence[Part], bin: Bin, carried: int | None = None, *, no_slip: int = 0
+    parts: Sequence[Part],
+    bin: Bin,
+    carried: int | None = None,
+    *,
+    no_slip: int = 0,
+    around: Sequence[Solid] = (),
 ) -> mujoco.MjModel:
     """Bin and parts as MuJoCo sees them; the world frame is that of the bin.
 
@@ -33,13 +38,14 @@ def model_of(
         carried: number of a part that goes where it is put and pushes what is in its way; the
             others move freely, and are weightless until their `body_gravcomp` is 0.
         no_slip: iterations of the search for forces without slip.
+        around: what else stands still, in the bin's frame.
     """
     spec = mujoco.MjSpec()
     spec.option.timestep = TIMESTEP
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
-    for solid in bin.solids:
+    for solid in (*bin.solids, *around):
         add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):
         if number == carried:

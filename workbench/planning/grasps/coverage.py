@@ -17,6 +17,7 @@ from workbench.model.part import Part
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
+from workbench.planning.kinematics.quickness import tool_acceleration
 
 DIRECTIONS = 60
 """Of the part that point up, spread over the sphere."""
@@ -197,7 +198,12 @@ def _best_suggestion(
     of_tool: dict[str, tuple[Suggestion, ...]] = {}
     for a, arm in enumerate(trial.cell.arms):
         if arm.tool.name not in of_tool:
-            of_tool[arm.tool.name] = suggest(trial.part, arm.tool, most=60)
+            of_tool[arm.tool.name] = suggest(
+                trial.part,
+                arm.tool,
+                most=60,
+                acceleration=tool_acceleration(trial.cell, arm.tool),
+            )
         found = sorted(
             of_tool[arm.tool.name], key=lambda one: float(one.grasp.T_part_tcp.rotation[:, 2] @ up)
         )

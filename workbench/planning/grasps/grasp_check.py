@@ -12,9 +12,19 @@ from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.bodies import coal_shape, extent
 from workbench.planning.grasps.cup import Cup
+from workbench.planning.grasps.firmness import (
+    Firmness,
+    cup_contacts,
+    finger_contacts,
+    firmness,
+    in_words,
+)
 from workbench.planning.grasps.pads import Hold, Pads, has_pads
+from workbench.planning.grasps.part_rays import centre_of_mass
 
-FindingKind = Literal["tool", "stroke", "cut", "approach", "width", "contact", "slip", "seal"]
+FindingKind = Literal[
+    "tool", "stroke", "cut", "approach", "width", "contact", "slip", "seal", "weight"
+]
 
 FRICTION = np.arctan(0.4)
 """[rad] Half the angle of the friction cone: rubber pads on metal or plastic."""
@@ -36,7 +46,8 @@ MOST_UNSEALED = 0.02
 class GraspFinding:
     """Something that speaks against a grasp, or, if it is no problem, that one should know.
 
-    `amount` is what is wrong, in m, or in rad for `slip`, or a share for a cup's lip.
+    `amount` is what is wrong, in m, or in rad for `slip`, or a share for a cup's lip,
+    and for `weight` of what is held.
     """
 
     kind: FindingKind
@@ -50,7 +61,8 @@ class GraspCheck:
     """What was found about a grasp with a tool.
 
     `width` [m] of the part between the fingers, None for cups and where nothing is; `clearance`
-    [m] of the open tool to the part on arrival, below 0 when it cuts; `hold` how the pads lie.
+    [m] of the open tool to the part on arrival, below 0 when it cuts; `hold` how the pads lie;
+    `firmness` how well it holds the part's weight, None where that was not asked or not stated.
     """
 
     grasp: str
@@ -59,6 +71,7 @@ class GraspCheck:
     width: float | None
     clearance: float
     hold: Hold | None = None
+    firmness: Firmness | None = None
 
     @property
     def is_ok(self) -> bool:
@@ -81,13 +94,18 @@ class _Moved:
 class GraspChecker:
     """A part and a tool, prepared for any number of grasps.
 
+    Grips are weighed where the tool's force and the part's friction are stated, and `acceleration`
+    [m/s2] is given, which they have to hold against in any direction beside the weight.
+
     Lifetime: as long as part and tool.
     Concurrency: one thread at a time.
     """
 
-    def __init__(self, part: Part, tool: Tool):
+    def __init__(self, part: Part, tool: Tool, acceleration: float | None = None):
         self.part = part
         self.tool = tool
+        self._acceleration = acceleration
+        self._centre = centre_of_mass(part.mesh)
         self.pads = Pads(tool) if has_pads(tool) else None
         self.cup = None if tool.fingers or not tool.body else Cup(tool)
         T_tcp_flange = tool.T_flange_tcp.inverse()
@@ -184,7 +202,32 @@ class GraspChecker:
             clearance = self._cuts(grasp, findings)
             findings += self.seal_findings(grasp)
         width = None if hold is None else hold.width
-        return GraspCheck(grasp.name, self.tool.name, tuple(findings), width, clearance, hold)
+        firm = None
+        if not any(finding.is_problem for finding in findings):
+            firm = self.firmness(grasp.T_part_tcp, grasp.opening)
+        if firm is not None and not firm.is_enough:
+            findings.append(GraspFinding("weight", in_words(firm), firm.share))
+        return GraspCheck(grasp.name, self.tool.name, tuple(findings), width, clearance, hold, firm)
+
+    def firmness(self, T_part_tcp: pin.SE3, opening: float) -> Firmness | None:
+        """How well a grip holds the part's weight; None where too little is stated to say it.
+
+        Also where nothing is between the fingers.
+        """
+        force, friction = self.tool.force, self.part.friction
+        if self._acceleration is None or force is None or friction is None:
+            return None
+        if self.pads is not None:
+            hold = self.hold(T_part_tcp, opening)
+            if hold is None:
+                return None
+            contacts = finger_contacts(hold, self.pads.travel, force, friction)
+        elif self.cup is not None:
+            contacts = cup_contacts(self.cup, force, friction)
+        else:
+            return None
+        centre = T_part_tcp.actInv(self._centre)
+        return firmness(contacts, centre, self.part.mass, self._acceleration)
 
     def _cuts(self, grasp: Grasp, findings: list[GraspFinding]) -> float:
         """Where the tool cuts the part: arriving, on the way, closed; the clearance on arrival."""

@@ -7,6 +7,7 @@ Source: V.-D. Nguyen, "Constructing force-closure grasps", International Journal
 Research 7(3), 1988: two contacts hold when the line between them lies in both friction cones.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +25,12 @@ from workbench.planning.grasps.grasp_frames import (
     thickness,
 )
 from workbench.planning.grasps.pads import Pads
-from workbench.planning.grasps.part_rays import first_hits, normals_of, samples_of
+from workbench.planning.grasps.part_rays import (
+    centre_of_mass,
+    first_hits,
+    normals_of,
+    samples_of,
+)
 from workbench.planning.grasps.part_symmetry import STEPS
 
 SAMPLES = 400
@@ -78,7 +84,14 @@ class _Idea:
 
 
 def suggest(
-    part: Part, tool: Tool, *, most: int = 20, seed: int = 0, name: str = "suggested"
+    part: Part,
+    tool: Tool,
+    *,
+    most: int = 20,
+    seed: int = 0,
+    name: str = "suggested",
+    acceleration: float | None = None,
+    refused: Callable[[GraspCheck], None] = lambda _: None,
 ) -> tuple[Suggestion, ...]:
     """Grasps for a part, the best first; none like those that its library holds.
 
@@ -88,11 +101,13 @@ def suggest(
         most: that are returned.
         seed: of the samples.
         name: of the grasps, followed by a number that makes it new in the library.
+        acceleration: [m/s2] that grips have to hold against; see `GraspChecker`.
+        refused: is told of each that nothing but the part's weight speaks against.
 
     Returns:
         At most `most`; none when the tool cannot take the part.
     """
-    checker = GraspChecker(part, tool)
+    checker = GraspChecker(part, tool, acceleration)
     rng = np.random.default_rng(seed)
     if checker.pads is not None:
         ideas = _opposite(checker, checker.pads, rng)
@@ -112,24 +127,12 @@ def suggest(
         if kept.has_like(idea.T_part_tcp):
             continue
         looks += 1
-        suggestion = _looked_at(checker, idea)
+        suggestion = _looked_at(checker, idea, refused)
         if suggestion is not None:
             kept.add(suggestion.grasp.T_part_tcp)
             found.append(suggestion)
     found.sort(key=lambda one: -one.score)
     return tuple(_named(found, {grasp.name for grasp in part.library.grasps}, name))
-
-
-def centre_of_mass(mesh: Mesh) -> Floats:
-    """Of an evenly filled body (3,) [m]; of its surface when that encloses nothing."""
-    a, b, c = mesh.points[mesh.triangles.T]
-    middle = mesh.points.mean(axis=0)
-    volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
-    whole = float(volumes.sum())
-    if whole > 1e-3 * float(np.prod(np.ptp(mesh.points, axis=0))):
-        return middle + volumes @ ((a + b + c - 3 * middle) / 4) / whole
-    _, areas = normals_of(mesh)
-    return areas @ ((a + b + c) / 3) / areas.sum()
 
 
 def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
@@ -222,7 +225,9 @@ def _flat_faces(mesh: Mesh) -> tuple[Floats, Floats]:
     return sums[largest] / whole[largest][:, None], normals[first]
 
 
-def _looked_at(checker: GraspChecker, idea: _Idea) -> Suggestion | None:
+def _looked_at(
+    checker: GraspChecker, idea: _Idea, refused: Callable[[GraspCheck], None]
+) -> Suggestion | None:
     """The grasp of an idea with its score; None when something speaks against it."""
     if checker.pads is not None:
         T_part_tcp = centred(checker, idea.T_part_tcp)
@@ -238,6 +243,8 @@ def _looked_at(checker: GraspChecker, idea: _Idea) -> Suggestion | None:
             return None
     check = checker.check(grasp)
     if check.findings:  # also what is no problem: there are better ones
+        if all(finding.kind == "weight" for finding in check.findings):
+            refused(check)
         return None
     size = float(np.linalg.norm(np.ptp(checker.part.mesh.points, axis=0)))
     near = max(0.0, 1 - 2 * idea.lever / size)

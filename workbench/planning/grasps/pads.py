@@ -25,8 +25,9 @@ class Hold:
 
     `width` [m] is the part's, from where the first finger meets it to where the second does;
     `offset` [m] how far its middle lies towards the first.  For each finger: the area [m2] that it
-    touches, the mean outward normal (3,) there, in the TCP frame, and its angle [rad] to the
-    travel.
+    touches, the mean outward normal (3,) there, in the TCP frame, its angle [rad] to the
+    travel, and points (n, 3) [m] of where it touches, evenly spread, in the TCP frame, with the
+    share (n,) of the pressure: less where the part curves away.
     """
 
     width: float
@@ -34,6 +35,7 @@ class Hold:
     areas: tuple[float, float]
     normals: tuple[Floats, Floats]
     slants: tuple[float, float]
+    patches: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
 
 
 def has_pads(tool: Tool) -> bool:
@@ -94,6 +96,8 @@ class Pads:
         starts = [inner + opening / 2 for inner in self.inner]
         rooms: list[float] = []
         touched: list[tuple[float, Floats]] = []
+        patches: list[tuple[Floats, Floats]] = []
+        u, v = self.grid.centres
         for start, other, sense in ((starts[0], starts[1], 1.0), (starts[1], starts[0], -1.0)):
             height, met = tops(points, triangles, self.grid, start, sense)
             # What lies behind the other finger is not between them.
@@ -105,6 +109,9 @@ class Pads:
             touches = room < least + TOUCHING
             rooms.append(least)
             touched.append(self._contact(points, triangles, met[touches]))
+            there = np.column_stack([u[touches], v[touches], sense * height[touches]])
+            depths = TOUCHING - (room[touches] - least)  # what is pressed in deeper bears more
+            patches.append((there @ self.R_tcp_view.T, depths / depths.sum()))
         slants = tuple(
             float(np.arccos(np.clip(sense * normal[2], -1.0, 1.0)))
             for (_, normal), sense in zip(touched, (1.0, -1.0), strict=True)
@@ -116,6 +123,7 @@ class Pads:
             (touched[0][0], touched[1][0]),
             (normals[0], normals[1]),
             (slants[0], slants[1]),
+            (patches[0], patches[1]),
         )
 
     def _near(self, points: Floats, triangles: Ints) -> Ints:

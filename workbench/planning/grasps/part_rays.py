@@ -43,6 +43,18 @@ def normals_of(mesh: Mesh) -> tuple[Floats, Floats]:
     return across / np.maximum(length, 1e-30)[:, None], length / 2
 
 
+def centre_of_mass(mesh: Mesh) -> Floats:
+    """Of an evenly filled body (3,) [m]; of its surface when that encloses nothing."""
+    a, b, c = mesh.points[mesh.triangles.T]
+    middle = mesh.points.mean(axis=0)
+    volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
+    whole = float(volumes.sum())
+    if whole > 1e-3 * float(np.prod(np.ptp(mesh.points, axis=0))):
+        return middle + volumes @ ((a + b + c - 3 * middle) / 4) / whole
+    _, areas = normals_of(mesh)
+    return areas @ ((a + b + c) / 3) / areas.sum()
+
+
 def samples_of(mesh: Mesh, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
     """Points (count, 3) [m] spread evenly over a surface, and the triangle of each."""
     _, areas = normals_of(mesh)

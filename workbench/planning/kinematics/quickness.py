@@ -5,17 +5,19 @@ from other configurations changes by half: the joint that has furthest to go dec
 way is quickest where several joints share it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 from numba import njit
 
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.chain import (
     POSITION_TOLERANCE,
     ROTATION_TOLERANCE,
     Chain,
+    chain_of,
     solved,
 )
 
@@ -60,6 +62,29 @@ class Pace:
 def pace_of(chain: Chain, share: float) -> Pace:
     """The pace of an arm that is allowed this share of its speeds."""
     return Pace(chain.velocity * share, chain.acceleration)
+
+
+def hand_acceleration(cell: Cell, arm: Arm) -> float:
+    """The most [m/s2] by which one joint of an arm moves its hand at home from rest."""
+    chain, home, step = chain_of(cell, arm), np.asarray(arm.home), 1e-5
+    here = chain.pose(home).translation
+    ways = [
+        np.linalg.norm(chain.pose(home + step * one).translation - here) / step
+        for one in np.eye(len(home))
+    ]
+    return float(np.max(np.array(ways) * np.asarray(arm.acceleration)))
+
+
+def tool_acceleration(cell: Cell, tool: Tool) -> float | None:
+    """The same of a tool: the largest of the arms that can carry it, None where none can."""
+    return max(
+        (
+            hand_acceleration(cell, replace(arm, tool=tool))
+            for arm in cell.arms
+            if tool.name in (arm.tool.name, *(one.name for one in arm.tools))
+        ),
+        default=None,
+    )
 
 
 def between(q: Floats, stops: Floats, pace: Pace) -> Floats:

@@ -1,6 +1,7 @@
 """Pallets in layers: which of their places may take a part now."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -8,6 +9,7 @@ import pinocchio as pin
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.part import Part, PartPlace
+from workbench.model.scan import Obstacle
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 
@@ -31,15 +33,17 @@ def open_places(
             since nobody has seen yet whether they are there.
     """
     places = arm.places_for(world.detections[number].part)
-    kept = filled(world, arm, _known(world))
-    now = filled(world, arm, () if phase is None else _just_put(world, phase))
+    if not any(place.pallet for place in places):
+        return places
+    kept = _kept(arm, world.cell.parts, tuple(world.obstacles))
+    now = _filled(arm, () if phase is None else _just_put(world, phase))
     return tuple(place for place in places if _is_open(arm, place, kept, now))
 
 
 def why_full(world: World, arm: Arm, number: int) -> Verdict:
     """That no place for a part found is open."""
     places = arm.places_for(world.detections[number].part)
-    count = len(filled(world, arm, _known(world)) & set(places))
+    count = len(_kept(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
     note = (
         f"the pallets of the {arm.name} arm are full: each of their {len(places)} places has a "
         "part; say so when they are empty"
@@ -52,19 +56,38 @@ def why_full(world: World, arm: Arm, number: int) -> Verdict:
     return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
 
 
-def filled(world: World, arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> set[PartPlace]:
+def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPlace]:
     """The places of pallets in layers of an arm at which some parts lie."""
     found: set[PartPlace] = set()
     pallets = [place for place in arm.part_places if place.pallet]
-    for part, T in parts if pallets else ():
+    for part, T in parts:
         near = [(_off(place, part, T), place) for place in pallets if place.is_for(part.name)]
         off, nearest = min(near, key=lambda one: one[0], default=(np.inf, None))
         if nearest is not None and off <= SLACK:
             found.add(nearest)
-    return found
+    return frozenset(found)
 
 
-def _is_open(arm: Arm, place: PartPlace, kept: set[PartPlace], now: set[PartPlace]) -> bool:
+# It is asked of every candidate.
+@lru_cache(maxsize=8)
+def _kept(
+    arm: Arm, parts: tuple[Part, ...], obstacles: tuple[Obstacle, ...]
+) -> frozenset[PartPlace]:
+    """The places at which a part surely lies."""
+    kinds = {part.name: part for part in parts}
+    return _filled(
+        arm,
+        [
+            (kinds[one.part], one.T_world_put)
+            for one in obstacles
+            if one.part in kinds and one.T_world_put is not None
+        ],
+    )
+
+
+def _is_open(
+    arm: Arm, place: PartPlace, kept: frozenset[PartPlace], now: frozenset[PartPlace]
+) -> bool:
     if not place.pallet:
         return True
     others = [one for one in arm.part_places if one.pallet == place.pallet]
@@ -73,15 +96,6 @@ def _is_open(arm: Arm, place: PartPlace, kept: set[PartPlace], now: set[PartPlac
         and not any(one in kept | now for one in others if one.layer > place.layer)
         and all(one in kept for one in others if one.layer == place.layer - 1)
     )
-
-
-def _known(world: World) -> list[tuple[Part, pin.SE3]]:
-    names = {part.name for part in world.cell.parts}
-    return [
-        (world.cell.part(one.part), one.T_world_put)
-        for one in world.obstacles
-        if one.part in names and one.T_world_put is not None
-    ]
 
 
 def _just_put(world: World, phase: Phase) -> list[tuple[Part, pin.SE3]]:

@@ -105,10 +105,18 @@ def _falls_over(
     """Why a part would not come to stand at a place of a pallet; empty where it does."""
     falls = fall(cell, scene.obstacles, found, T_world_put)
     most = cell.policy.margin + FALL
+    if falls >= FARTHEST:
+        return "nothing is within 50 mm beneath the part when it is let go of"
     if falls > most:
-        words = f"{falls * 1e3:.1f} mm above" if falls < FARTHEST else "over nothing within 50 mm:"
-        return f"the part is let go of {words} what it shall stand on; {most * 1e3:g} mm at most"
-    part = cell.part(found.part)
+        return (
+            f"the part is let go of {falls * 1e3:.1f} mm above what it shall stand on; "
+            f"{most * 1e3:g} mm at most"
+        )
+    return standing_problem(cell.part(found.part), place, T_world_put)
+
+
+def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> str:
+    """Why a part would not stay as it stands at a place of a pallet; empty where it does."""
     centre = middle_of(part)
     if centre is None:
         return "nobody knows where the weight of the part is: its surface is not closed"
@@ -126,8 +134,8 @@ def _falls_over(
     tilt = float(np.arctan2(within, tall))
     if tilt < STEADY:
         return (
-            f"the part would not stand on the pallet: with {place.layer} on each other they fall "
-            f"over when they are tilted by {max(0.0, np.rad2deg(tilt)):.1f} deg; "
+            f"the part would not stand: with {place.layer} on each other they fall over when they "
+            f"are tilted by {max(0.0, np.rad2deg(tilt)):.1f} deg; "
             f"{np.rad2deg(STEADY):g} deg are asked for"
         )
     return ""

@@ -1,5 +1,4 @@
 """What becomes of each part of a pile: directly, over a station, or from hand to hand.
 
-`picks` plans seeded piles and counts; `exchanges` searches for handovers in the air; `both_arms`
-plans all joints of two arms as one.
+`picks` plans seeded piles and counts; `exchanges` searches for handovers in the air.
 """

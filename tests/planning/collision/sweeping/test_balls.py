@@ -20,7 +20,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.sweeping.balls import ball_gap
 from workbench.planning.collision.sweeping.edges import BLOCKED, CLEAR, edge_answer
 from workbench.planning.collision.world import World
-from workbench.studies.motion_cases import ARM, cases_of
+from workbench.studies.motion.problems import ARM, cases_of
 
 JAW = 1.21
 """[m] Where the ball of the stand-in's jaw is along x when the arm lies straight."""

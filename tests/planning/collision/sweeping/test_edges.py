@@ -11,7 +11,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.sweeping.edges import ASK, BLOCKED, CLEAR, edge_answer, no_edges
 from workbench.planning.collision.sweeping.groups import groups_of, move_to_front
 from workbench.planning.collision.world import World
-from workbench.studies.motion_cases import ARM, cases_of
+from workbench.studies.motion.problems import ARM, cases_of
 
 STATES = 120
 """Looked at along an edge."""

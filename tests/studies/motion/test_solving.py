@@ -10,7 +10,8 @@ from stand_ins import DATA, sources
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
 from workbench.model.errors import InputError
-from workbench.studies.motion import (
+from workbench.studies.motion.problems import ARM, cases_of
+from workbench.studies.motion.solving import (
     KLAMPT,
     OMPL,
     attempt,
@@ -19,7 +20,6 @@ from workbench.studies.motion import (
     figures,
     summary,
 )
-from workbench.studies.motion_cases import ARM, cases_of
 
 POLICY = Policy(margin=0.0, near_margin=0.0, self_margin=0.0)
 

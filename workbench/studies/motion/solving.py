@@ -18,7 +18,7 @@ from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report, silent
 from workbench.studies.klampt import paths_by_klampt
-from workbench.studies.motion_cases import ARM, Case
+from workbench.studies.motion.problems import ARM, Case
 
 OMPL_ITERATIONS = 1_000_000
 """For OMPL time alone is the limit: it draws from all of the joints' range."""

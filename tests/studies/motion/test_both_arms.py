@@ -7,7 +7,7 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError
-from workbench.studies.picking.both_arms import (
+from workbench.studies.motion.both_arms import (
     HIGH,
     OMPL,
     OURS,

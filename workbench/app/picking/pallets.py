@@ -1,0 +1,149 @@
+"""Parts at places that keep them: what is in the way there, and how full pallets are."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Box
+from workbench.model.part import Part, PartPlace
+from workbench.model.scan import Detection, Obstacle
+from workbench.proof.bodies import gap_of, turned_pieces
+from workbench.proof.places.layers import FALL, FARTHEST, fall, kept_box, place_at, standing_problem
+
+
+def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:
+    """Parts that have been put down, as obstacles, those that were put down first coming first.
+
+    Raises:
+        InputError: one of them is of a part that the cell does not have any more.
+    """
+    boxes: list[Obstacle] = []
+    known = {part.name for part in cell.parts}
+    for one in placed:
+        if one.part not in known:
+            raise InputError(
+                f"a part {one.part} lies on a pallet and the cell does not know that part any "
+                "more; take it away and empty the pallets"
+            )
+        # What nothing speaks for may be there since a fault, or not: it carries no other.
+        boxes.append(kept_box(cell, boxes, one, one.T_world_part, is_sure=one.score > 0))
+    return tuple(boxes)
+
+
+def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
+    """`T_world_part` of parts that have been put down; on a pallet in layers they have fallen."""
+    boxes, found = boxes_around(cell, placed), list[pin.SE3]()
+    for number, (box, one) in enumerate(zip(boxes, placed, strict=True)):
+        T = one.T_world_part.copy()
+        if box.part:
+            T.translation -= [0.0, 0.0, fall(cell, boxes[:number], one, one.T_world_part)]
+        found.append(T)
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class PalletFill:
+    """How full a pallet in layers is.
+
+    `number` counts those of the `arm` from 1.  Of its `places` so many have `parts`; `layer` is the
+    one that is being filled, 0 when none is.  `doubtful` parts may be there, or not.
+    """
+
+    arm: str
+    number: int
+    parts: int
+    places: int
+    layer: int
+    doubtful: int
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """For people, one sentence or two."""
+        text = f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, full"
+        if self.layer:
+            text = (
+                f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, "
+                f"layer {self.layer}"
+            )
+        if not self.doubtful:
+            return (text,)
+        return text, (
+            f"of {self.doubtful} more nobody knows whether they are there: look, and say that the "
+            "pallets are empty"
+        )
+
+
+def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...]:
+    """How full each pallet in layers of a cell is with the parts that have been put down."""
+    known = [one for one in placed if one.part in {part.name for part in cell.parts}]
+    fills: list[PalletFill] = []
+    for arm, number, places in _pallets(cell):
+        lie = [(one, place_at(arm, cell.part(one.part), one.T_world_part)) for one in known]
+        sure = {place for one, place in lie if place in places and one.score > 0}
+        doubtful = {place for one, place in lie if place in places and one.score <= 0}
+        open_layers = [place.layer for place in places if place not in sure]
+        layer = min(open_layers, default=0)
+        fills.append(PalletFill(arm.name, number, len(sure), len(places), layer, len(doubtful)))
+    return tuple(fills)
+
+
+def pallet_problems(cell: Cell) -> Iterator[str]:
+    """What speaks against the pallets in layers of a cell, filled with parts of each kind."""
+    for arm, number, places in _pallets(cell):
+        for part in cell.parts:
+            if places[0].is_for(part.name):
+                problem = _problem(cell, part, places)
+                if problem:
+                    yield f"{arm.name} arm: pallet {number} of parts {part.name}: {problem}"
+
+
+def _pallets(cell: Cell) -> Iterator[tuple[Arm, int, list[PartPlace]]]:
+    for arm in cell.arms:
+        for number, places in groupby(arm.part_places, key=lambda place: place.pallet):
+            if number:
+                yield arm, number, list(places)
+
+
+def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
+    """The first thing that goes wrong when a pallet is filled with parts of a kind."""
+    margin, most = cell.policy.margin, cell.policy.margin + FALL
+    points = part.mesh.points @ places[0].T_world_part.rotation.T
+    high = float(np.ptp(points[:, 2]))
+    layers = [place.T_world_part.translation[2] for place in places]
+    pitch = min((b - a for a, b in pairwise(layers) if b > a), default=0.0)
+    boxes: list[Obstacle] = []
+    for place in places:
+        one = Detection(part.name, place.T_world_part)
+        falls = fall(cell, boxes, one, place.T_world_part)
+        if falls >= FARTHEST:
+            return f"in layer {place.layer} nothing is within 50 mm beneath a part"
+        if falls > most or falls < margin:
+            words = (
+                f"in layer {place.layer} a part is let go of {falls * 1e3:.1f} mm above what it "
+                "falls onto; "
+                f"{margin * 1e3:g} to {most * 1e3:g} mm are asked for"
+            )
+            if place.layer > 1:
+                words += f": layers are {pitch * 1e3:g} mm apart, and the part is {high * 1e3:.1f}"
+            return words
+        beside = [
+            gap_of(piece, (Box(box.size), box.T_world_box), 10 * margin + FARTHEST)
+            for box in boxes
+            for turns in turned_pieces(part, one)
+            for piece in turns
+        ]
+        nearest = min(beside, default=np.inf)
+        if nearest < margin:
+            return (
+                f"in layer {place.layer} a part comes within {max(nearest, 0.0) * 1e3:.1f} mm of "
+                f"one that lies there; {margin * 1e3:g} mm are kept, so pitch_mm has to be larger"
+            )
+        if problem := standing_problem(part, place, place.T_world_part):
+            return f"in layer {place.layer} {problem}"
+        boxes.append(kept_box(cell, boxes, one, place.T_world_part))
+    return ""

@@ -1,0 +1,149 @@
+"""All that the chosen grasp stands for, one grip after the other, with the hand at it."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import viser
+
+from workbench.app.core.state import State
+from workbench.gui.grasps.editing import Editing
+from workbench.gui.shared.views import line, mm
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Tool
+from workbench.model.digest import digest_of
+from workbench.model.geometry import Floats
+from workbench.model.part import TURNED, Entry, Grasp, GraspPattern, Part, grasps_of
+from workbench.model.part_edits import grasp_of
+from workbench.planning.collision.legs import grips
+
+NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
+"""[rad, m] What is told of a turn and of a shift would be 0."""
+
+
+def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
+    """The grips that planning tries for an entry, each as a grasp with the hand there.
+
+    They are those of a pattern, what the part's symmetry makes of each, and what each leaves free
+    in the steps in which it is tried; named as in the table of candidates.
+    """
+    names = {grasp.name for grasp in grasps_of(entry)}
+    return tuple(
+        replace(grasp, T_part_tcp=grasp.T_part_tcp * T_tcp_grip)
+        for grasp in part.grasps
+        if grasp.name.split(TURNED)[0] in names
+        for T_tcp_grip in grips(tool, grasp)
+    )
+
+
+def way_to(copy: Grasp, entry: Entry, part: Part) -> str:
+    """How the hand comes from where an entry was put to a copy: by which turn, and how far along.
+
+    As a screw: a turn about some axis and a shift along it.  The turn is counted about the
+    pattern's axis, or else the first of the part's symmetry, from 0 to 360 degrees.
+    """
+    T_first_copy = copy.T_part_tcp * grasp_of(entry).T_part_tcp.inverse()
+    turn = np.asarray(pin.log3(T_first_copy.rotation))
+    angle, shift = float(np.linalg.norm(turn)), T_first_copy.translation
+    if angle < NO_TURN:
+        far = float(np.linalg.norm(shift))
+        return f"moved {mm(far)}" if far > NO_SHIFT else "where it was put"
+    along = abs(float(turn @ shift)) / angle
+    if angle < np.pi - NO_TURN and turn @ _axis(entry, part) < 0:
+        angle = 2 * np.pi - angle
+    turned = f"turned {round(np.rad2deg(angle), 1):g} deg"
+    return f"{turned}, moved {mm(along)}" if along > NO_SHIFT else turned
+
+
+def _axis(entry: Entry, part: Part) -> Floats:
+    """The axis (3,) about which turns are counted."""
+    if isinstance(entry, GraspPattern):
+        return entry.axis
+    has_turns = any(axis.fold != 1 for axis in part.symmetry.axes)
+    return part.symmetry.axis if has_turns else grasp_of(entry).T_part_tcp.rotation[:, 2]
+
+
+def judged(copy: Grasp, part: Part, state: State) -> str:
+    """What became of a grasp for the parts found, arm by arm; empty where nothing was judged.
+
+    What it leaves free is tried within one candidate, so the verdict is of all of that together.
+    """
+    found = state.detections or ()
+    reasons = Counter(
+        str(one.verdict.reason)
+        for one in state.candidates or ()
+        if one.grasp.name == copy.name and found[one.detection].part == part.name
+    )
+    said = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
+    return f"In the bin: {said}" if said else ""
+
+
+class CopySteps:
+    """Steps through the copies of the chosen grasp.
+
+    Concurrency: callbacks of viser and the renderer's thread; handles, and which copy is shown.
+    """
+
+    def __init__(
+        self,
+        visitor: Visitor,
+        editing: Editing,
+        step: Callable[[], None],
+        is_alone: Callable[[], bool],
+    ):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            editing: what it has in hand.
+            step: has the hand drawn anew, with the part alone.
+            is_alone: whether the part is seen alone; otherwise keys do nothing.
+        """
+        self._editing, self._step = editing, step
+        self._copies: Sequence[Grasp] = ()
+        self._place: int | None = None
+        self._of = ""
+        gui = visitor.gui
+        gui.add_html('<div class="wb-buttons wb-two"></div>')
+        self._back = gui.add_button(
+            "Copy before",
+            icon=viser.Icon.CHEVRON_LEFT,
+            color="gray",
+            hint="All that the grasp stands for: of a pattern, of symmetry, and what is left free.",
+        )
+        self._forth = gui.add_button("Next copy", icon=viser.Icon.CHEVRON_RIGHT, color="gray")
+        self._line = gui.add_html("")
+        self._back.on_click(lambda _: self._go(-1))
+        self._forth.on_click(lambda _: self._go(1))
+        visitor.on_key(
+            "B", "Copy of the grasp before this one", lambda: is_alone() and self._go(-1)
+        )
+        visitor.on_key("C", "Next copy of the grasp", lambda: is_alone() and self._go(1))
+
+    def show(self, state: State, part: Part, entry: Entry | None) -> Grasp | None:
+        """The chosen grasp is `entry` now; the copy that is looked at, None: the grasp itself."""
+        tool = self._editing.tool
+        of = digest_of((part.digest, tool, "" if entry is None else entry.name))
+        if of != self._of:
+            self._of, self._place = of, None
+            self._copies = () if entry is None else copies_of(part, entry, tool)
+        count, place = len(self._copies), self._place
+        self._back.visible = self._forth.visible = count > 1
+        if entry is None or place is None:
+            self._line.content = ""
+            return None
+        copy = self._copies[place]
+        says = f"Copy {place + 1} of {count}, {copy.name}: {way_to(copy, entry, part)}"
+        told = judged(copy, part, state)
+        self._line.content = line(says, kind="result") + (line(told, kind="hint") if told else "")
+        return copy
+
+    def _go(self, step: int) -> None:
+        """To the next copy, or the one before; the first press shows the first, or the last."""
+        count = len(self._copies)
+        if count > 1:
+            place = -1 if self._place is None and step > 0 else self._place or 0
+            self._place = (place + step) % count
+            self._step()
