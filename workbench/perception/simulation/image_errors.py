@@ -76,7 +76,7 @@ def sheared(image: Floats, by: float) -> Floats:
     """An image whose scene has moved while it was measured, row after row.
 
     Args:
-        image: (rows, columns), of anything.
+        image: (rows, columns), depths [m] or cosines (no unit).
         by: [pixels] along the rows, of the last one; whole ones are moved, what comes in from the
             side is as what was there.
     """
