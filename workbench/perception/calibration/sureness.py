@@ -140,7 +140,8 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     """How far off points are seen by what is not known of the scanner's pose, (n,) [m].
 
     In 95 % of calibrations a point is no further off.  Its squared error is a sum of three squares
-    of different size, taken as one chi-square of the same mean and variance (Box 1954).
+    of different size, taken as one chi-square of the same mean and variance (Box, Annals of
+    Mathematical Statistics 25, 1954).
 
     Args:
         covariance: (6, 6) [m, rad] of shifts of the scanner and turns about it, along the world's
