@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
-from judged_files import Files, turned
+from judged_files import Files, pose_of, turned
 from judged_pallets import stacked
 from judged_stations import stood_on
 from judged_symmetry import turns, unit
@@ -23,6 +23,9 @@ SOON, SOON_OF_ONE = 0.99, 0.9
 """Of the least time of a leg, and of one way in it: a linear program asks limits at places, and has
 marks elsewhere."""
 
+MIDDLE = 0.003
+"""[m] By which the middle of a part's solids may be off that of its mesh."""
+
 _known_times: dict[tuple, bool] = {}
 """What a linear program has said: bends leave most legs as they are."""
 
@@ -34,7 +37,7 @@ def rule_broken(files: Files, scene, plan) -> str:
         if broken:
             return broken
     for one in plan.arms:
-        broken = _legs(files, one) or _grasp(files, plan, one)
+        broken = _legs(files, one) or _grasp(files, plan, one) or _region(files, plan, one)
         if broken:
             return broken
     return ""
@@ -67,6 +70,36 @@ def _scene(scene, plan) -> str:
         ):
             return "has a part on a pallet that is not there"
     return ""
+
+
+def _region(files: Files, plan, one) -> str:
+    """Whether the middle of the part taken lies in a region, or over a floor without walls."""
+    bin_, found = files.cell["bin"], plan.detections[one.detection]
+    length, width, _ = bin_["size_mm"]
+    boxes = bin_.get("region", ())
+    if not boxes and not bin_.get("walls", True):
+        boxes = [{"size_mm": (length, width, 1e6), "position_mm": (0, 0, -5e5)}]
+    if not boxes or found.T_world_found is not None:
+        return ""
+    at = found.T_world_part.homogeneous @ [*_middle(files.parts[found.part]), 1]
+    for box in boxes:
+        off = np.linalg.inv(pose_of(bin_) @ pose_of(box)) @ at
+        half = np.array(box["size_mm"]) / 2000
+        if np.all(np.abs(off[:3] - [0, 0, half[2]]) <= half + MIDDLE):
+            return ""
+    return "takes a part outside of the regions"
+
+
+def _middle(part) -> np.ndarray:
+    """Of the box around a part's solids (3,) [m]."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for piece in part["piece"]:
+        T = pose_of(piece)
+        radius, length = piece.get("radius_mm", 0), piece.get("length_mm", 0)
+        size = piece.get("size_mm", (2 * radius, 2 * radius, length or 2 * radius))
+        half = np.abs(T[:3, :3]) @ (np.array(size) / 2000)
+        low, high = np.minimum(low, T[:3, 3] - half), np.maximum(high, T[:3, 3] + half)
+    return (low + high) / 2
 
 
 def _sequence(files: Files, plan) -> str:

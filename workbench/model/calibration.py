@@ -232,10 +232,8 @@ class BinCheck:
         """All of it in one sentence."""
         full = "" if self.fill is None or self.is_empty else f", {self.fill:.0%} full"
         if not self.findings:
-            where = (
-                "the bin is where it should be"
-                if self.has_walls
-                else "parts lie as high as they should"
-            )
-            return f"{where}, to {self.shift * 1000:.1f} mm{full}"
+            off = self.shift * 1000
+            if not self.has_walls:
+                return f"parts lie as high as they should, to {off:.1f} mm{full}"
+            return f"the bin is where it should be, to {off:.1f} mm{full}"
         return "; ".join(self.findings) + full

@@ -18,6 +18,7 @@ class Reason(enum.StrEnum):
 
     OK = "ok"
     DISABLED = "disabled"
+    OUTSIDE_REGIONS = "outside of the regions of interest"
     ARM_NOT_ALLOWED = "arm not allowed"
     TOOL_COLLISION = "tool collision"
     ROLL_UNKNOWN = "roll unknown"

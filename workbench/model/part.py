@@ -7,7 +7,17 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import LATER, Told, digest_of
-from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, frozen, pose_from_rpy, put
+from workbench.model.geometry import (
+    Bools,
+    Box,
+    Floats,
+    Mesh,
+    Solid,
+    copied,
+    frozen,
+    pose_from_rpy,
+    put,
+)
 from workbench.model.symmetry import Symmetry, turn_about
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
@@ -209,20 +219,57 @@ class Station:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """A box in which parts are searched and taken: a compartment, or what is left of a bin.
+
+    `T_bin_region` is the middle of its lower side with z up, in the frame of the bin; `size` (3,)
+    [m] along its axes.
+    """
+
+    name: str
+    T_bin_region: pin.SE3
+    size: Floats
+
+    def __post_init__(self) -> None:
+        put(self, T_bin_region=copied(self.T_bin_region), size=frozen(self.size))
+
+    def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
+        """Which points (n, 3) [m] in the bin's frame are in it, or beside by so much [m]."""
+        T = self.T_bin_region.inverse()
+        half = self.size / 2
+        p = p_bin @ T.rotation.T + T.translation - [0.0, 0.0, half[2]]
+        return (np.abs(p) <= half + by).all(axis=1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Bin:
     """An open box, or without walls a surface, on which parts lie; z up from its middle.
 
     `size` (3,) [m]: inner length, width and height of the walls; where it `has_walls` not, up to
-    where parts may lie.  `wall` [m]: how thick floor and walls are.
+    where parts may lie.  `wall` [m]: how thick floor and walls are.  Where there are `regions`,
+    parts are taken from these alone.
     """
 
     T_world_bin: pin.SE3
     size: Floats
     wall: float = 0.003
     has_walls: bool = field(default_factory=lambda: True, metadata=LATER)
+    regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_bin=copied(self.T_world_bin), size=frozen(self.size))
+
+    def gives(self, part: "Part", T_world_part: pin.SE3) -> bool:
+        """Whether a part may be taken where it lies: by its middle, within the regions if any.
+
+        Without regions it is all in a bin with walls, and what is over a floor without.
+        """
+        if self.has_walls and not self.regions:
+            return True
+        p_bin = self.T_world_bin.actInv(T_world_part).act(part.middle)
+        if self.regions:
+            return any(region.near(p_bin[None])[0] for region in self.regions)
+        return bool((np.abs(p_bin[:2]) <= self.size[:2] / 2).all())
 
     @property
     def solids(self) -> tuple[Solid, ...]:
@@ -270,6 +317,11 @@ class Part(Told):
 
     def __post_init__(self) -> None:
         put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
+
+    @property
+    def middle(self) -> Floats:
+        """Of the box around its mesh (3,) [m], in its frame."""
+        return (self.mesh.points.min(axis=0) + self.mesh.points.max(axis=0)) / 2
 
     @property
     def facts(self) -> Mapping[str, object]:

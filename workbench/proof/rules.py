@@ -45,6 +45,9 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
     if grasp is None:
         yield Violation(f"the part has no grasp {one.grasp!r}", arm.name)
         return
+    found = plan.detections[one.detection]
+    if found.T_world_found is None and not cell.bin.gives(part, found.T_world_part):
+        yield Violation("the part lies outside of the regions of interest", arm.name)
     if not grasp.is_enabled:
         yield Violation(f"grasp {grasp.name} is switched off", arm.name)
     if grasp.arms and arm.name not in grasp.arms:

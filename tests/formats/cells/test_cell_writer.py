@@ -15,7 +15,8 @@ from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Fixture
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
-from workbench.model.geometry import Mesh, Solid
+from workbench.model.geometry import Mesh, Solid, pose_from_rpy
+from workbench.model.part import Region
 from workbench.model.scan import PosesFolder
 from workbench.planning.collision.link_pairs import pairs_without_check
 from workbench.planning.kinematics.robot import Kinematics
@@ -184,3 +185,13 @@ def test_a_bin_without_walls_comes_back_without_them(tmp_path):
     cell = read_cell("yumi")
     table = replace(cell, bin=replace(cell.bin, has_walls=False))
     assert not written(tmp_path, table).bin.has_walls
+
+
+def test_regions_come_back(tmp_path):
+    cell = read_cell("yumi")
+    one = Region(
+        'a "b"', pose_from_rpy((0.01, -0.02, 0.0), (0, 0, 0.5)), np.array([0.1, 0.05, 0.2])
+    )
+    (again,) = written(tmp_path, replace(cell, bin=replace(cell.bin, regions=(one,)))).bin.regions
+    assert again.name == one.name and again.T_bin_region.isApprox(one.T_bin_region, 1e-6)
+    np.testing.assert_allclose(again.size, one.size)

@@ -15,6 +15,7 @@ from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import joint_values, part_poses
 from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import Box, pose_from_rpy
+from workbench.model.part import Region
 from workbench.model.scan import LocalizationResult, Objection, RejectedHypothesis
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.studies.load.raw_browser import unpacked
@@ -52,6 +53,20 @@ def test_the_cell_stands_there_before_anything_has_happened(server, scene, cell,
         assert node(server, name) is not None, name
     assert node(server, "/scan") is None
     assert not node(server, "/planned").visible
+
+
+def test_regions_of_interest_are_drawn_and_go_where_they_are_moved(
+    server, scene, cell, states, view_of
+):
+    region = Region("left", pose_from_rpy((0.0, 0.05, 0.0)), np.array([0.1, 0.1, 0.05]))
+    for x in (0.0, 0.03):
+        moved = replace(region, T_bin_region=pose_from_rpy((x, 0.05, 0.0)))
+        other = replace(cell, bin=replace(cell.bin, regions=(moved,)))
+        scene.draw(None, view_of(replace(states.idle, cell=other)))
+        T = other.bin.T_world_bin * moved.T_bin_region
+        np.testing.assert_allclose(pose_of(node(server, "/regions/0"))[:3], T.translation)
+        assert node(server, "/regions/0/edges") is not None
+        assert node(server, "/regions/0/label").text == "region left"
 
 
 def test_no_browser_has_to_draw_shadows_not_even_at_first(server, scene):

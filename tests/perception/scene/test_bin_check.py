@@ -130,7 +130,7 @@ def test_a_surface_is_as_high_as_it_should_be_and_how_much_lies_on_it_is_told(ce
     assert check.says.startswith("parts lie as high as they should, to 0.")
 
 
-@pytest.mark.parametrize(("up", "word"), [(5, "higher"), (-4, "lower")])
+@pytest.mark.parametrize(("up", "word"), [(5, "+5.0 mm"), (-4, "-4.0 mm")])
 def test_a_surface_at_another_height_is_measured(cell, up, word):
     scan, truth = scanned(table(cell), 3, (0, 0, up), (0.5, 0, 0), seed=1)
     check = check_bin(scan, table(cell).bin)
@@ -148,4 +148,4 @@ def test_a_surface_that_is_not_there_is_bad_news(cell):
 
 def test_a_surface_on_which_nothing_lies_is_told(cell):
     check = check_bin(scanned(table(cell))[0], table(cell).bin)
-    assert check.is_empty and check.findings == ("nothing lies there",)
+    assert check.is_empty and check.findings == ("nothing lies on the surface",)

@@ -177,6 +177,8 @@ def check_cell(cell: Cell) -> None:
         CommandRefused: they do not.
     """
     check_near("bin", cell.bin.T_world_bin)
+    for region in cell.bin.regions:
+        check_near(f"region {region.name}", region.T_bin_region)
     check_near("scanner", cell.scanner.T_world_scanner)
     check_near("robot", cell.T_world_robot)
     for fixture in cell.fixtures:

@@ -29,6 +29,7 @@ from workbench.planning.picking.propose import (
     candidate_of,
     grasps_of,
     groups,
+    is_taken_there,
     tried,
 )
 from workbench.planning.picking.put_down import ways_at_places
@@ -117,6 +118,8 @@ def glance_at(world: World, *, avoided: Mapping[int, str] = NOTHING, seed: int =
             arms += [arm.name] * len(every)
             if number in avoided:
                 said += [(Reason.DISABLED, False)] * len(every)
+            elif not is_taken_there(world, number):
+                said += [(Reason.OUTSIDE_REGIONS, False)] * len(every)
             elif world.detections[number].roll_known:
                 said += [reach[arm.name].said(hands, n, number, k, g) for k, g in enumerate(every)]
             else:

@@ -40,6 +40,10 @@ def show_cell(typed: CellShow) -> int:
     ]
     rows += [
         ("bin", f"{_mm(bin.size)} mm {inside}, at {_mm(bin.T_world_bin.translation)} mm"),
+        *(
+            (f"region {one.name}", f"{_mm(one.size)} mm, at {_mm(one.T_bin_region.translation)} mm")
+            for one in bin.regions
+        ),
         *((f"fixture {one.name}", f"{len(one.solids)} solids") for one in cell.fixtures),
         (
             "scanner",

@@ -12,6 +12,7 @@ from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.scan import Detection, RejectedHypothesis, SearchOverrides
 from workbench.perception.scene.bin_check import check_bin
+from workbench.perception.scene.fill_level import parts_in_words
 from workbench.perception.scene.sensor import sensor_model
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
@@ -72,7 +73,7 @@ def localize(typed: arguments.Localize) -> int:
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
     check = check_bin(cloud, cell.bin)
-    print(f"bin, {check.light}: {check.says}")
+    print(f"bin, {check.light}: {check.says}; {parts_in_words(cell, check, found)} found")
     return 0
 
 

@@ -29,6 +29,8 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
     yield from _moved("the bin", before.bin.T_world_bin, after.bin.T_world_bin)
     if not np.array_equal(before.bin.size, after.bin.size) or before.bin.wall != after.bin.wall:
         yield "the bin has another size"
+    if digest_of(before.bin.regions) != digest_of(after.bin.regions):
+        yield "the regions of interest are others"
     if before.bin.has_walls != after.bin.has_walls:
         yield "the bin has walls" if after.bin.has_walls else "the bin has no walls any more"
     yield from _moved("the robot", before.T_world_robot, after.T_world_robot)

@@ -30,10 +30,10 @@ LOST = 2e-6
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
-    Which parts it picks, poses of robot, bin, scanner and fixtures, the scanner's calibration, unit
-    and axes, sizes of the bin, homes, places and the tool of the arms, the TCPs of tools, and of
-    the policy the lifts and the margin of straight legs can be written; the file is left as it is
-    when anything else differs.
+    Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
+    calibration, unit and axes, sizes of the bin, homes, places and the tool of the arms, the TCPs
+    of tools, and of the policy the lifts and the margin of straight legs can be written; the file
+    is left as it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -81,9 +81,9 @@ def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> No
     add_line(path.with_name(LOG), entry)
 
 
-def _names(cell: Cell) -> tuple[list[str], list[str]]:
-    """Of the arms and fixtures, in their order: none can be added or taken away."""
-    return [arm.name for arm in cell.arms], [fixture.name for fixture in cell.fixtures]
+def _names(cell: Cell) -> list[list[str]]:
+    """Of the arms, fixtures and regions, in their order: none can be added or taken away."""
+    return [[one.name for one in many] for many in (cell.arms, cell.fixtures, cell.bin.regions)]
 
 
 def _is_same(one: Cell, other: Cell) -> bool:
@@ -125,7 +125,15 @@ def _is_same(one: Cell, other: Cell) -> bool:
     alike = replace(
         one,
         T_world_robot=other.T_world_robot,
-        bin=replace(one.bin, T_world_bin=other.bin.T_world_bin, size=other.bin.size),
+        bin=replace(
+            one.bin,
+            T_world_bin=other.bin.T_world_bin,
+            size=other.bin.size,
+            regions=tuple(
+                replace(mine, T_bin_region=region.T_bin_region)
+                for mine, region in zip(one.bin.regions, other.bin.regions, strict=True)
+            ),
+        ),
         scanner=replace(
             mount, T_world_scanner=other_mount.T_world_scanner, calibration=calibration
         ),
@@ -142,6 +150,7 @@ def _numbers(cell: Cell) -> Floats:
     """What `_edit` can write, in one row."""
     Ts = [cell.T_world_robot, cell.bin.T_world_bin, cell.scanner.T_world_scanner]
     Ts += [fixture.T_world_fixture for fixture in cell.fixtures]
+    Ts += [region.T_bin_region for region in cell.bin.regions]
     Ts += [T for arm in cell.arms for T in _places(arm)]
     Ts += [tool.T_flange_tcp for arm in cell.arms for tool in (arm.tool, *arm.tools)]
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
@@ -158,6 +167,10 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     _edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
     if not np.array_equal(old.bin.size, new.bin.size):
         document["bin"]["size_mm"] = _millimetres(new.bin.size)
+    for table, one, other in zip(
+        document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
+    ):
+        _edit_pose(table, one.T_bin_region, other.T_bin_region)
     _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):

@@ -28,7 +28,7 @@ from workbench.model.cell import (
     picks_problem,
 )
 from workbench.model.errors import FileError
-from workbench.model.part import Bin, Part
+from workbench.model.part import Bin, Part, Region
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.planner import planner_names
@@ -183,6 +183,26 @@ def _bin(table: Table) -> Bin:
         table.numbers("size_mm", 3, low=10, high=5000) / 1000,
         table.number("wall_mm", 3, low=0.5, high=100) / 1000,
         table.flag("walls", True),
+        tuple(_region(region) for region in table.tables("region")),
+    )
+    table.once("region.name", (region.name for region in found.regions))
+    for region in found.regions:
+        x, y, z = np.abs(region.T_bin_region.translation)
+        if x > found.size[0] / 2 or y > found.size[1] / 2 or z > found.size[2]:
+            raise table.error(
+                "region.position_mm",
+                f"the middle of region {region.name!r} lies outside of the bin; it is counted from "
+                "the middle of the bin's floor",
+            )
+    table.finish()
+    return found
+
+
+def _region(table: Table) -> Region:
+    found = Region(
+        table.text("name"),
+        read_pose(table),
+        table.numbers("size_mm", 3, low=1, high=5000) / 1000,
     )
     table.finish()
     return found

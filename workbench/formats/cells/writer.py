@@ -63,6 +63,10 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield f"wall_mm = {number(cell.bin.wall * 1000)}"
     if not cell.bin.has_walls:
         yield "walls = false             # a surface on which parts lie"
+    for region in cell.bin.regions:
+        yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
+        yield from _pose(region.T_bin_region)
+        yield f"size_mm = {_mm(region.size)}"
     yield from _scanner(cell)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")

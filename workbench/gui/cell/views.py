@@ -60,12 +60,15 @@ def tree_html(cell: Cell) -> str:
         ],
     )
     length, width, height = (mm(float(size), 0) for size in cell.bin.size)
-    inside = "inside" if cell.bin.has_walls else "above a surface without walls"
+    regions = [f"region {one.name}" for one in cell.bin.regions]
+    inside = f"{length} x {width} x {height} inside"
+    if not cell.bin.has_walls:
+        inside = f"{length} x {width} without walls, parts up to {height} high"
     scanner = f"scanner, {cell.scanner.source}"
     address = [cell.scanner.address] if cell.scanner.address else []
     where = f"{cell.controller.host} port {cell.controller.port}"
     rest = [
-        _branch("bin", [f"{length} x {width} x {height} {inside}"]),
+        _branch("bin", [inside, *regions]),
         _branch(scanner, [*address, "{} x {} pixels".format(*cell.scanner.resolution)]),
         _branch(f"controller, {cell.controller.link}", [where]),
     ]

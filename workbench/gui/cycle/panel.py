@@ -147,7 +147,8 @@ class CyclePanel:
         check = new.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
-        self._parts_line.content = parts_line(state, new.live.wrong_sizes(state.detections))
+        sizes = new.live.wrong_sizes(state.detections)
+        self._parts_line.content = parts_line(state, sizes, check)
         self._plan_line.content = plan_line(state)
         self._row.show(new)
         joints = new.live.joints

@@ -1,4 +1,4 @@
-"""Stations of a cell, and the parts that stand beside the bin: on them, and at places."""
+"""Stations and regions of a cell, and the parts that stand beside the bin: there, and at places."""
 
 from collections.abc import Sequence
 
@@ -12,11 +12,11 @@ from workbench.app.picking.pallets import at_rest
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import place
-from workbench.gui.shared.colours import BESIDE_BIN, STATION
+from workbench.gui.shared.colours import BESIDE_BIN, BRAND, STATION, rgb_of
 from workbench.gui.shared.look import View
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, frozen
-from workbench.model.part import Station
+from workbench.model.part import Bin, Region, Station
 from workbench.model.scan import Detection
 
 ABOVE = 0.0003
@@ -47,6 +47,31 @@ def add_stations(scene: viser.SceneApi, cell: Cell) -> None:
             anchor="top-center",
             position=(0.0, 0.0, -0.02),
         )
+
+
+def add_regions(scene: viser.SceneApi, bin: Bin) -> None:
+    """The edges of the boxes from which parts are taken, each with its name."""
+    for number, region in enumerate(bin.regions):
+        name = f"/regions/{number}"
+        place(scene.add_frame(name, show_axes=False), bin.T_world_bin * region.T_bin_region)
+        add_lines(scene, f"{name}/edges", edges_of(region), rgb_of(BRAND), 2.0)
+        scene.add_label(
+            f"{name}/label",
+            f"region {region.name}",
+            font_screen_scale=0.8,
+            anchor="bottom-center",
+            position=(0.0, 0.0, float(region.size[2])),
+        )
+
+
+def edges_of(region: Region) -> Floats:
+    """The edges of a region's box as lines (12, 2, 3) [m] in its own frame."""
+    length, width, height = region.size
+    flat = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
+    low = np.column_stack([flat, np.zeros(4)])
+    high = low + [0.0, 0.0, height]
+    rings = [np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in (low, high)]
+    return frozen(np.concatenate([*rings, np.stack([low, high], axis=1)]))
 
 
 def edge_of(station: Station) -> Floats:

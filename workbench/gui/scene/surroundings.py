@@ -8,7 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.gui.scene.robot import place, quaternion
-from workbench.gui.scene.stations import add_stations
+from workbench.gui.scene.stations import add_regions, add_stations
 from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
 from workbench.gui.shared.solids import by_colour
 from workbench.model.cell import Cell
@@ -43,7 +43,7 @@ UP = (0.0, 0.0, 1.0)
 
 
 def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
-    """Floor, fixtures, stations, bin and scanner: they never move."""
+    """Floor, fixtures, stations, bin, regions and scanner: they never move."""
     for fixture in cell.fixtures:
         for number, (colour, points, triangles) in enumerate(
             by_colour(fixture.solids, fixture.T_world_fixture)
@@ -58,6 +58,7 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         scene.add_mesh_simple(
             f"/bin/{number}", points, triangles, color=colour, opacity=0.35, side="double"
         )
+    add_regions(scene, cell.bin)
     mount = cell.scanner
     columns, rows = mount.resolution
     height = 2 * math.atan(math.tan(mount.field_of_view / 2) * rows / columns)
@@ -102,7 +103,7 @@ def add_floor(scene: viser.SceneApi, cell: Cell, *, is_dark: bool = False) -> No
 
 def remove_surroundings(scene: viser.SceneApi) -> None:
     """Take away what `add_surroundings` has added."""
-    for name in ("/fixtures", "/stations", "/bin", "/scanner", "/floor"):
+    for name in ("/fixtures", "/stations", "/bin", "/regions", "/scanner", "/floor"):
         scene.remove_by_name(name)
 
 

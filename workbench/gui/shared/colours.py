@@ -12,6 +12,7 @@ BUSY = "#e67700"
 VERDICTS: dict[Reason, str] = {
     Reason.OK: GOOD,
     Reason.DISABLED: MUTED,
+    Reason.OUTSIDE_REGIONS: MUTED,
     Reason.ARM_NOT_ALLOWED: MUTED,
     Reason.TOOL_COLLISION: "#e03131",
     Reason.ROLL_UNKNOWN: "#1864ab",

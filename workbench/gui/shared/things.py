@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.part import PartPlace
+from workbench.model.part import PartPlace, Region
 from workbench.planning.kinematics.robot import Kinematics
 
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
@@ -35,7 +35,9 @@ def things(cell: Cell) -> tuple[str, ...]:
         for number in range(1, len(arm.part_places) + 1)
     ]
     tcps = [f"{TCP} {name}" for name in _carriers(cell)]
-    return (BIN, SCANNER, ROBOT, *(fixture.name for fixture in cell.fixtures), *places, *tcps)
+    regions = [_of_region(one) for one in cell.bin.regions]
+    fixtures = [fixture.name for fixture in cell.fixtures]
+    return (BIN, *regions, SCANNER, ROBOT, *fixtures, *places, *tcps)
 
 
 def frame_of(cell: Cell, thing: str) -> pin.SE3:
@@ -84,6 +86,9 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
             for fixture in cell.fixtures:
                 if fixture.name == thing:
                     return fixture.T_world_fixture
+            for region in cell.bin.regions:
+                if _of_region(region) == thing:
+                    return cell.bin.T_world_bin * region.T_bin_region
             if tool := tool_of(cell, thing):
                 arm = _carriers(cell)[tool]
                 return _flange(cell, arm.name) * _tool(arm, tool).T_flange_tcp
@@ -119,6 +124,13 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
                     for one in cell.fixtures
                 )
                 return {"fixtures": fixtures}
+            if any(_of_region(region) == thing for region in cell.bin.regions):
+                T_bin_region = cell.bin.T_world_bin.inverse() * T
+                regions = tuple(
+                    replace(one, T_bin_region=T_bin_region) if _of_region(one) == thing else one
+                    for one in cell.bin.regions
+                )
+                return {"bin": replace(cell.bin, regions=regions)}
             if tool := tool_of(cell, thing):
                 T_flange_tcp = frame_of(cell, thing).actInv(T)
                 return {"arms": _arms_with_tcp(cell, tool, T_flange_tcp)}
@@ -167,6 +179,10 @@ def _with_arm(cell: Cell, name: str, **fields: Any) -> Cell:
 
 def _arms_with(cell: Cell, name: str, **fields: Any) -> tuple[Arm, ...]:
     return tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)
+
+
+def _of_region(region: Region) -> str:
+    return f"region {region.name}"
 
 
 def _arms_with_tcp(cell: Cell, name: str, T_flange_tcp: pin.SE3) -> tuple[Arm, ...]:

@@ -15,10 +15,12 @@ from workbench.app.core.rights import JOBS, what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
 from workbench.gui.shared.look import View
+from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
+from workbench.perception.scene.fill_level import parts_in_words
 from workbench.proof.stages import STRAIGHT
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -214,8 +216,8 @@ def scan_line(state: State) -> str:
     return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
 
 
-def parts_line(state: State, wrong_sizes: Sequence[str] = ()) -> str:
-    """What the localizer has brought, and what it says of CAD files of a wrong size."""
+def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | None = None) -> str:
+    """What the localizer has brought, of about how many, and of CAD files of a wrong size."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
         return hint(state, FindParts, purpose, 2)
@@ -225,7 +227,10 @@ def parts_line(state: State, wrong_sizes: Sequence[str] = ()) -> str:
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
     more = " …" if count > 4 else ""
     noun = "part" if count == 1 else "parts"
-    found = f"{count} {noun}, score {scores}{more}"
+    parts = f"{count} {noun}"
+    if check is not None:
+        parts = parts_in_words(state.cell, check, state.detections)
+    found = f"{parts}, score {scores}{more}"
     warnings = (line(f"{sentence(one)}.", kind="bad", span=2) for one in wrong_sizes)
     return line(found, span=2, tip=purpose) + "".join(warnings)
 

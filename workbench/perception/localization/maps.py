@@ -104,7 +104,7 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
         scan: the cloud.
         bin: as the cell has it.
         seen: the same as the scan shows it; its inside is the foreground, up to `size` above the
-            rim.
+            rim, and of a bin with regions what is no further than `size` from these.
         size: diameter of what is looked for [m].
         pitch: width of a pixel wanted at the bin's floor [m]; a sparse cloud gets wider ones.
 
@@ -135,6 +135,11 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
         rays, depth, T_bin_scanner.homogeneous, bin.size, seen.floor, seen.walls,
         max(FLOOR_GATE, FLOOR_GATE_OVER_NOISE * seen.noise), size,
     )  # fmt: skip
+    if bin.regions:
+        p = (rays * depth[..., None]).reshape(-1, 3)
+        p = p @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+        inside = np.any([region.near(p, size) for region in bin.regions], axis=0)
+        foreground &= inside.reshape(depth.shape)
     if not foreground.any():
         return None
     return DepthMap(camera, rays, depth, normals, foreground, step * distance)

@@ -14,7 +14,8 @@ from workbench.model.calibration import BinCheck, Light
 from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_turn
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_fit import FARTHEST, SeenBin, above_floor, as_in_cell, fit_bin
+from workbench.perception.scene.bin_fit import FARTHEST, as_in_cell, fit_bin
+from workbench.perception.scene.fill_level import filled
 
 REACH = 0.08
 """[m] Around the bin that the rim is looked for."""
@@ -47,20 +48,11 @@ place must show more of it than where the bin should be."""
 SHIFTED, TURNED = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
-GRID = 0.005
-"""[m] Width of the pieces into which the inside is divided, seen from above."""
-
-LOW = 0.004
-"""[m] What is no higher above the floor is floor."""
-
-OVER, OVER_CELLS = 0.01, 4
-"""[m] Above the rim, over so many pieces of the grid, the bin is too full."""
+OVER = 0.01
+"""[m] Above the rim the bin is too full."""
 
 EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""
-
-LEAST_INSIDE = 0.3
-"""Share of the inside that must be seen to say how full the bin is."""
 
 
 def check_bin(scan: Scan, bin: Bin) -> BinCheck:
@@ -77,7 +69,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         return _check_surface(p_bin, bin)
     T = rim_place(p_bin, bin)
     if T is None:
-        _, above, _ = _filled(p_bin, bin, as_in_cell())
+        _, above, _ = filled(p_bin, bin, as_in_cell())
         hidden = f"something is {above * 1000:.0f} mm above it" if above > OVER else ""
         finding = (
             f"the rim of the bin is not seen where the cell has it, nor within "
@@ -88,7 +80,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     is_elsewhere = shift > SHIFTED or turn > TURNED
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
-    fill, above, covered = _filled(p_bin, bin, seen)
+    fill, above, covered = filled(p_bin, bin, seen)
     is_empty, is_overfull = fill is not None and covered < EMPTY, above > OVER
     findings: list[str] = []
     if is_overfull:
@@ -128,12 +120,14 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
 def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     """The same of a bin without walls: how high its floor lies, and how it leans, can be seen."""
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
-    fill, above, covered = _filled(p_bin, bin, seen)
+    fill, above, covered = filled(p_bin, bin, seen)
     is_overfull = above > OVER
     findings: list[str] = []
     if is_overfull:
-        most = f"{bin.size[2] * 1000:.0f} mm up to which they may"
-        findings.append(f"parts lie too high: {above * 1000:.0f} mm above the {most}")
+        findings.append(
+            f"overfilled: parts lie {above * 1000:.0f} mm above the height up to which they may, "
+            f"{bin.size[2] * 1000:.0f} mm"
+        )
     if not seen.is_floor_seen:
         findings.append(
             "the surface that parts lie on is not seen where the cell has it, nor within "
@@ -148,15 +142,14 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     shift, turn = shift_and_turn(T)
     is_elsewhere = shift > SHIFTED or turn > TURNED
     if is_elsewhere:
-        way = "higher" if seen.floor[0] > 0 else "lower"
         findings.append(
-            f"the surface that parts lie on is {shift * 1000:.1f} mm {way} and leans by "
-            f"{np.rad2deg(turn):.1f} degrees from where the cell has it: it was moved, or the "
+            f"the surface that parts lie on is {seen.floor[0] * 1000:+.1f} mm from the height that "
+            f"the cell has, and leans by {np.rad2deg(turn):.1f} degrees more: it was moved, or the "
             "scanner is not calibrated"
         )
     is_empty = fill is not None and covered < EMPTY
     if is_empty:
-        findings.append("nothing lies there")
+        findings.append("nothing lies on the surface")
     if fill is None:
         findings.append("the surface that parts lie on is hardly seen")
     return BinCheck(
@@ -298,23 +291,3 @@ def _plane(rim: Floats, half: Floats, place: Floats) -> Floats:
         plane: Any = np.linalg.lstsq(rows, kept[:, 2], rcond=None)[0]
         level = plane[0] * on[:, 0] + plane[1] * on[:, 1] + plane[2]
     return plane
-
-
-def _filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> tuple[float | None, float, float]:
-    """Share of the room taken or None, what sticks out [m], and share of the floor covered."""
-    inner, height = np.asarray(bin.size[:2]) / 2 - GRID, float(bin.size[2])
-    inside = p_bin[(np.abs(p_bin[:, :2]) < inner).all(axis=1) & (p_bin[:, 2] < 4 * height + 0.2)]
-    shape = tuple(np.maximum(1, np.ceil(2 * inner / GRID).astype(int)))
-    index = np.minimum(((inside[:, :2] + inner) / GRID).astype(int), np.array(shape) - 1)
-    flat = index[:, 0] * shape[1] + index[:, 1]
-    total, count = int(np.prod(shape)), np.bincount(flat, minlength=int(np.prod(shape)))
-    # The mean of a piece does not jump with one stray point, as its highest would.
-    heights = np.bincount(flat, inside[:, 2], total)[count > 0] / count[count > 0]
-    deep = np.bincount(flat, above_floor(seen, bin.size, inside), total)[count > 0]
-    deep = deep / count[count > 0]
-    if len(heights) < LEAST_INSIDE * total:
-        return None, 0.0, 0.0
-    over = np.sort(heights[heights > height])
-    above = float(over[-OVER_CELLS] - height) if len(over) >= OVER_CELLS else 0.0
-    taken = np.where(deep > LOW, np.clip(deep, 0.0, height), 0.0)
-    return float(taken.mean() / height), above, float(np.mean(deep > LOW))

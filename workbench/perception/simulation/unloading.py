@@ -69,8 +69,7 @@ def is_in_bin(bin: Bin, part: Part, T_world_part: pin.SE3) -> bool:
 
     Its frame may be at an edge, which sinks into the floor a little as it lies there.
     """
-    middle = (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
-    x, y, z = bin.T_world_bin.actInv(T_world_part).act(middle)
+    x, y, z = bin.T_world_bin.actInv(T_world_part).act(part.middle)
     length, width, _ = bin.size
     return bool(abs(x) <= length / 2 and abs(y) <= width / 2 and z >= 0.0)
 

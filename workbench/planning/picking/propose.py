@@ -20,6 +20,7 @@ TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
 
 _FITS = Verdict(Reason.OK, Stage.PROPOSE)
+_OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 
 
 def propose(world: World, *, priorities: Collection[int] | None = None) -> tuple[Candidate, ...]:
@@ -127,8 +128,10 @@ def _candidates(
     ranks = (np.linalg.norm(p - T_home.translation, axis=2) + TURN_WEIGHT * turn).tolist()
     found: list[Candidate] = []
     for n, number in enumerate(numbers):
+        outside = None if is_taken_there(world, number) else _OUTSIDE
         for k, grasp in enumerate(grasps):
-            T_world_tcp, verdict, taken = pin.SE3(R[n, k], p[n, k]), hands.refusals[k], grasp
+            T_world_tcp, taken = pin.SE3(R[n, k], p[n, k]), grasp
+            verdict = outside or hands.refusals[k]
             if verdict is None:
                 fit = hands.fits[number, k]
                 verdict = _told(check, arm, grasp, T_world_tcp, fit)
@@ -139,6 +142,13 @@ def _candidates(
                     taken = as_it_fits(arm, grasp, fit)
             found.append(Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict))
     return found
+
+
+def is_taken_there(world: World, number: int) -> bool:
+    """Whether parts may be taken where one lies; always where a plan has put it on a station."""
+    one = world.detections[number]
+    is_put_down = one.T_world_found is not None
+    return is_put_down or world.cell.bin.gives(world.cell.part(one.part), one.T_world_part)
 
 
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
