@@ -4,8 +4,8 @@ A robot is less exact than a scanner of balls is: where it holds the plate is of
 a millimetre, and how it turns it by some hundredths of a degree, for all three balls of a pose
 alike.  Nine numbers of a pose are therefore no nine measurements.  They are taken as one shift
 and one turn of the plate, whose two variances are estimated from the poses themselves by their
-second moments (Rao, Estimation of variance and covariance components, 1971), and by which both are
-weighed.  Balls that are each off by themselves are the case of equal variances.
+second moments (Rao, Journal of Multivariate Analysis 1, 1971), and by which both are weighed.
+Balls that are each off by themselves are the case of equal variances.
 """
 
 from collections.abc import Sequence
