@@ -4,8 +4,8 @@ A robot is less exact than a scanner of balls is: where it holds the plate is of
 a millimetre, and how it turns it by some hundredths of a degree, for all three balls of a pose
 alike.  Nine numbers of a pose are therefore no nine measurements.  They are taken as one shift
 and one turn of the plate, whose two variances are estimated from the poses themselves by their
-second moments (Rao, Estimation of variance and covariance components, 1971), and by which both are
-weighed.  Balls that are each off by themselves are the case of equal variances.
+second moments (Rao, Journal of Multivariate Analysis 1, 1971), and by which both are weighed.
+Balls that are each off by themselves are the case of equal variances.
 """
 
 from collections.abc import Sequence
@@ -140,7 +140,8 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     """How far off points are seen by what is not known of the scanner's pose, (n,) [m].
 
     In 95 % of calibrations a point is no further off.  Its squared error is a sum of three squares
-    of different size, taken as one chi-square of the same mean and variance (Box 1954).
+    of different size, taken as one chi-square of the same mean and variance (Box, Annals of
+    Mathematical Statistics 25, 1954).
 
     Args:
         covariance: (6, 6) [m, rad] of shifts of the scanner and turns about it, along the world's
