@@ -90,6 +90,7 @@ __all__ = [
     "WorkbenchError",
     "approve",
     "calibrate",
+    "corner_errors",
     "drop_parts",
     "judge",
     "localize",
@@ -304,3 +305,15 @@ def calibrate(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrati
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
     return calibrations.calibrated(cell, observations)
+
+
+def corner_errors(cell: Cell, calibration: Calibration) -> dict[str, float]:
+    """How far off what lies at the bin's corners is seen by a calibration alone.
+
+    In 95 % of such calibrations it is no further off.  Robot, search and grip come on top.
+
+    Returns:
+        By the corner's name, such as `floor front left` [m].
+    """
+    T = calibration.T_world_scanner
+    return calibrations.corner_errors(cell, calibration.covariance, T)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from forking import fork_workers
+from hands import pause
 from patient import PATIENT
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until
@@ -127,7 +128,7 @@ class Screen:
     def press(self, name: str) -> None:
         """Press a button, as soon as it can be pressed."""
         # viser passes on one message each 50 ms: people are slower than that, programs are not.
-        self.page.wait_for_timeout(80)
+        pause(self.page, 80)
         self.button(name).click(timeout=PATIENCE * 1000)
 
     def tab(self, name: str) -> None:

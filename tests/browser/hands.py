@@ -33,6 +33,18 @@ def first_look(page, cell) -> Camera:
     return Camera(page, *surroundings.first_look(cell))
 
 
+PAUSE = "ms => new Promise(done => setTimeout(done, ms))"
+
+
+def pause(page, milliseconds):
+    """Let so much time pass, and the page do what it had put off until then.
+
+    The page sends values that change quickly a moment later; where it is slow that moment is over
+    here and not there, and what is pressed next would come first.
+    """
+    page.evaluate(PAUSE, milliseconds)
+
+
 FRAMES = "() => new Promise(done => {let n = 0; (function next() {"
 FRAMES += "if (++n > 4) done(); else requestAnimationFrame(next);})();})"
 """Resolved when the page has drawn itself some times more: what was sent is where it is seen."""
@@ -40,7 +52,7 @@ FRAMES += "if (++n > 4) done(); else requestAnimationFrame(next);})();})"
 
 def settle(page, milliseconds):
     """Let so much time pass, and as many pictures as it takes on a machine that draws slowly."""
-    page.wait_for_timeout(milliseconds)
+    pause(page, milliseconds)
     page.evaluate(FRAMES)
 
 

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hands import field
+from hands import field, pause
 from playwright.sync_api import expect
 
 from workbench.app.core.commands import ChangeCell, UseScan
 from workbench.app.picking.facts import bin_check_of
+from workbench.gui.page.server import serve
 from workbench.gui.shared.things import BIN, moved
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.synthesize import synthesize
@@ -16,16 +17,36 @@ from workbench.perception.simulation.synthesize import synthesize
 WRONG = pose_from_rpy((0.012, -0.008, 0.015), np.deg2rad((1.2, -0.8, 1.5)))
 
 
-def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wait):
+@pytest.fixture
+def served(bench):
+    page = serve(bench, port=0, most_points=4000)
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def url(served):
+    return served.url
+
+
+def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, bench, wait):
     truth = bench.state.cell.scanner.T_world_scanner
+    (visitor,) = served._renderer._visitors.values()
     screen.tab("Calibration")
     for count in range(1, 6):
+        before = visitor.own.now.jog
         screen.press("Suggest a pose")
         # The first suggestion takes its time: the planner's compiled code is loaded.
-        screen.page.wait_for_timeout(800)
+        wait(lambda before=before: visitor.own.now.jog is not before, "the next pose")
         screen.wait_for("as it is jogged on the page")
+        if count == 5:  # There is an answer now, and what tells most is looked for.
+            screen.wait_for("From pose 4 on, with the plate as it is held:")
         screen.press("Scan the plate")
         wait(lambda count=count: len(bench.state.observations) == count, f"pose {count}")
+    screen.press("Suggest a pose")
+    screen.wait_for("From pose 5 on, with the plate as it is held:")
+    screen.wait_for("The worst corner of the bin would be seen to")
+    screen.shoot("calibration-next")
     assert {one.arm for one in bench.state.observations} == {"right"}
     assert len({tuple(one.q) for one in bench.state.observations}) == 5
 
@@ -52,7 +73,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, bench, wa
     screen.press("Apply")
     screen.wait_for("type your name")
     field(screen, "Your name").fill("Anna")
-    screen.page.wait_for_timeout(300)
+    pause(screen.page, 300)
     screen.press("Apply")
     wait(lambda: bench.state.cell.scanner.calibration is not None, "the calibration")
     after = bench.state.cell.scanner

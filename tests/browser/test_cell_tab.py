@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from hands import drag, field, first_look, settle
+from hands import drag, field, first_look, pause, settle
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -39,7 +39,7 @@ def type_number(screen, label: str, value: float) -> None:
     box = field(screen, label)
     box.fill(f"{value:.1f}")
     box.press("Enter")
-    screen.page.wait_for_timeout(120)
+    pause(screen.page, 120)
 
 
 def in_the_wall(cell) -> np.ndarray:
@@ -128,7 +128,7 @@ def test_a_bin_moved_by_its_gizmo_is_undone_redone_and_saved(
     screen.press("Redo")
     wait(lambda: bench.state.cell.digest == there, "redo")
     field(screen, "Remark").press_sequentially("higher", delay=60)
-    screen.page.wait_for_timeout(200)
+    pause(screen.page, 200)
     screen.press("Save")
     wait(lambda: bench.state.saved == bench.state.cell.digest, "the file written")
     screen.wait_for("As in its file")

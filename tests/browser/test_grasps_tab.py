@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from hands import Camera, drag, field, settle
+from hands import Camera, drag, field, pause, settle
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -65,7 +65,7 @@ def stage_camera(screen, bench) -> Camera:
 
 def unfold(screen, title: str) -> None:
     screen.page.get_by_text(title, exact=True).click()
-    screen.page.wait_for_timeout(400)
+    pause(screen.page, 400)
 
 
 def fill(screen, label: str, text: str) -> None:
@@ -73,7 +73,37 @@ def fill(screen, label: str, text: str) -> None:
     box = field(screen, label)
     box.fill(text)
     box.press("Tab")
-    screen.page.wait_for_timeout(200)
+    pause(screen.page, 200)
+
+
+def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench, wait):
+    screen.tab("Grasps")
+    screen.press("Next copy")
+    screen.wait_for("Copy 1 of 30")
+    screen.button("Back to cell").wait_for()
+    screen.press("Next copy")
+    screen.wait_for("Copy 2 of 30")
+    screen.page.locator("body").press("c")
+    screen.wait_for("Copy 3 of 30, side-1-2: turned 72 deg, moved 28.0 mm")
+    screen.shoot("grasps-copies")
+
+    screen.press("Duplicate")
+    wait(lambda: len(library(bench).entries) == 2, "the duplicate")
+    authored, copy = library(bench).entries
+    screen.page.get_by_text("Put at offset").scroll_into_view_if_needed()
+    boxes = screen.page.locator(
+        "//label[normalize-space(.)='Offset [mm]']/ancestor::*[.//input][1]//input"
+    ).locator("visible=true")
+    boxes.nth(0).fill("4")
+    boxes.nth(0).press("Tab")
+    screen.page.wait_for_timeout(300)
+    screen.press("Put at offset")
+    wait(lambda: "put as offset from side" in bench.state.message, "the offset")
+    T_side_copy = authored.grasp.T_part_tcp.actInv(grasp(bench, copy.name).grasp.T_part_tcp)
+    assert np.allclose(T_side_copy.translation, (0.004, 0.0, 0.0), atol=1e-5)
+    screen.press("Undo")
+    wait(lambda: "put as offset" not in bench.state.message, "the undo")
+    assert screen.errors == []
 
 
 def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, reaches, own):
@@ -129,7 +159,7 @@ def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, re
 
     # The authored pattern is left out, so that what is planned is what was made here.
     screen.page.locator(".wb-list tbody tr").first.click()
-    screen.page.wait_for_timeout(400)
+    pause(screen.page, 400)
     screen.press("Delete")
     wait(lambda: [e.name for e in library(bench).entries] == ["grasp"], "the deletion")
 

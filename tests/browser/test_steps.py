@@ -1,7 +1,9 @@
 """A plan run step by step, by pressing, with a robot controller in a process of its own."""
 
 import re
+from functools import partial
 
+import numpy as np
 import pytest
 from playwright.sync_api import expect
 from test_page import run_to_plan, seen
@@ -9,6 +11,9 @@ from test_page import run_to_plan, seen
 from workbench.app.core.commands import NextStep
 from workbench.app.records.replay import replay
 from workbench.journal.journal import Journal
+
+NEAR = 0.0005
+"""[rad] Programs are sent in hundredths of a degree."""
 
 
 @pytest.fixture
@@ -35,6 +40,20 @@ def stepping(screen, bench, robot, reaches, wait):
     return state.plan
 
 
+def ends_of(cell, plan, number):
+    """Where each joint [rad] is when the robot waits before a step."""
+    q = {arm.name: arm.home for arm in cell.arms}
+    for step in plan.sequence[: number - 1]:
+        q |= {arm: plan.arm(arm).leg(leg).q[-1] for arm, leg in step.runs}
+    return cell.joint_values(q)
+
+
+def stands(bench, there):
+    """Whether the robot has reported that it is there: reports come a moment later."""
+    joints = bench.live.joints
+    return all(abs(joints.get(name, np.inf) - value) < NEAR for name, value in there.items())
+
+
 def label(plan, number):
     return f"Run step {number} of {len(plan.sequence)}: {plan.sequence[number - 1].words}"
 
@@ -47,7 +66,10 @@ def test_every_step_waits_for_a_press_that_counts_once(
         screen.button(label(stepping, number)).wait_for()
         screen.wait_for(f"waits before step {number} of {steps}")
         if number == 3:
+            waits = screen.page.locator('.wb-mode[data-mode="waits"]')
+            expect(waits).to_contain_text("Ends with Run step 3, or Stop")
             screen.shoot("s2-waiting")
+        wait(partial(stands, bench, ends_of(bench.cell, stepping, number)), "the robot to stand")
         before = bench.live.joints
         screen.page.wait_for_timeout(300)
         assert bench.live.joints == before and bench.state.waits == number

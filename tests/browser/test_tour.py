@@ -4,6 +4,7 @@ import re
 
 import pytest
 from fronted import Window, open_front
+from hands import pause
 from playwright.sync_api import expect
 from test_shell import IDLE, SENDING, Shell
 from waiting import wait_until
@@ -65,7 +66,7 @@ class Tour(Window):
 
     def press(self, name, role="button"):
         # viser passes on one message each 50 ms.
-        self.page.wait_for_timeout(80)
+        pause(self.page, 80)
         self.scene.get_by_role(role, name=name, exact=True).click()
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 from workbench.cli.main import main
 from workbench.formats.plans.plan_files import read_plan
@@ -90,7 +91,7 @@ def robot(tmp_path: Path) -> Iterator[Robot]:
     ports = json.loads(process.stdout.readline())
     yield Robot(ports["port"], ports["state_port"], record)
     process.stdin.close()
-    assert process.wait(timeout=120) == 0
+    assert process.wait(timeout=PATIENCE) == 0
     process.stdout.close()
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from waiting import PATIENCE
 
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
@@ -340,7 +341,7 @@ def one_that(talks: Callable[[socket.socket], None]) -> tuple[socket.socket, thr
 
     def run() -> None:
         with server, server.accept()[0] as link:
-            link.settimeout(120)
+            link.settimeout(PATIENCE)
             talks(link)
 
     thread = threading.Thread(target=run)
@@ -383,7 +384,7 @@ def test_a_controller_that_breaks_off(line, say, send, tmp_path, talks, protocol
     server, thread = one_that(talks)
     port = server.getsockname()[1]
     said = send(one_arm, "--cell", folder, "--host", "127.0.0.1", "--port", port)
-    thread.join(120)
+    thread.join(PATIENCE)
     assert said.code == 4
     assert said.problem
     assert said.out == ""

@@ -4,7 +4,7 @@ import threading
 from contextlib import contextmanager
 from dataclasses import replace
 
-from waiting import PATIENCE
+from waiting import PATIENCE, lasting
 
 import workbench
 from workbench.devices.abb_egm.twin import SimulatedEgm
@@ -21,7 +21,7 @@ def plan_of_two():
     parts = workbench.drop_parts(cell.parts[:1] * 2, cell.bin, seed=1)
     result = workbench.plan(cell, parts, strategy="alternated")
     assert result.plan is not None, result.verdict
-    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
+    return cell, result.plan, lasting(workbench.approve(cell, result.plan, result.proof, "tester"))
 
 
 @contextmanager

@@ -7,7 +7,7 @@ import time
 from contextlib import contextmanager
 from dataclasses import replace
 
-from waiting import PATIENCE
+from waiting import PATIENCE, lasting
 
 import workbench
 from workbench.devices.universal_robots.flange import Flange
@@ -37,7 +37,7 @@ def planned_for(link: str):
 def approved_for(link: str):
     """That cell and plan, and the plan's approval."""
     cell, plan, proof = planned_for(link)
-    return cell, plan, workbench.approve(cell, plan, proof, "tester")
+    return cell, plan, lasting(workbench.approve(cell, plan, proof, "tester"))
 
 
 def legs_of(plan):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from twins import PATIENT, own_host, twin_of
-from waiting import wait_until
+from waiting import lasting, wait_until
 
 import workbench
 from workbench.app.picking.pipeline import plan_pick
@@ -144,7 +144,7 @@ def released(made):
     found = workbench.localize(cell, scan)
     result = workbench.plan(cell, found.detections, scan=scan)
     assert result.plan is not None and result.proof.holds, result.verdict
-    return cell, result.plan, workbench.approve(cell, result.plan, result.proof, "tester")
+    return cell, result.plan, lasting(workbench.approve(cell, result.plan, result.proof, "tester"))
 
 
 def sent(released, patience=PATIENT, **twin):
@@ -180,7 +180,7 @@ def test_a_ur5_goes_the_whole_line_by_the_foreign_client(made, released):
     ("fault", "says"), [("protective-stop@3", "protective stop"), ("cut@2", "")]
 )
 def test_a_fault_of_its_controller_ends_the_sending(made, released, fault, says):
-    patience = replace(PATIENT, silence=1.0)
+    patience = replace(PATIENT, silence=5.0) if "cut" in fault else PATIENT
     receipts, twin, problem = sent(released, patience, faults=[fault], speed=20.0)
     assert problem and says in problem
     assert receipts[-1].kind != "end" and len(twin.programs) >= 1

@@ -87,10 +87,18 @@ def test_what_was_corrected_is_wrong_where_it_was_and_right_near_where_a_person_
     # People put a part less exactly than a search fits it.
     assert counted(case, bolt(off(HERE, 9.0))) == (1, 0, 0, 0)
     assert counted(case, bolt(off(HERE, 11.0))) == (0, 0, 1, 1)
-    # Corrected by less than the limits: what is nearer to the one than to the other.
-    close = make([found], [bolt(off(HERE, 1.0))])
-    assert counted(close, found) == (0, 1, 1, 0)
-    assert counted(close, bolt(off(HERE, 0.8))) == (1, 0, 0, 0)
+    # Between the two, what is nearer counts.
+    close = make([found], [bolt(off(HERE, 3.0))])
+    assert counted(close, bolt(off(HERE, 1.4))) == (0, 1, 1, 0)
+    assert counted(close, bolt(off(HERE, 1.6))) == (1, 0, 0, 0)
+
+
+def test_what_was_moved_by_less_than_counts_was_not_called_wrong(make):
+    found = bolt()
+    assert counted(make([found], [bolt(off(HERE, 1.0))]), found) == (1, 0, 0, 0)
+    assert counted(make([found], [bolt(off(HERE, 0, 60))]), found) == (1, 0, 0, 0)
+    assert counted(make([found], [bolt(off(HERE, 0, 2))]), found) == (1, 0, 0, 0)
+    assert counted(make([found], [bolt(off(HERE, 0, 4))]), found) == (0, 1, 1, 0)
 
 
 def test_what_was_called_wrong_is_wrong_again_and_elsewhere_nobody_has_judged(make):
@@ -150,7 +158,7 @@ def session(seen, tmp_path):
         keep_case(tmp_path, state, comment, "listed", **about)
 
     over = Detection("bracket", first.T_world_part * pose_from_rpy((0, 0, 0), (np.pi, 0, 0)))
-    by_hand = Detection("bracket", off(first.T_world_part, 1.5, 2.0))
+    by_hand = Detection("bracket", off(first.T_world_part, 3.5, 2.0))
     keep((over, second), (by_hand, second), "turned over")
     keep((first,), (first, Detection("bracket", off(second.T_world_part, 2.0))), "one is missed")
     return tmp_path / FOLDER

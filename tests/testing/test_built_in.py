@@ -1,6 +1,7 @@
 """What is built in keeps the promises that others are asked to keep."""
 
 import pytest
+from waiting import lasting
 
 import workbench
 from workbench.plugins.found import load, names
@@ -44,7 +45,7 @@ def test_robot_links(name):
     cell = spoken_to_by(workbench.read_cell("yumi"), name)
     parts = workbench.drop_parts(cell.parts[:1] * 2, cell.bin, seed=1)
     result = workbench.plan(cell, parts, strategy="alternated")
-    approval = workbench.approve(cell, result.plan, result.proof, "tester")
+    approval = lasting(workbench.approve(cell, result.plan, result.proof, "tester"))
     check_robot_link(link_named(name), cell, result.plan, approval)
 
 

@@ -88,7 +88,9 @@ class PlateObservation:
 class PoseResidual:
     """How well one pose fits the calibration: RMS of the balls [m], and the plate's turn [rad].
 
-    `left_out` says why the pose was not used; empty when it was.
+    `left_out` says why the pose was not used; empty when it was.  `predicted` are distance [m] and
+    angle [rad] from where the other poses alone predict this one, which its light goes by; None
+    where they leave it open.
     """
 
     name: str
@@ -96,6 +98,7 @@ class PoseResidual:
     angle: float
     light: Light
     left_out: str = ""
+    predicted: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,8 +106,8 @@ class CalibrationRecord:
     """What a cell remembers of its calibration.
 
     `at` in whole seconds since the epoch, `by` the person who took it over, the number of `poses`
-    used, `rms` [m] of the balls; `position_error` [m] and `angle_error` [rad] are those of
-    `Calibration`, None where nobody has kept them.
+    used, `rms` [m] of the balls; `position_error` [m], `angle_error` [rad] and
+    `covariance` (6, 6) are those of `Calibration`, None where nobody has kept them.
     """
 
     at: float
@@ -113,27 +116,32 @@ class CalibrationRecord:
     rms: float
     position_error: float | None = field(default_factory=lambda: None, metadata=LATER)
     angle_error: float | None = field(default_factory=lambda: None, metadata=LATER)
+    covariance: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+
+    def __post_init__(self) -> None:
+        if self.covariance is not None:
+            put(self, covariance=frozen(self.covariance))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Calibration:
     """The scanner's pose in the world, and what speaks for it.
 
-    `T_flange_plate` is how the plate was held.  `rms` [m] over the balls of the poses used;
-    `position_error` [m] and `angle_error` [rad] are the standard errors in the direction that the
-    poses determine least.
+    `T_flange_plate` is how the plate was held.  `rms` [m] over the balls of the poses used.
+    `covariance` (6, 6) [m, rad] is of shifts of the scanner's origin, then of turns about it, along
+    the world's axes, as `Detection` has it.
     """
 
     T_world_scanner: pin.SE3
     T_flange_plate: pin.SE3
     residuals: tuple[PoseResidual, ...]
     rms: float
-    position_error: float
-    angle_error: float
+    covariance: Floats
 
     def __post_init__(self) -> None:
         put(
             self,
+            covariance=frozen(self.covariance),
             T_world_scanner=copied(self.T_world_scanner),
             T_flange_plate=copied(self.T_flange_plate),
         )
@@ -143,10 +151,53 @@ class Calibration:
         """How many poses were used."""
         return sum(not one.left_out for one in self.residuals)
 
+    @property
+    def position_error(self) -> float:
+        """Standard error [m] of the scanner's position, in the direction that is known least."""
+        return float(np.sqrt(max(np.linalg.eigvalsh(self.covariance[:3, :3])[-1], 0.0)))
+
+    @property
+    def angle_error(self) -> float:
+        """Standard error [rad] of its direction, about the axis that is known least."""
+        return float(np.sqrt(max(np.linalg.eigvalsh(self.covariance[3:, 3:])[-1], 0.0)))
+
+    @property
+    def predicted_rms(self) -> tuple[float, float] | None:
+        """RMS [m, rad] of what the others predict of each pose used; None where one is open."""
+        used = [one.predicted for one in self.residuals if not one.left_out]
+        if not used or any(one is None for one in used):
+            return None
+        distance, angle = np.sqrt(np.mean(np.array(used) ** 2, axis=0))
+        return float(distance), float(angle)
+
+    @property
+    def worst_predicted(self) -> PoseResidual | None:
+        """The pose used that the others predict worst; None where they leave all open."""
+        used = [one for one in self.residuals if not one.left_out and one.predicted is not None]
+        return max(used, key=lambda one: one.predicted or (0.0, 0.0), default=None)
+
     def record(self, at: float, by: str) -> CalibrationRecord:
         """What the cell remembers of it, taken over by a person `at` [s since the epoch]."""
-        errors = (self.position_error, self.angle_error)
+        errors = (self.position_error, self.angle_error, self.covariance)
         return CalibrationRecord(float(round(at)), by, self.used, self.rms, *errors)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextPose:
+    """A pose that the arm reaches and the scanner sees: `q` (n,) [rad], chain order.
+
+    `error` [m] is the largest error at the bin's corners now, `error_with` what it would be with
+    this pose; `steps` say how the plate gets there from the pose `after`.
+    """
+
+    q: Floats
+    error: float
+    error_with: float
+    after: str
+    steps: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

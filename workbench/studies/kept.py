@@ -27,7 +27,8 @@ measurement has confirmed.
 class Tally:
     """Detections against what a person says: `is_right` of each part that lies there.
 
-    `wrong` detections are where one was called wrong, at a part that a better one has taken, or
+    `wrong` detections are where one was called wrong (removed, or moved by more than the limits of
+    the study on simulated piles), at a part that a better one has taken, or
     elsewhere in a scan in which nothing else lies; otherwise those elsewhere are `unjudged`.
     """
 
@@ -86,11 +87,16 @@ def tally(case: Case, detections: Sequence[Detection]) -> Tally:
     """Hold detections, the surest first, against what a person says of a scan.
 
     A detection counts by the pose nearest to it, of all that are said to be right or wrong: within
-    the limits of the study on simulated piles, `BY_HAND` times as wide where the search has not put
-    the part itself.  Errors are those of `pose_error`: of poses that look alike the nearest counts,
-    and a roll that either of both does not know does not.
+    the limits of that study, `BY_HAND` times as wide where the search has not put the part itself.
+    Errors are those of `pose_error`: of poses that look alike the nearest counts, and a roll that
+    either of both does not know does not.
     """
-    stated = (*case.truth, *case.wrong)
+    # Who moves a part by less than what counts, or takes the poses of another matcher, does not
+    # call wrong what was found.
+    called_wrong = [
+        one for one in case.changed if all(_error(case, true, one) > 1.0 for true in case.truth)
+    ]
+    stated = (*case.truth, *called_wrong)
     found = {digest_of(one) for one in case.search.detections}
     limits = [1.0 if digest_of(one) in found else BY_HAND for one in stated]
     right: set[int] = set()

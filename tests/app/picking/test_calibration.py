@@ -8,7 +8,13 @@ import pytest
 from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
 from workbench.app.core.people import WORKER
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
-from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
+from workbench.app.picking.calibration import (
+    bin_corners,
+    calibrated,
+    corner_errors,
+    moved_by,
+    with_calibration,
+)
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses
 from workbench.app.review.recompute import recomputed
 from workbench.app.runtime.bench import Bench
@@ -87,6 +93,14 @@ def test_a_scanner_that_hangs_elsewhere_is_found(yumi, observations):
     after = with_calibration(wrong, found, 1_000.4, "ada")
     assert (after.scanner.calibration.by, after.scanner.calibration.at) == ("ada", 1000.0)
     assert moved_by(after, found)[0] < 1e-12
+    assert np.array_equal(after.scanner.calibration.covariance, found.covariance)
+    said = corner_errors(after, found.covariance)
+    assert said == corner_errors(wrong, found.covariance, found.T_world_scanner)
+    assert list(said) == list(bin_corners(yumi.bin)) and len(said) == 8
+    shift = found.T_world_scanner * yumi.scanner.T_world_scanner.inverse()
+    for name, corner in bin_corners(yumi.bin).items():
+        assert np.linalg.norm(shift.act(corner) - corner) < 2 * said[name] < 0.004
+    assert "floor front left" in said and "rim back right" in said
 
 
 def test_observations_of_two_plates_or_of_none_are_refused(yumi, observations):

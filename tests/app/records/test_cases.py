@@ -12,7 +12,7 @@ import pytest
 from workbench.app.core.commands import Entry, FindParts, JobEnded, UseDetections, UseScan
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.records import cases, kept_cases
 from workbench.app.records.cases import Case, read_case
 from workbench.app.records.kept_cases import case_files, keep_case
@@ -63,7 +63,7 @@ def test_a_case_holds_all_that_it_takes_to_search_again(samples, keep, tmp_path)
     assert (case.search.seed, case.search.overrides.detail) == (7, 1.5)
     assert digest_of(case.search.detections) == digest_of(found)
     assert digest_of(case.truth) == digest_of(there)
-    assert [digest_of(one) for one in case.wrong] == [digest_of(one) for one in found[1:]]
+    assert [digest_of(one) for one in case.changed] == [digest_of(one) for one in found[1:]]
     assert (case.by, case.comment, case.is_complete) == ("Ada", "the left one is turned", False)
     (file,) = case_files(tmp_path)
     assert file == tmp_path / "cases" / f"20231114-221320-sample-{state.number + 1}.zip"
@@ -87,7 +87,7 @@ def test_what_was_missed_in_a_scan_without_a_part_is_kept(samples, keep):
 
 def test_that_nothing_lies_there_is_said_of_a_list_that_cannot_be_empty(samples, keep):
     case = keep(searched(samples, *samples.detections()), there="nothing")
-    assert case.truth == () and case.is_complete and len(case.wrong) == 1
+    assert case.truth == () and case.is_complete and len(case.changed) == 1
 
 
 def test_a_search_that_was_only_compared_is_not_what_was_found(samples, keep):
@@ -116,6 +116,13 @@ def test_who_is_not_in_control_keeps_nothing(samples, keep):
     state = replace(searched(samples, *samples.detections()), control="Bob")
     with pytest.raises(CommandRefused, match="Bob is in control"):
         keep(state)
+
+
+def test_while_a_plan_is_sent_nothing_is_packed(samples, keep):
+    state = searched(samples, *samples.detections())
+    with pytest.raises(CommandRefused, match="wait until nothing is sent"):
+        keep(replace(state, phase=Phase.SENDING))
+    assert keep(replace(state, phase=Phase.FAULT)).truth
 
 
 def test_without_a_search_there_is_nothing_to_keep(samples, keep):

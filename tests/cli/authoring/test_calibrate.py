@@ -33,13 +33,28 @@ def test_a_simulated_mount_is_found_and_saved(say, folder, cell_file):
     form = json.loads(said.out)
     assert form["ok"] and len(form["poses"]) == 6
     assert {pose["light"] for pose in form["poses"]} == {"good"}
+    assert all(pose["off_mm"] < pose["predicted_mm"] < 0.5 for pose in form["poses"])
+    assert form["rms_mm"] < form["predicted_rms_mm"] < 0.4
+    assert form["largest_corner_mm"] == max(form["corners_mm"].values()) < 1.5
+    assert np.array(form["covariance"]).shape == (6, 6) and len(form["corners_mm"]) == 8
     assert form["rms_mm"] < 0.1 and 20 < form["moved_mm"] < 22
     mount = read_cell(cell_file).scanner
     off = (read_cell("yumi").scanner.T_world_scanner * WRONG).actInv(mount.T_world_scanner)
     assert np.linalg.norm(off.translation) < 0.0005
+    assert np.allclose(mount.calibration.covariance, form["covariance"], rtol=1e-6)
     assert (mount.calibration.by, mount.calibration.poses) == ("Anna", 6)
     log = (cell_file.parent / "changes.log").read_text()
     assert "Anna" in log and "calibrated by 6 poses" in log
+
+
+def test_the_pose_to_take_next_is_told_on_request(say, folder):
+    said = say("calibrate", "yumi", "--poses", folder, "--next")
+    assert said.code == 0 and "next, from pose_6.ply: " in said.out
+    assert "that would bring the worst corner from" in said.out and "joints_deg = [" in said.out
+    form = json.loads(say("calibrate", "yumi", "--poses", folder, "--next", "--json").out)
+    (best,) = form["next"]
+    assert best["after"] == "pose_6.ply" and len(best["joints_deg"]) == 7 and best["steps"]
+    assert 0 < best["largest_corner_mm"] < form["largest_corner_mm"]
 
 
 def test_a_wrong_joint_value_is_named(say, folder, tmp_path):

@@ -44,7 +44,7 @@ def test_cases_are_listed_and_copied_once(say, session, tmp_path):
     (file,) = out.iterdir()
     assert read_case(file).comment == "it lies deeper"
     (row,) = json.loads(say("session", "cases", session, "--json").out)["cases"]
-    assert row["case"] == file.name and row["is_complete"] and row["wrong"] == 0
+    assert row["case"] == file.name and row["is_complete"] and row["changed"] == 0
 
 
 def test_a_damaged_case_is_told_and_holds_up_no_other(say, session, tmp_path):

@@ -197,11 +197,11 @@ def test_a_client_that_stands_still_ends_the_stream_by_the_controllers_watchdog(
 
     monkeypatch.setattr("workbench.devices.universal_robots.link.Client", Watched)
     with twin_of(cell, host, speed=0.2) as (twin, there):
-        sending = send(plan, approval, there, patience=replace(PATIENT, silence=3.0))
+        sending = send(plan, approval, there, patience=replace(PATIENT, silence=10.0))
         kinds = [next(sending).kind, next(sending).kind]
         os.kill(opened[0].pid, signal.SIGSTOP)
         try:
-            with pytest.raises(LinkError, match="silent for 3 s"):
+            with pytest.raises(LinkError, match="silent for 10 s"):
                 for receipt in sending:
                     kinds.append(receipt.kind)
             assert "end" not in kinds and twin.is_protective and not twin.is_playing

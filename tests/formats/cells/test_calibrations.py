@@ -166,3 +166,20 @@ def test_no_folder_and_no_poses_are_refused(tmp_path):
     write_scanned_poses(tmp_path, ARM, BallPlate(), [])
     with pytest.raises(FileError, match="1 to 60 poses are expected, 0 are given"):
         read_scanned_poses(tmp_path, SHIPPED)
+
+
+def test_the_covariance_stays_with_the_cell_and_one_that_is_none_is_refused(path):
+    cell = calibrated(read_cell(path))
+    half = np.random.default_rng(0).normal(0, [3e-4] * 3 + [5e-4] * 3, (20, 6))
+    covariance = np.cov(half.T)
+    record = replace(cell.scanner.calibration, covariance=covariance)
+    save_cell(path, replace(cell, scanner=replace(cell.scanner, calibration=record)))
+    kept = read_cell(path).scanner.calibration.covariance
+    assert np.allclose(kept, covariance, rtol=1e-6, atol=0)
+    assert digest_of(record) != digest_of(cell.scanner.calibration)
+    first = str(float(f"{covariance[0, 0] * 1e6:.9g}"))
+    text = path.read_text()
+    assert first in text
+    path.write_text(text.replace(first, f"-{first}"))
+    with pytest.raises(FileError, match=r"scanner.calibration.covariance: is none: along some"):
+        read_cell(path)

@@ -74,15 +74,18 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     html = poses_html(observations, "too few", 1, ("a", "b"))
     assert "pose &lt;2&gt;" in html and "left out by a person" in html
     residuals = (
-        PoseResidual("pose 1", 0.00042, np.deg2rad(0.05), "good"),
+        PoseResidual("pose 1", 0.00042, np.deg2rad(0.05), "good", "", (0.00061, np.deg2rad(0.07))),
         PoseResidual("pose <2>", 0.012, 0.05, "bad", "does not agree: 12.0 mm <off>"),
     )
     T = cell.scanner.T_world_scanner * pose_from_rpy((0.003, 0.004, 0), (0, 0, np.deg2rad(2)))
-    found = Calibration(T, T, residuals, 0.0004, 0.0001, 0.001)
+    found = Calibration(T, T, residuals, 0.0004, np.diag([1e-8] * 3 + [1e-6] * 3))
     html = poses_html(observations, found, None, ("a", "b"))
+    assert "0.61 mm, 0.07°" in html and ">open<" in html
     assert "0.42 mm" in html and "0.05°" in html and "12.0 mm &lt;off&gt;" in html
     answer = answer_html(cell, found, 2)
     assert "5.0 mm and 2.00°" in answer and "8 poses are better than 1" in answer
+    assert "the worst is pose 1: 0.61 mm, 0.07°" in answer
+    assert "Front left" in answer and answer.count("<tr><td>") == 4
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""
 

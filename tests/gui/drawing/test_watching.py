@@ -78,10 +78,14 @@ def test_a_browser_that_does_not_draw_holds_the_plan_and_has_not_watched(page, p
     hands.browser.is_in_front = False
     wait_until(lambda: hands.renderer._player._audience._drawn >= look.now.time, "a drawing")
     drawn = hands.browser.drawn
-    time.sleep(3.0)
-    held = look.now.time
-    time.sleep(2.0)
-    assert look.now.time == held < planned.state.plan.cycle_seconds
+
+    def stands() -> bool:
+        at = look.now.time
+        time.sleep(2 * STEP)
+        return look.now.time == at
+
+    wait_until(stands, "the plan to be held")
+    assert look.now.time < planned.state.plan.cycle_seconds
     assert hands.browser.drawn <= drawn + 1
     assert look.now.is_playing and planned.state.watched == ()
     # In front again it goes on where it was, and all of it was seen.

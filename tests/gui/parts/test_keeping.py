@@ -53,12 +53,12 @@ def test_a_corrected_part_is_kept_with_what_was_found(panel, visitor, bench, det
     case = read_case(file)
     assert digest_of(case.search.detections) == digest_of(detections)
     assert digest_of(case.truth) == digest_of(bench.state.detections)
-    assert digest_of(case.wrong) == digest_of(detections[1:2])
+    assert digest_of(case.changed) == digest_of(detections[1:2])
     assert (case.by, case.comment) == ("Ada", "it lies the other way round")
     assert case.is_complete
     # An engineer finds it below, and the next one begins anew.
     assert f'<a href="/cases/{file.name}" download>' in keeping._kept.content
-    assert keeping._comment.value == "" and keeping._there.value == "These parts, perhaps more"
+    assert keeping._comment.value == "" and keeping._there.value == "These parts and perhaps more"
 
 
 def test_a_part_that_was_missed_in_a_scan_without_any_is_kept(panel, visitor, bench, draw):

@@ -46,6 +46,21 @@ def test_a_calibration_moves_all_parts_as_one_body():
     assert np.allclose(np.diag(measured), np.diag(said), rtol=0.05)
 
 
+def test_what_a_calibration_knows_of_place_and_direction_together_counts():
+    """A scanner that may only have turned about the part moves none, however unsure its place."""
+    mount = with_record(position_error=1e-3, angle_error=1e-3)
+    away = lying().T_world_part.translation - mount.T_world_scanner.translation
+    turn = np.array([2e-3, 0.0, 0.0])
+    both = np.concatenate([-np.cross(turn, away), turn])
+    record = replace(mount.calibration, covariance=np.outer(both, both))
+    said = calibration_error(replace(mount, calibration=record), lying())
+    assert np.allclose(said[:3, :3], 0.0, atol=1e-15)
+    assert said[3, 3] == pytest.approx(4e-6)
+    alone = replace(record, covariance=np.diag([1e-6] * 3 + [0.0] * 3))
+    said = calibration_error(replace(mount, calibration=alone), lying())
+    assert np.allclose(said, np.diag([1e-6] * 3 + [0.0] * 3))
+
+
 def test_a_cell_that_does_not_say_how_sure_its_calibration_is_takes_what_is_usual():
     usual = with_record(position_error=CALIBRATION[0], angle_error=CALIBRATION[1])
     for mount in (read_cell("yumi").scanner, with_record()):

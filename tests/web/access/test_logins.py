@@ -8,6 +8,7 @@ import urllib.request
 
 import pytest
 from attackers import PASSWORD, cookie_of, run
+from waiting import PATIENCE
 
 from workbench import __version__
 from workbench.app.core.people import Role
@@ -195,7 +196,7 @@ def test_a_name_that_is_not_ours_is_refused(front, said, host):
 )
 def test_no_path_leads_to_other_files(front, path):
     host, _, port = front.url.removeprefix("http://").partition(":")
-    connection = http.client.HTTPConnection(host, int(port), timeout=10)
+    connection = http.client.HTTPConnection(host, int(port), timeout=PATIENCE)
     connection.request("GET", path)
     answer = connection.getresponse()
     assert answer.status in (303, 404)

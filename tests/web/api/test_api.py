@@ -256,7 +256,7 @@ def test_a_stop_waits_for_no_readers(site, monkeypatch):
         begun.acquire(timeout=PATIENCE)
         try:
             headers = site.token("bob")
-            answer = requests.post(site.url + "/stop", json={}, headers=headers, timeout=60.0)
+            answer = requests.post(site.url + "/stop", json={}, headers=headers, timeout=PATIENCE)
             assert answer.status_code in (200, 202)
         finally:
             over.set()
@@ -297,7 +297,7 @@ def test_another_plan_than_the_current_one_is_not_approved(site):
 )
 def test_a_body_that_cannot_be_used_is_refused_with_its_key(site, path, body, says):
     headers = {**site.token("ada"), "Content-Type": "application/json"}
-    answer = site.session.post(site.url + path, data=body, headers=headers, timeout=120)
+    answer = site.session.post(site.url + path, data=body, headers=headers, timeout=PATIENCE)
     assert says in detail(answer, 400)
     assert site.bench.state.number == 1, "nothing was done"
 
@@ -323,14 +323,14 @@ def test_a_whole_number_may_be_written_with_a_point(site):
 
 def test_a_body_of_another_kind_or_too_long_is_not_read(site):
     headers = {**site.token("ada"), "Content-Type": "text/plain"}
-    answer = site.session.post(site.url + "/scan", data=b"{}", headers=headers, timeout=120)
+    answer = site.session.post(site.url + "/scan", data=b"{}", headers=headers, timeout=PATIENCE)
     assert "must be application/json" in detail(answer, 415)
     long = b" " * (LARGEST_BODY + 1)
     headers = {**site.token("ada"), "Content-Type": "application/json"}
-    answer = site.session.post(site.url + "/scan", data=long, headers=headers, timeout=120)
+    answer = site.session.post(site.url + "/scan", data=long, headers=headers, timeout=PATIENCE)
     assert "a body may have" in detail(answer, 413)
     chunks = (b" " * 1024 for _ in range(100))
-    answer = site.session.post(site.url + "/scan", data=chunks, headers=headers, timeout=120)
+    answer = site.session.post(site.url + "/scan", data=chunks, headers=headers, timeout=PATIENCE)
     detail(answer, 413)
 
 

@@ -6,6 +6,7 @@ import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, settings
 from schemathesis.config import SchemathesisConfig
+from waiting import PATIENCE
 
 from workbench.web.api.openapi import openapi
 
@@ -37,6 +38,6 @@ def planned(site):
 @pytest.mark.parametrize("who", ["ada", "vic"])
 def test_every_answer_is_one_that_the_description_names(case, planned, who):
     case.call_and_validate(
-        base_url=planned.url, headers=planned.token(who), session=planned.session, timeout=120
+        base_url=planned.url, headers=planned.token(who), session=planned.session, timeout=PATIENCE
     )
     assert planned.bench.state.number > 1

@@ -17,6 +17,7 @@ from attackers import PASSWORD, at_the_page, cookie_of, crowd, run
 from waiting import PATIENCE
 
 from workbench.studies.load.raw_browser import raw_browser
+from workbench.web.http import connection_limits
 
 LIMIT = 256
 """File descriptors of the server."""
@@ -194,7 +195,9 @@ async def by_link(front, browser):
 
 
 @pytest.mark.parametrize("come_in", [by_password, by_link])
-def test_a_connection_that_asks_now_and_then_is_kept_with_a_login_alone(come_in, start, request):
+def test_a_connection_that_asks_now_and_then_is_kept_with_a_login_alone(
+    come_in, start, request, monkeypatch
+):
     if come_in is by_password:
         request.getfixturevalue("users")
     front = start()
@@ -208,6 +211,7 @@ def test_a_connection_that_asks_now_and_then_is_kept_with_a_login_alone(come_in,
             known.request("GET", "/who", headers={"Cookie": cookie})
             stranger.request("GET", "/who")
             assert [one.getresponse().status for one in (known, stranger)] == [200, 401]
+            monkeypatch.setattr(connection_limits, "WAIT_SECONDS", 1.0)
             for one in (known, stranger):
                 one.sock.settimeout(3 * PATIENCE)
             assert await asyncio.to_thread(dropped, stranger.sock)

@@ -5,6 +5,7 @@ import json
 
 import pytest
 from attackers import PASSWORD, SECRET, run
+from waiting import PATIENCE
 
 from workbench.studies.load.raw_browser import raw_browser
 from workbench.web.page.relay import Upstream
@@ -30,7 +31,7 @@ def stoppable(users, file, scene, stops):
 
 
 async def answer_of(presence):
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE):
         while True:
             said = json.loads((await presence.receive()).data)
             if "stopped" in said:

@@ -7,10 +7,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import Calibration, PlateObservation
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Arm, Bin, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
+from workbench.perception.calibration.sureness import point_errors
 from workbench.planning.kinematics.robot import Kinematics
 
 
@@ -29,12 +30,18 @@ def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrat
             raise InputError(
                 f"{one.name} is of another plate or arm than {first.name}; remove one of them"
             )
-    kinematics, arm = Kinematics(cell), cell.arm(first.arm)
-    poses = [
-        PlatePose(one.name, flange_pose(kinematics, arm, one.q), one.balls, one.is_used)
+    return calibrate(poses_of(cell, observations), first.plate.centres)
+
+
+def poses_of(cell: Cell, observations: Sequence[PlateObservation]) -> list[PlatePose]:
+    """The same with the flange where the robot's joints say it is; all of one arm."""
+    kinematics = Kinematics(cell)
+    return [
+        PlatePose(
+            one.name, flange_pose(kinematics, cell.arm(one.arm), one.q), one.balls, one.is_used
+        )
         for one in observations
     ]
-    return calibrate(poses, first.plate.centres)
 
 
 def flange_pose(kinematics: Kinematics, arm: Arm, q: Floats) -> pin.SE3:
@@ -47,6 +54,38 @@ def with_calibration(cell: Cell, calibration: Calibration, at: float, by: str) -
     record = calibration.record(at, by)
     mount = replace(cell.scanner, T_world_scanner=calibration.T_world_scanner, calibration=record)
     return replace(cell, scanner=mount)
+
+
+def corner_errors(
+    cell: Cell, covariance: Floats, T_world_scanner: pin.SE3 | None = None
+) -> dict[str, float]:
+    """How far off what lies at the bin's corners is seen by the calibration alone, [m].
+
+    In 95 % of calibrations a point there is no further off.  Robot, search and grip come on top.
+
+    Args:
+        cell: with the bin.
+        covariance: (6, 6) [m, rad] of the scanner's pose, as `Calibration` has it.
+        T_world_scanner: where the scanner is; where the cell has it when not given.
+
+    Returns:
+        By the corner's name, those of the floor first.
+    """
+    T = cell.scanner.T_world_scanner if T_world_scanner is None else T_world_scanner
+    corners = bin_corners(cell.bin)
+    errors = point_errors(covariance, T.translation, np.array(list(corners.values())))
+    return dict(zip(corners, errors.tolist(), strict=True))
+
+
+def bin_corners(box: Bin) -> dict[str, Floats]:
+    """The corners of the bin's inside (3,) [m] in the world, floor first, by names of its walls."""
+    length, width, height = box.size
+    return {
+        f"{level} {along} {across}": box.T_world_bin.act(np.array([x, y, z]))
+        for level, z in (("floor", 0.0), ("rim", height))
+        for along, x in (("front", length / 2), ("back", -length / 2))
+        for across, y in (("left", width / 2), ("right", -width / 2))
+    }
 
 
 def moved_by(cell: Cell, calibration: Calibration) -> tuple[float, float, float]:

@@ -9,7 +9,7 @@ from workbench.model.geometry import Floats
 from workbench.model.scan import Scan
 from workbench.perception.simulation.held_plate import held_pose, is_plate_in_sight, scan_held_plate
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.planning.picking.viewpoints import poses_in_view
+from workbench.planning.picking.viewpoints import ASIDE, poses_in_view
 
 SPARE = 3
 """Times as many poses are looked for as are wanted: the arm itself hides the plate in some."""
@@ -30,17 +30,27 @@ def simulated_sight(
 
 
 def suggested_poses(
-    cell: Cell, arm: Arm, plate: BallPlate, count: int, *, seed: int
+    cell: Cell,
+    arm: Arm,
+    plate: BallPlate,
+    count: int,
+    *,
+    seed: int,
+    T_tcp_plate: pin.SE3 | None = None,
+    aside: float = ASIDE,
 ) -> tuple[Floats, ...]:
-    """Configurations (n,) [rad] in which the scanner sees the plate, held beside the tool.
+    """Configurations (n,) [rad] in which the scanner sees the plate.
 
-    They are clear of everything by the policy's margin and differ in how the wrist is turned.
+    They are clear of everything by the policy's margin and differ in how the wrist is turned.  The
+    plate is held beside the tool where `T_tcp_plate` does not say how, up to `aside` [m] from the
+    scanner's axis.
     """
-    T_tcp_middle = held_pose(plate) * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
+    held = held_pose(plate) if T_tcp_plate is None else T_tcp_plate
+    T_tcp_middle = held * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
     kinematics, seen = Kinematics(cell), list[Floats]()
-    for q in poses_in_view(cell, arm, T_tcp_middle, SPARE * count, seed=seed):
+    for q in poses_in_view(cell, arm, T_tcp_middle, SPARE * count, seed=seed, aside=aside):
         links = kinematics.link_poses(cell.joint_values({arm.name: q}))
-        if is_plate_in_sight(cell, links, arm.name, plate):
+        if is_plate_in_sight(cell, links, arm.name, plate, held):
             seen.append(q)
         if len(seen) == count:
             break

@@ -70,19 +70,19 @@ class Case(Told):
     workbench: str = __version__
 
     @property
-    def wrong(self) -> tuple[Detection, ...]:
-        """What was found and does not lie there so: it was called wrong, or corrected."""
+    def changed(self) -> tuple[Detection, ...]:
+        """What was found and people have not left so: it was called wrong, or moved."""
         there = {digest_of(one) for one in self.truth}
         return tuple(one for one in self.search.detections if digest_of(one) not in there)
 
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        found, wrong, there = (
-            len(some) for some in (self.search.detections, self.wrong, self.truth)
+        found, changed, there = (
+            len(some) for some in (self.search.detections, self.changed, self.truth)
         )
         told = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
-        return {**told, "found": found, "of them wrong": wrong, "there": there}
+        return {**told, "found": found, "of them changed": changed, "there": there}
 
 
 def write_case(path: Path, case: Case) -> None:

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 from workbench.app.core.commands import UseDetections
 from workbench.app.core.people import Role
 from workbench.app.core.rights import RIGHTS, lacks_right
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import check_among, check_text
 from workbench.app.records.cases import Case, write_case
 from workbench.formats.files.whole_files import file_name, is_folder, make_folder
@@ -42,6 +42,9 @@ def keeping_problem(state: State, actor: str, role: Role) -> str:
         return f"keeping a case is for {wanted}s; you are {role.said}"
     if problem := lacks_right(state, UseDetections, actor, role):
         return problem
+    # Packing a scan takes a second of the process that speaks with the robot.
+    if state.phase is Phase.SENDING:
+        return "keeping a case has to wait until nothing is sent any more"
     if state.scan is None or not state.searches:
         return "find the parts first: a case says what was found and what is there"
     return ""

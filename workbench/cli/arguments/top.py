@@ -157,6 +157,8 @@ class Calibrate:
     """How many poses to simulate."""
     seed: int = 0
     """Seed of the simulated poses and noise."""
+    next: bool = False
+    """Say, too, which pose to take next: the one that lessens errors at the bin most."""
     json: Json = False
 
 

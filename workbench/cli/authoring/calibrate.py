@@ -8,8 +8,14 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.picking.calibration import calibrated, moved_by, with_calibration
+from workbench.app.picking.calibration import (
+    calibrated,
+    corner_errors,
+    moved_by,
+    with_calibration,
+)
 from workbench.app.picking.held_plate import simulated_sight, suggested_poses
+from workbench.app.picking.next_pose import next_poses
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
@@ -24,8 +30,8 @@ from workbench.formats.cells.edits import log_change, save_cell
 from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.files.whole_files import make_folder
-from workbench.model.calibration import BallPlate, Calibration, PlateObservation
-from workbench.model.cell import Cell
+from workbench.model.calibration import BallPlate, Calibration, NextPose, PlateObservation
+from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
 from workbench.perception.calibration.balls import sight_plate
@@ -62,10 +68,16 @@ def calibrate(typed: arguments.Calibrate) -> int:
         for problem in missed:
             print(f"left out: {problem}")
     calibration = calibrated(cell, observations)
+    following = _next(cell, observations, calibration) if typed.next else ()
     if typed.json:
-        print_json(_form(cell, calibration, missed))
+        form = _form(cell, calibration, missed)
+        if typed.next:
+            form["next"] = [_next_form(cell.arm(found.arm), one) for one in following[:1]]
+        print_json(form)
     else:
         _print(cell, calibration)
+        if typed.next:
+            _print_next(cell.arm(found.arm), following)
         if typed.simulate:
             off = _true_pose(cell).actInv(calibration.T_world_scanner)
             print(f"off the truth of this simulation: {_between(off)}")
@@ -113,12 +125,42 @@ def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> N
         print(f"saved into {path}")
 
 
+def _next(
+    cell: Cell, observations: list[PlateObservation], calibration: Calibration
+) -> tuple[NextPose, ...]:
+    with progress("calibrate") as report:
+        make_ready(report, ("planning",))
+    return next_poses(cell, observations, calibration, seed=len(observations))
+
+
+def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
+    if not following:
+        print(f"next: the {arm.name} arm reaches no other pose in which the plate is seen")
+        return
+    best = following[0]
+    print(
+        f"next, from {best.after}: {', '.join(best.steps)}; that would bring the worst corner from "
+        f"{best.error * 1000:.2f} to {best.error_with * 1000:.2f} mm"
+    )
+    print(f"joints_deg = {_list(np.rad2deg(arm.to_axes(best.q)), 1)}")
+
+
+def _next_form(arm: Arm, one: NextPose) -> dict[str, object]:
+    return {
+        "after": one.after,
+        "steps": list(one.steps),
+        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(one.q))],
+        "largest_corner_mm": round(one.error_with * 1000, 4),
+    }
+
+
 def _print(cell: Cell, calibration: Calibration) -> None:
     rows = (
         (
             one.name,
             f"{one.distance * 1000:.2f}",
             f"{np.rad2deg(one.angle):.2f}",
+            *_predicted(one.predicted),
             one.light if not one.left_out else "left out",
             one.left_out,
         )
@@ -126,9 +168,16 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     )
     print_table(
         f"{calibration.used} poses, {calibration.rms * 1000:.2f} mm RMS",
-        ("pose", "off mm", "off deg", "light", "why"),
+        ("pose", "off mm", "off deg", "others mm", "others deg", "light", "why"),
         rows,
     )
+    worst, all_of_them = calibration.worst_predicted, calibration.predicted_rms
+    if worst is not None and all_of_them is not None:
+        print(
+            "others: each pose as all the others predict it, "
+            f"{' mm, '.join(_predicted(all_of_them))} degrees RMS; the worst is {worst.name}, "
+            f"{' mm, '.join(_predicted(worst.predicted))} degrees"
+        )
     T = calibration.T_world_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
     print(f"position_mm = {_list(T.translation * 1000, 2)}")
@@ -136,6 +185,13 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     print(
         f"sure to {calibration.position_error * 1000:.2f} mm and "
         f"{np.rad2deg(calibration.angle_error):.3f} degrees (standard errors, worst direction)"
+    )
+    errors = corner_errors(cell, calibration.covariance, T)
+    print_table(
+        f"what lies at the corners of the bin is seen to {max(errors.values()) * 1000:.2f} mm or "
+        "better in 95% of such calibrations",
+        ("corner", "mm"),
+        ((name, f"{error * 1000:.2f}") for name, error in errors.items()),
     )
     before = cell.scanner.T_world_scanner.actInv(T)
     shift = moved_by(cell, calibration)[2]
@@ -149,6 +205,7 @@ def _print(cell: Cell, calibration: Calibration) -> None:
 
 def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, object]:
     distance, angle, shift = moved_by(cell, calibration)
+    errors = corner_errors(cell, calibration.covariance, calibration.T_world_scanner)
     return {
         "ok": True,
         "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
@@ -157,6 +214,8 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
                 "name": one.name,
                 "off_mm": round(one.distance * 1000, 4),
                 "off_deg": round(float(np.rad2deg(one.angle)), 4),
+                "predicted_mm": _rounded(one.predicted, 0),
+                "predicted_deg": _rounded(one.predicted, 1),
                 "light": one.light,
                 "left_out": one.left_out,
             }
@@ -166,10 +225,29 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
         "rms_mm": round(calibration.rms * 1000, 4),
         "position_error_mm": round(calibration.position_error * 1000, 4),
         "angle_error_deg": round(float(np.rad2deg(calibration.angle_error)), 5),
+        "predicted_rms_mm": _rounded(calibration.predicted_rms, 0),
+        "predicted_rms_deg": _rounded(calibration.predicted_rms, 1),
+        "covariance": calibration.covariance.tolist(),
+        "corners_mm": {name: round(error * 1000, 4) for name, error in errors.items()},
+        "largest_corner_mm": round(max(errors.values()) * 1000, 4),
         "moved_mm": round(distance * 1000, 4),
         "moved_deg": round(float(np.rad2deg(angle)), 5),
         "moved_in_bin_mm": round(shift * 1000, 4),
     }
+
+
+def _predicted(off: tuple[float, float] | None) -> tuple[str, str]:
+    """In mm and degrees; the others may leave a pose open."""
+    if off is None:
+        return "open", "open"
+    return f"{off[0] * 1000:.2f}", f"{np.rad2deg(off[1]):.2f}"
+
+
+def _rounded(off: tuple[float, float] | None, which: int) -> float | None:
+    """In mm (0) or degrees (1)."""
+    if off is None:
+        return None
+    return round(float((off[0] * 1000, np.rad2deg(off[1]))[which]), 4)
 
 
 def _between(T: pin.SE3) -> str:

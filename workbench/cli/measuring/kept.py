@@ -72,7 +72,7 @@ def _print(held: list[Held], summed: dict[str, Any]) -> None:
         rows.append(("all", *(f"{before} / {now}" for before, now in both), "", "", ""))
     print_table(
         "Kept cases, searched again: before / now",
-        ("case", "right", "wrong", "missed", "not judged", "ms", "", "comment"),
+        ("case", "right", "wrong", "missed", "not judged", "s", "", "comment"),
         rows,
     )
     said = f"{summed['cases']} cases with {summed['parts']} parts: "
@@ -93,5 +93,11 @@ def _words(one: Held) -> tuple[str, ...]:
         return f"{of(one.before)} / {of(one.now)}"
 
     change = "worse" if one.is_worse else "better" if one.is_better else "as before"
-    times = f"{one.seconds_before * 1000:.0f} / {one.seconds * 1000:.0f}"
-    return (one.name, *(two(key) for key in COUNTED), times, change, one.comment)
+    times = f"{one.seconds_before:.1f} / {one.seconds:.1f}"
+    return (
+        one.name.removesuffix(".zip"),
+        *(two(key) for key in COUNTED),
+        times,
+        change,
+        one.comment,
+    )

@@ -47,7 +47,7 @@ def _row(path: Path, case: Case) -> dict[str, Any]:
         "comment": case.comment,
         "cell": case.cell.name,
         "found": len(case.search.detections),
-        "wrong": len(case.wrong),
+        "changed": len(case.changed),
         "there": len(case.truth),
         "is_complete": case.is_complete,
     }
@@ -56,14 +56,14 @@ def _row(path: Path, case: Case) -> dict[str, Any]:
 def _print(typed: SessionCases, rows: list[dict[str, Any]]) -> None:
     print_table(
         f"Cases of {typed.session}",
-        ("case", "at (UTC)", "who", "found", "wrong", "there", "comment"),
+        ("case", "at (UTC)", "who", "found", "changed", "there", "comment"),
         [
             (
                 row["case"],
                 time.strftime("%Y-%m-%d %H:%M", time.gmtime(row["at"])),
                 row["by"],
                 str(row["found"]),
-                str(row["wrong"]),
+                str(row["changed"]),
                 f"{row['there']}{'' if row['is_complete'] else ' or more'}",
                 row["comment"],
             )

@@ -22,6 +22,11 @@ FILE = "calibration.toml"
 
 MOST_POSES = 60
 
+UPPER = np.triu_indices(6)
+
+FILE_UNITS = np.array([0.001] * 3 + [np.pi / 180] * 3)
+"""Millimetres and degrees, in metres and radians."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScannedPose:
@@ -47,7 +52,8 @@ class ScannedPoses:
 def read_record(table: Table) -> CalibrationRecord:
     """The table `[scanner.calibration]` of a cell file: `at`, `by`, `poses`, `rms_mm`.
 
-    And, where it says how sure it is, `sure_mm` and `sure_deg`.
+    And, where it says how sure it is, `sure_mm`, `sure_deg` and `covariance`: the upper triangle,
+    row by row, of shifts x, y, z [mm] and turns about x, y, z [deg] along the world's axes.
     """
     text = table.text("at")
     try:
@@ -63,20 +69,45 @@ def read_record(table: Table) -> CalibrationRecord:
         table.number("rms_mm", low=0, high=100) / 1000,
         None if mm is None else mm / 1000,
         None if degrees is None else float(np.deg2rad(degrees)),
+        _covariance(table) if table.has("covariance") else None,
     )
     table.finish()
     return record
 
 
-def record_table(record: CalibrationRecord) -> dict[str, str | int | float]:
+def _covariance(table: Table) -> Floats:
+    given = np.zeros((6, 6))
+    given[UPPER] = table.numbers("covariance", 21, low=-1e6, high=1e6)
+    found = given + np.triu(given, 1).T
+    deviations = np.sqrt(np.maximum(np.diag(found), 1e-12))
+    # As correlations, since millimetres and degrees are of different size.
+    if np.linalg.eigvalsh(found / np.outer(deviations, deviations))[0] < -1e-6:
+        raise table.error("covariance", "is none: along some direction its variance is below zero")
+    return found * np.outer(FILE_UNITS, FILE_UNITS)
+
+
+def record_table(record: CalibrationRecord) -> dict[str, str | int | float | list[float]]:
     """What `read_record` reads."""
     rms = round(record.rms * 1000, 4)
-    table = {"at": utc(record.at), "by": record.by, "poses": record.poses, "rms_mm": rms}
+    table: dict[str, str | int | float | list[float]] = {
+        "at": utc(record.at),
+        "by": record.by,
+        "poses": record.poses,
+        "rms_mm": rms,
+    }
     if record.position_error is not None:
         table["sure_mm"] = round(record.position_error * 1000, 4)
     if record.angle_error is not None:
         table["sure_deg"] = round(float(np.rad2deg(record.angle_error)), 5)
+    if record.covariance is not None:
+        table["covariance"] = covariance_numbers(record.covariance)
     return table
+
+
+def covariance_numbers(covariance: Floats) -> list[float]:
+    """The 21 numbers of `covariance` in files, of one (6, 6) [m, rad]."""
+    shown = covariance / np.outer(FILE_UNITS, FILE_UNITS)
+    return [float(f"{value:.9g}") for value in shown[UPPER]]
 
 
 def read_scanned_poses(folder: Path, cell: Cell) -> ScannedPoses:

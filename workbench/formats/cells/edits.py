@@ -120,6 +120,7 @@ def _is_same(one: Cell, other: Cell) -> bool:
             rms=record.rms,
             position_error=record.position_error,
             angle_error=record.angle_error,
+            covariance=record.covariance,
         )
     alike = replace(
         one,
@@ -156,7 +157,8 @@ def _numbers(cell: Cell) -> Floats:
     record = cell.scanner.calibration
     errors = (record.rms, record.position_error, record.angle_error) if record else ()
     kept = [0.0 if one is None else one for one in errors]
-    return np.concatenate([*rows, np.asarray(cell.bin.size), kept])
+    unsure = np.zeros(0) if record is None or record.covariance is None else record.covariance
+    return np.concatenate([*rows, np.asarray(cell.bin.size), kept, unsure.ravel()])
 
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:

@@ -43,6 +43,7 @@ A_RECORD = {
     "rms_mm": 0.1,
     "sure_mm": 0.2,
     "sure_deg": 0.02,
+    "covariance": [0.0] * 21,
 }
 
 A_STATION = {"name": "table", "size_mm": [100, 100]}

@@ -10,8 +10,10 @@ from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlat
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.picking.calibration import calibrated, with_calibration
 from workbench.gui.help.groups import group
+from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.calibration_views import (
     answer_html,
+    next_html,
     overlay_line,
     poses_html,
     record_line,
@@ -20,6 +22,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.calibration import BallPlate, Calibration, PlateObservation
+from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
@@ -43,7 +46,7 @@ class CalibrationPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._suggested: tuple[object, list[Floats]] = (None, [])
+        self._suggested: tuple[object, list[tuple[Floats, str]]] = (None, [])
         gui, cell, plate = visitor.gui, visitor.cell, BallPlate()
         self._record = gui.add_html("")
         with group(gui, "1 · Plate", expand_by_default=False):
@@ -76,6 +79,7 @@ class CalibrationPanel:
                 hint="Jogs the robot on the page to where the scanner should see the plate.",
             )
             self._take = gui.add_button("Scan the plate", icon=viser.Icon.SCAN)
+            self._way = gui.add_html("")
             self._table = gui.add_html("")
             self._leave = gui.add_button("Leave out", color="gray")
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
@@ -114,6 +118,8 @@ class CalibrationPanel:
         if is_same:
             return
         observations, found = state.observations, new.calibration
+        if old is None or old.state.observations is not observations:
+            self._way.content = ""
         self._record.content = record_line(state.cell, new.at)
         self._table.content = poses_html(observations, found, chosen, self._rows)
         self._answer.content = answer_html(state.cell, found, len(observations))
@@ -175,21 +181,25 @@ class CalibrationPanel:
         return SightPlate(arm.name, q, self._plate(), seed=state.number)
 
     def _suggest_next(self) -> None:
-        """Jog to the next of the suggested poses; the first time they are worked out."""
+        """Jog to the next of the suggested poses; they are worked out when poses have changed.
+
+        Once there is an answer they are those that would tell most, with the way there in words.
+        """
         visitor = self._visitor
         if self._suggest.disabled:
             return
         self._suggest.disabled, self._suggest.label = True, "Looking …"
         try:
-            # Open3D takes a second to load: the page does not wait for it.
-            from workbench.app.picking.held_plate import suggested_poses
-
-            cell, plate = visitor.cell, self._plate()
-            arm = cell.arm(self._arm.value)
+            cell, arm = visitor.cell, visitor.cell.arm(self._arm.value)
+            state = visitor.bench.state
+            observations, found = state.observations, solved(state)
+            is_solved = isinstance(found, Calibration) and observations[-1].arm == arm.name
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
+            if is_solved:
+                key = (*key, *((one.name, one.is_used) for one in observations))
             if known != key or not left:
-                left = list(suggested_poses(cell, arm, plate, SUGGESTED, seed=0))
+                left = self._worked_out(arm, found if is_solved else "")
                 self._suggested = (key, left)
             if not left:
                 raise InputError(f"the {arm.name} arm reaches no pose in which the plate is seen")
@@ -198,10 +208,25 @@ class CalibrationPanel:
             return
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
-        q = left.pop(0)
+        q, way = left.pop(0)
+        self._way.content = way
         jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
         visitor.turn_away()
         visitor.own.change(jog=jog, observation=None)
+
+    def _worked_out(self, arm: Arm, found: Calibration | str) -> list[tuple[Floats, str]]:
+        """Poses to suggest and the way to each; the best first where there is an answer."""
+        # Open3D takes a second to load: the page does not wait for it.
+        from workbench.app.picking import held_plate
+        from workbench.app.picking.next_pose import next_poses
+
+        cell = self._visitor.cell
+        if isinstance(found, str):
+            qs = held_plate.suggested_poses(cell, arm, self._plate(), SUGGESTED, seed=0)
+            return [(q, "") for q in qs]
+        observations = self._visitor.bench.state.observations
+        best = next_poses(cell, observations, found, seed=len(observations))
+        return [(one.q, next_html(one)) for one in best]
 
     @property
     def _chosen(self) -> tuple[int, tuple[PlateObservation, ...]]:

@@ -125,7 +125,7 @@ class CopySteps:
     def show(self, state: State, part: Part, entry: Entry | None) -> Grasp | None:
         """The chosen grasp is `entry` now; the copy that is looked at, None: the grasp itself."""
         tool = self._editing.tool
-        of = digest_of((part.digest, tool, "" if entry is None else entry.name))
+        of = digest_of((part.digest, tool.name, "" if entry is None else entry.name))
         if of != self._of:
             self._of, self._place = of, None
             self._copies = () if entry is None else copies_of(part, entry, tool)

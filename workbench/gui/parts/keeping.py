@@ -17,7 +17,7 @@ from workbench.gui.shared.visitor import RECORDED, Visitor
 from workbench.model.errors import FileError, InputError
 
 THERE: Mapping[str, There] = {
-    "These parts, perhaps more": "listed",
+    "These parts and perhaps more": "listed",
     "These parts and no others": "listed alone",
     "Nothing": "nothing",
 }

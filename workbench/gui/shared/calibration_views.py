@@ -7,12 +7,19 @@ from html import escape
 import numpy as np
 
 from workbench.app.core.state import State
-from workbench.app.picking.calibration import moved_by
+from workbench.app.picking.calibration import corner_errors, moved_by
 from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, mm, sentence, table_html
-from workbench.model.calibration import BinCheck, Calibration, Light, PlateObservation, PoseResidual
+from workbench.model.calibration import (
+    BinCheck,
+    Calibration,
+    Light,
+    NextPose,
+    PlateObservation,
+    PoseResidual,
+)
 from workbench.model.cell import Cell
 
 DAY = 24 * 3600.0
@@ -20,6 +27,8 @@ DAY = 24 * 3600.0
 LIGHTS: dict[Light, str] = {"good": GOOD, "warning": BUSY, "bad": BAD}
 
 ADVISED = 8
+
+CORNERS = ("Front left", "Front right", "Back left", "Back right")
 
 
 def days_old(cell: Cell, now: float) -> float | None:
@@ -48,6 +57,9 @@ def record_line(cell: Cell, now: float) -> str:
         return line("Not calibrated: the pose is as somebody has written or moved it.", kind="hint")
     on = time.strftime("%Y-%m-%d %H:%M", time.localtime(record.at))
     said = f"Calibrated {on} by {record.by}: {record.poses} poses, {mm(record.rms, 2)} RMS."
+    if record.covariance is not None:
+        largest = max(corner_errors(cell, record.covariance).values())
+        said += f" What lies at the bin's corners is seen to {mm(largest, 2)} (95%)."
     warning = calibration_warning(cell, now)
     if warning:
         return line(f"{said} {sentence(warning)}.", kind="bad")
@@ -94,7 +106,9 @@ def poses_html(
     )
     return (
         '<div class="wb-rows wb-poses"><table class="wb-table"><thead><tr><th>Pose</th>'
-        '<th class="wb-number">Off</th><th class="wb-number">Turned</th><th>Counts</th>'
+        '<th class="wb-number">Off</th><th class="wb-number">Turned</th>'
+        '<th class="wb-number" title="How far it is from where the other poses alone predict it.">'
+        "By the others</th><th>Counts</th>"
         f"</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
@@ -102,18 +116,23 @@ def poses_html(
 def _pose_row(
     observation: PlateObservation, residual: PoseResidual | None, is_chosen: bool, button: str
 ) -> str:
-    distance = angle = ""
+    distance = angle = predicted = ""
     says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
         distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
+        predicted = "open" if residual.predicted is None else _off(residual.predicted)
         colour = LIGHTS[residual.light]
         says = residual.left_out or "yes"
     dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
     return (
         f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'
-        f"<td>{escape(says)}</td></tr>"
+        f'<td class="wb-number">{escape(predicted)}</td><td>{escape(says)}</td></tr>'
     )
+
+
+def _off(shift_and_turn: tuple[float, float]) -> str:
+    return f"{mm(shift_and_turn[0], 2)}, {np.rad2deg(shift_and_turn[1]):.2f}°"
 
 
 def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
@@ -128,6 +147,7 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
         ),
         ("In the bin", f"what is found moves by {mm(shift)}"),
         ("Poses agree to", f"{mm(found.rms, 2)} RMS, {found.used} used"),
+        ("Predicted by the others", _predicted(found)),
         (
             "Sure to",
             f"{mm(found.position_error, 2)} and {np.rad2deg(found.angle_error):.3f}° (standard "
@@ -135,7 +155,50 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
         ),
     ]
     more = f"{ADVISED} poses are better than {found.used}." if found.used < ADVISED else ""
-    return table_html(rows) + (line(more, kind="hint") if more else "")
+    return table_html(rows) + corners_html(cell, found) + (line(more, kind="hint") if more else "")
+
+
+def _predicted(found: Calibration) -> str:
+    """Each pose by those without it."""
+    worst, rms = found.worst_predicted, found.predicted_rms
+    if worst is None or worst.predicted is None:
+        return "the poses are too few to predict any"
+    said = f"the worst is {worst.name}: {_off(worst.predicted)}"
+    return f"{_off(rms)} RMS; {said}" if rms is not None else f"not all; {said}"
+
+
+def corners_html(cell: Cell, found: Calibration) -> str:
+    """How far off the bin's corners are seen by what the calibration leaves open."""
+    errors = corner_errors(cell, found.covariance, found.T_world_scanner)
+    largest = max(errors.values())
+    said = (
+        f"What lies at the corners of the bin is seen to {mm(largest, 2)} or better in 95% "
+        "of such calibrations. Robot and search come on top."
+    )
+    body = "".join(
+        f"<tr><td>{escape(name)}</td>"
+        f'<td class="wb-number">{mm(errors[f"floor {name.lower()}"], 2)}</td>'
+        f'<td class="wb-number">{mm(errors[f"rim {name.lower()}"], 2)}</td></tr>'
+        for name in CORNERS
+    )
+    return (
+        f'{line(said)}<div class="wb-rows wb-corners"><table class="wb-table"><thead><tr>'
+        '<th>Corner</th><th class="wb-number">Floor</th><th class="wb-number">Rim</th></tr>'
+        f"</thead><tbody>{body}</tbody></table></div>"
+    )
+
+
+def next_html(one: NextPose) -> str:
+    """How the plate gets to a suggested pose, and what that would bring."""
+    steps = "".join(line(f"{number}. {sentence(step)}") for number, step in enumerate(one.steps, 1))
+    return (
+        line(f"From {one.after} on, with the plate as it is held:")
+        + steps
+        + line(
+            f"The worst corner of the bin would be seen to {mm(one.error_with, 2)} "
+            f"instead of {mm(one.error, 2)}."
+        )
+    )
 
 
 def overlay_line(shown: Overlay | None) -> str:

@@ -3,11 +3,11 @@
 Whatever the arm does, `T_world_scanner * p_scanner = T_world_flange * T_flange_plate * p_plate` for
 each ball.  Unknown are the scanner's pose and how the plate is held.  A linear answer for three
 poses at a time (rotations by Kronecker products as Li, Wang and Wu 2010, then translations) finds
-those that agree; least squares over the distances of the balls gives the answer.
+those that agree; least squares over the distances of the balls, then weighed by how exact shifts
+and turns of the plate turn out to be (`sureness`), gives the answer.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -17,7 +17,15 @@ from scipy.optimize import least_squares
 from workbench.model.calibration import Calibration, Light, PoseResidual
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
+from workbench.perception.calibration.plate_poses import (
+    Answer,
+    PlatePose,
+    distances,
+    moved,
+    offsets,
+)
 from workbench.perception.calibration.rigid import fitted_motion
+from workbench.perception.calibration.sureness import best_fit, predicted_offsets
 
 FEWEST = 4
 """Poses that a calibration needs; 8 are advised."""
@@ -54,19 +62,6 @@ TURNED = np.deg2rad(8.0)
 LARGEST_ERROR = (0.003, np.deg2rad(0.3))
 """[m, rad] Standard errors above which a calibration is refused."""
 
-NOISE = 0.00005
-"""[m] Nobody measures a ball better, however well a few of them happen to fit."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlatePose:
-    """One pose: where the flange was, and the balls (3, 3) [m] in the scanner's frame."""
-
-    name: str
-    T_world_flange: pin.SE3
-    balls: Floats
-    is_used: bool = True
-
 
 def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
     """The scanner's pose.
@@ -83,7 +78,7 @@ def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
     _check(wanted)
     answer = _consensus(wanted, centres)
     # Three poses alone give a coarse answer: the better half of all improves it first.
-    best = np.argsort(_distances(wanted, answer, centres), kind="stable")
+    best = np.argsort(distances(wanted, answer, centres), kind="stable")
     used, before = sorted(best[: len(wanted) // 2 + 1].tolist()), []
     for _ in range(ROUNDS):
         answer = _fit([wanted[k] for k in used], answer, centres)
@@ -91,15 +86,14 @@ def calibrate(poses: Sequence[PlatePose], centres: Floats) -> Calibration:
         if used == before:
             break
     _check_left(wanted, used)
-    X, Y = answer
-    rms, *errors = _errors([wanted[k] for k in used], answer, centres)
-    chosen = {id(wanted[k]) for k in used}
-    residuals = tuple(_residual(pose, answer, centres, id(pose) in chosen, rms) for pose in poses)
-    return Calibration(X, Y, residuals, rms, *errors)
-
-
-Answer = tuple[pin.SE3, pin.SE3]
-"""`T_world_scanner` and `T_flange_plate`."""
+    chosen = [wanted[k] for k in used]
+    fit = best_fit(chosen, answer, centres)
+    rms = float(np.sqrt(np.mean(distances(chosen, fit.answer, centres) ** 2)))
+    ahead = dict(zip(map(id, chosen), predicted_offsets(chosen, fit, centres), strict=True))
+    residuals = tuple(_residual(pose, fit.answer, centres, rms, ahead) for pose in poses)
+    found = Calibration(*fit.answer, residuals, rms, fit.covariance)
+    _check_sure(found)
+    return found
 
 
 def _check(poses: Sequence[PlatePose]) -> None:
@@ -162,7 +156,7 @@ def _consensus(poses: Sequence[PlatePose], centres: Floats) -> Answer:
     triples = list(combinations(poses, 3))
     answers = [_linear(three, centres) for three in triples[:: -(-len(triples) // TRIPLES)]]
     middles = [
-        float(np.sort(_distances(poses, answer, centres))[len(poses) // 2]) for answer in answers
+        float(np.sort(distances(poses, answer, centres))[len(poses) // 2]) for answer in answers
     ]
     best = int(np.argmin(middles))
     if middles[best] > HOPELESS:
@@ -202,94 +196,65 @@ def _rotation(matrix: Floats) -> Floats:
     return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
 
 
-def _offsets(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:
-    """By how much the balls are elsewhere than expected, (n, 3, 3) [m] in the world frame."""
-    X, Y = answer
-    on_flange = centres @ Y.rotation.T + Y.translation
-    rows: list[Floats] = []
-    for pose in poses:
-        T = pose.T_world_flange
-        expected = on_flange @ T.rotation.T + T.translation
-        rows.append(pose.balls @ X.rotation.T + X.translation - expected)
-    return np.array(rows)
-
-
-def _distances(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:
-    """RMS over the balls of each pose (n,) [m]."""
-    return np.sqrt((_offsets(poses, answer, centres) ** 2).sum(axis=2).mean(axis=1))
-
-
 def _agreeing(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> list[int]:
-    distances = _distances(poses, answer, centres)
-    usual = float(np.sort(distances)[len(poses) // 2])
+    off = distances(poses, answer, centres)
+    usual = float(np.sort(off)[len(poses) // 2])
     gate = max(AGREE, TIMES * min(usual, APART))
-    return [k for k, distance in enumerate(distances) if distance <= gate]
-
-
-def _moved(answer: Answer, step: Floats) -> Answer:
-    """Scanner and plate after a small motion (12,), each in its own frame."""
-    return answer[0] * pin.exp6(step[:6]), answer[1] * pin.exp6(step[6:])
+    return [k for k, distance in enumerate(off) if distance <= gate]
 
 
 def _fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Answer:
     """Least squares over all balls."""
 
     def off(step: Floats) -> Floats:
-        return _offsets(poses, _moved(start, step), centres).ravel()
+        return offsets(poses, moved(start, step), centres).ravel()
 
     found = least_squares(off, np.zeros(12))
-    return _moved(start, found.x)
+    return moved(start, found.x)
 
 
-def _errors(
-    poses: Sequence[PlatePose], answer: Answer, centres: Floats
-) -> tuple[float, float, float]:
-    """RMS [m], and the largest standard errors of position [m] and direction [rad].
+def _check_sure(found: Calibration) -> None:
+    """See that the answer is of use.
 
     Raises:
-        InputError: they are so large that the answer is of no use.
+        InputError: it is so unsure that it is not; says along what.
     """
-    columns: list[Floats] = []
-    for step in np.eye(12) * 1e-6:
-        ahead, back = (_offsets(poses, _moved(answer, s), centres).ravel() for s in (step, -step))
-        columns.append((ahead - back) / 2e-6)
-    jacobian = np.array(columns).T
-    distances = _distances(poses, answer, centres)
-    rms = float(np.sqrt(np.mean(distances**2)))
-    freedom = jacobian.shape[0] - jacobian.shape[1]
-    noise = max(NOISE, float(np.sqrt((distances**2).sum() * 3 / freedom)))
-    covariance = noise**2 * np.linalg.pinv(jacobian.T @ jacobian, rcond=1e-14)[:6, :6]
-    variances, directions = np.linalg.eigh(covariance[:3, :3])
-    position = float(np.sqrt(max(variances[-1], 0.0)))
-    angle = float(np.sqrt(max(np.linalg.eigvalsh(covariance[3:, 3:])[-1], 0.0)))
+    position, angle = found.position_error, found.angle_error
     if position > LARGEST_ERROR[0] or angle > LARGEST_ERROR[1]:
-        world = ", ".join(f"{v:.2f}" for v in answer[0].rotation @ directions[:, -1] + 0.0)
+        directions = np.linalg.eigh(found.covariance[:3, :3])[1]
+        world = ", ".join(f"{v:.2f}" for v in directions[:, -1] + 0.0)
         raise InputError(
             f"these poses tell the scanner's position only to {position * 1000:.1f} mm (worst "
             f"along ({world}) in the world) and its direction to {np.rad2deg(angle):.2f} degrees: "
             "take more poses, further apart, with the wrist turned more"
         )
-    return rms, position, angle
 
 
 def _residual(
-    pose: PlatePose, answer: Answer, centres: Floats, is_used: bool, rms: float
+    pose: PlatePose,
+    answer: Answer,
+    centres: Floats,
+    rms: float,
+    ahead: Mapping[int, tuple[float, float] | None],
 ) -> PoseResidual:
+    """What is left of a pose; `ahead` has what the others predict of those used, by their ids."""
     X, Y = answer
-    distance = float(_distances([pose], answer, centres)[0])
+    distance = float(distances([pose], answer, centres)[0])
     seen, _ = fitted_motion(centres, pose.balls)
     turn = (pose.T_world_flange.rotation @ Y.rotation).T @ X.rotation @ seen
     angle = float(np.linalg.norm(pin.log3(turn)))
-    left_out = ""
-    if not pose.is_used:
-        left_out = "left out by a person"
-    elif not is_used:
+    if id(pose) in ahead:
+        predicted = ahead[id(pose)]
+        light: Light = "warning" if predicted is None else _light(*predicted)
+        return PoseResidual(pose.name, distance, angle, light, "", predicted)
+    left_out = "left out by a person"
+    if pose.is_used:
         left_out = (
             f"does not agree: {distance * 1000:.1f} mm and {np.rad2deg(angle):.1f} degrees off, "
             f"the others {rms * 1000:.2f} mm"
         )
-    light = _light(distance, angle) if not left_out else "bad"
-    return PoseResidual(pose.name, distance, angle, light, left_out)
+    # The others have said so without it.
+    return PoseResidual(pose.name, distance, angle, "bad", left_out, (distance, angle))
 
 
 def _light(distance: float, angle: float) -> Light:

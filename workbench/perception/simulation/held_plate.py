@@ -100,13 +100,18 @@ def scan_held_plate(
 
 
 def is_plate_in_sight(
-    cell: Cell, Ts_world_link: Mapping[str, pin.SE3], arm: str, plate: BallPlate
+    cell: Cell,
+    Ts_world_link: Mapping[str, pin.SE3],
+    arm: str,
+    plate: BallPlate,
+    T_tcp_plate: pin.SE3 | None = None,
 ) -> bool:
     """Whether all three balls lie inside the scanner's picture and nothing of the robot hides them.
 
-    Each ball is looked at in its middle and at four places around it.
+    Each ball is looked at in its middle and at four places around it.  The plate is held as
+    `T_tcp_plate` says, or as `held_pose` does.
     """
-    T_world_plate = _plate_of(cell, Ts_world_link, arm, plate)
+    T_world_plate = _plate_of(cell, Ts_world_link, arm, plate, T_tcp_plate)
     T_scanner_plate = cell.scanner.T_world_scanner.actInv(T_world_plate)
     around = (
         0.8 * plate.radius * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
@@ -127,10 +132,15 @@ def is_plate_in_sight(
 
 
 def _plate_of(
-    cell: Cell, Ts_world_link: Mapping[str, pin.SE3], arm: str, plate: BallPlate
+    cell: Cell,
+    Ts_world_link: Mapping[str, pin.SE3],
+    arm: str,
+    plate: BallPlate,
+    T_tcp_plate: pin.SE3 | None = None,
 ) -> pin.SE3:
     holder = cell.arm(arm)
-    return Ts_world_link[holder.flange] * holder.tool.T_flange_tcp * held_pose(plate)
+    held = held_pose(plate) if T_tcp_plate is None else T_tcp_plate
+    return Ts_world_link[holder.flange] * holder.tool.T_flange_tcp * held
 
 
 def robot_scene(cell: Cell, Ts_world_link: Mapping[str, pin.SE3]) -> o3d.t.geometry.RaycastingScene:

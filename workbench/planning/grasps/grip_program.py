@@ -75,7 +75,7 @@ class Program:
         self._balance, self._right = balance, right[: len(balance)]
 
     def most(self, way: Floats, centre: Floats) -> tuple[float, Floats]:
-        """The most force [N] along `way` (3,) at `centre` (3,) that is held.
+        """The most force [N] along `way` (3,), no unit, at `centre` (3,) [m] that is held.
 
         Beside it the normal (3,), unit, of the side of all forces that are held, there.
         """

@@ -16,7 +16,7 @@ LOWEST, HIGHEST = 0.12, 0.26
 """[m] Height of what is shown above the rim of the bin."""
 
 ASIDE = 0.03
-"""[m] Largest distance of what is shown from the scanner's axis."""
+"""[m] Largest distance of what is shown from the scanner's axis, where nothing else is wanted."""
 
 TRIES = 40
 """Poses that are tried for each one that is wanted."""
@@ -26,7 +26,7 @@ STARTS = 16
 
 
 def poses_in_view(
-    cell: Cell, arm: Arm, T_tcp_shown: pin.SE3, count: int, *, seed: int
+    cell: Cell, arm: Arm, T_tcp_shown: pin.SE3, count: int, *, seed: int, aside: float = ASIDE
 ) -> tuple[Floats, ...]:
     """Configurations in which an arm shows something to the scanner, above the bin.
 
@@ -39,6 +39,7 @@ def poses_in_view(
         T_tcp_shown: what is shown, in the frame of the arm's TCP.
         count: how many are wanted; fewer come when the arm cannot.
         seed: of the poses that are tried.
+        aside: [m] largest distance of what is shown from the scanner's axis, along two others.
 
     Returns:
         Configurations (n,) [rad].
@@ -48,7 +49,7 @@ def poses_in_view(
     chain = world.chains[arm.name]
     found: list[tuple[Floats, Floats]] = []
     for _ in range(count * TRIES):
-        T_world_tcp = _shown(cell, rng) * T_tcp_shown.inverse()
+        T_world_tcp = _shown(cell, rng, aside) * T_tcp_shown.inverse()
         starts = np.vstack(
             [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.home)))]
         )
@@ -64,7 +65,7 @@ def poses_in_view(
     return _spread(found, count)
 
 
-def _shown(cell: Cell, rng: np.random.Generator) -> pin.SE3:
+def _shown(cell: Cell, rng: np.random.Generator, aside: float) -> pin.SE3:
     """A pose above the bin for what is shown, z downwards but for the tilt."""
     T, axis = cell.bin.T_world_bin, cell.scanner.T_world_scanner
     height = float(cell.bin.size[2]) + rng.uniform(LOWEST, HIGHEST)
@@ -73,7 +74,7 @@ def _shown(cell: Cell, rng: np.random.Generator) -> pin.SE3:
     forward = axis.rotation[:, 2]
     along = float(forward @ (above - axis.translation))
     centre = axis.translation + along * forward
-    centre = centre + axis.rotation[:, :2] @ rng.uniform(-ASIDE, ASIDE, 2)
+    centre = centre + axis.rotation[:, :2] @ rng.uniform(-aside, aside, 2)
     lean, yaw, tilt = rng.uniform(-np.pi, np.pi), rng.uniform(-np.pi, np.pi), rng.uniform(0, TILT)
     turn = pin.exp3(tilt * np.array([np.cos(lean), np.sin(lean), 0.0]))
     return pin.SE3(turn @ pin.rpy.rpyToMatrix(np.pi, 0.0, yaw), centre)

@@ -1,0 +1,69 @@
+"""A plate held before a scanner by a robot that is not exact, and what OpenCV makes of it."""
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.calibration import BallPlate
+from workbench.model.geometry import pose_from_rpy
+from workbench.perception.calibration.plate_poses import PlatePose
+from workbench.perception.calibration.rigid import fitted_motion
+
+X = pose_from_rpy((0.41, 0.01, 0.9), (np.pi + 0.02, 0.01, 1.5))
+Y = pose_from_rpy((0.05, 0.02, 0.12), (0.3, 0.2, 0.1))
+CENTRES = BallPlate().centres
+CORNERS = X.translation + np.array(
+    [[x, y, z] for x in (-0.2, 0.2) for y in (-0.15, 0.15) for z in (-0.9, -0.78)]
+)
+NEAR = (X * pose_from_rpy((0.001, 0.0, 0.001), (0.001, 0.0, 0.0)), Y)
+"""Where a fit may begin."""
+
+
+def scene(
+    seed, *, count=12, ball=5e-5, shift=0.0, turn=0.0, turns=None, at_flange=False
+) -> list[PlatePose]:
+    """Poses whose balls are off by `ball` [m] each, and the robot by `shift` [m] and `turn` [rad].
+
+    The robot is off along and about each axis of the plate's middle, or of the flange, where a turn
+    moves the plate, too.
+    """
+    rng = np.random.default_rng(seed)
+    held = pin.SE3.Identity() if at_flange else Y * pin.SE3(np.eye(3), CENTRES.mean(axis=0))
+    if turns is None:
+        turns = rng.uniform((-0.5, -0.5, -2.5), (0.5, 0.5, 2.5), (count, 3))
+    poses = []
+    for number, lean in enumerate(turns, start=1):
+        place = rng.uniform(-0.08, 0.08, 3) + (0.41, 0.0, 0.3)
+        T = pose_from_rpy(place, np.array(lean) + (np.pi, 0, 0))
+        U = X.actInv(T * Y)
+        balls = CENTRES @ U.rotation.T + U.translation + rng.normal(0, ball, (3, 3))
+        wrong = pin.SE3(pin.exp3(turn * rng.standard_normal(3)), shift * rng.standard_normal(3))
+        poses.append(PlatePose(f"pose {number}", T * held * wrong * held.inverse(), balls))
+    return poses
+
+
+def off_truth(T: pin.SE3) -> np.ndarray:
+    """Shift [m] and turn [rad] (6,) along the world's axes from a scanner's pose to the truth."""
+    turn = pin.log3(X.rotation @ T.rotation.T)
+    return np.concatenate([X.translation - T.translation, turn])
+
+
+def off_at_corners(T: pin.SE3) -> np.ndarray:
+    """How far off the corners of the bin are seen (8,) [m] by a scanner's pose."""
+    wrong = T * X.inverse()
+    return np.array([np.linalg.norm(wrong.act(corner) - corner) for corner in CORNERS])
+
+
+def by_opencv(poses: list[PlatePose]) -> pin.SE3:
+    """`T_world_scanner` by Shah's closed form; `plate to scanner` is what it calls world to cam."""
+    import cv2
+
+    plates = [fitted_motion(CENTRES, pose.balls) for pose in poses]
+    flanges = [pose.T_world_flange for pose in poses]
+    *_, R, t = cv2.calibrateRobotWorldHandEye(
+        [R for R, _ in plates],
+        [t for _, t in plates],
+        [T.rotation for T in flanges],
+        [T.translation for T in flanges],
+        method=cv2.CALIB_ROBOT_WORLD_HAND_EYE_SHAH,
+    )
+    return pin.SE3(R, t.ravel()).inverse()

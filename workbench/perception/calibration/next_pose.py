@@ -1,0 +1,44 @@
+"""What one more pose of the plate would tell."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.geometry import Floats
+from workbench.perception.calibration.plate_poses import Answer, PlatePose
+from workbench.perception.calibration.sureness import best_fit, point_errors, rigid_slopes
+
+
+def errors_with(
+    poses: Sequence[PlatePose],
+    answer: Answer,
+    centres: Floats,
+    Ts_world_flange: Sequence[pin.SE3],
+    points: Floats,
+) -> tuple[float, Floats]:
+    """The largest of the errors of points as it is, and as it were with each pose of the flange.
+
+    The deviations of shifts and turns are taken as those of the poses so far.
+
+    Args:
+        poses: that are used.
+        answer: their calibration's.
+        centres: (3, 3) [m] of the balls in the plate's frame.
+        Ts_world_flange: one more pose each, n of them.
+        points: (k, 3) [m] in the world that matter, the corners of the bin.
+
+    Returns:
+        [m], and (n,) [m].
+    """
+    fit = best_fit(poses, answer, centres)
+    X, Y = fit.answer
+    origin = X.translation
+    found: list[float] = []
+    for T in Ts_world_flange:
+        T_scanner_plate = X.actInv(T * Y)
+        balls = centres @ T_scanner_plate.rotation.T + T_scanner_plate.translation
+        rows = rigid_slopes(PlatePose("", T, balls), fit.answer, centres)
+        found.append(float(point_errors(fit.covariance_with(rows), origin, points).max()))
+    now = float(point_errors(fit.covariance, origin, points).max())
+    return now, np.array(found)
