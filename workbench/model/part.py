@@ -238,7 +238,7 @@ class Region:
         T = self.T_bin_region.inverse()
         half = self.size / 2
         p = p_bin @ T.rotation.T + T.translation - [0.0, 0.0, half[2]]
-        return (np.abs(p) <= half + by).all(axis=1)
+        return np.asarray(np.all(np.abs(p) <= half + by, axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
