@@ -96,7 +96,7 @@ def way_in_step(
 
 
 def columns_of(world: World, arms: Sequence[str]) -> Ints:
-    """Places of the joints of several arms in the whole configuration (n,)."""
+    """Indices (n,) of the joints of several arms in the whole configuration."""
     return np.concatenate([world.kinematics.columns[arm] for arm in arms])
 
 
