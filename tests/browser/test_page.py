@@ -1,11 +1,8 @@
 """The whole line by clicking, in a real browser, with a robot controller spoken to over TCP."""
 
 import math
-import os
 import re
-import signal
 from functools import partial
-from multiprocessing import active_children
 
 import numpy as np
 import pytest
@@ -14,7 +11,6 @@ from playwright.sync_api import expect
 
 from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
 from workbench.app.core.people import NOBODY
-from workbench.app.core.state import Phase
 from workbench.gui.cycle import threshold
 from workbench.gui.scene.slider_drag import SliderDrag
 from workbench.gui.shared.tables import Order, ordered
@@ -322,21 +318,6 @@ def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, rea
     screen.press("Send")
     done = reaches("done")
     assert [part.is_picked for part in done.part_reports] == [True, True]
-
-
-def test_a_task_can_be_cancelled(screen, bench, wait):
-    def workers():
-        return [one for one in active_children() if one.name == "workbench worker"]
-
-    # It does not get done before somebody has pressed.
-    wait(workers, "the worker")
-    os.kill(workers()[0].pid, signal.SIGSTOP)
-    screen.press("Scan")
-    wait(lambda: bench.state.job is not None, "the task")
-    screen.press("Cancel task")
-    wait(lambda: bench.state.job is None, "the end of the task")
-    assert bench.state.phase is Phase.IDLE
-    screen.wait_for("cancelled by")
 
 
 def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):

@@ -40,12 +40,12 @@ def distances(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Fl
 
 
 def moved(answer: Answer, step: Floats) -> Answer:
-    """Scanner and plate after a small motion (12,), each in its own frame."""
+    """Scanner and plate after a small motion (12,) [m, rad], each in its own frame."""
     return answer[0] * pin.exp6(step[:6]), answer[1] * pin.exp6(step[6:])
 
 
 def slopes(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Floats:
-    """How `offsets` change with the small motion of `moved`, (n, 3, 3, 12)."""
+    """How `offsets` change with the small motion of `moved`, (n, 3, 3, 12) [m per m, m per rad]."""
     X, Y = answer
     found = np.empty((len(poses), 3, 3, 12))
     for number, pose in enumerate(poses):
@@ -58,7 +58,7 @@ def slopes(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Float
 
 
 def crosses(vectors: Floats) -> Floats:
-    """The matrices (n, 3, 3) by which cross products with vectors (n, 3) are taken."""
+    """The matrices (n, 3, 3) by which cross products with vectors (n, 3) of any unit are taken."""
     x, y, z = vectors.T
     zero = np.zeros_like(x)
     return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)

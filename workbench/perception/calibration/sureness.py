@@ -102,7 +102,7 @@ def _fit_weighed(poses: Sequence[PlatePose], answer: Answer, centres: Floats, ra
 
 
 def rigid_slopes(pose: PlatePose, answer: Answer, centres: Floats) -> Floats:
-    """Three rows for the shift of the plate and three for its turn, (6, 12), all of unit weight."""
+    """Three rows for the shift of the plate and three for its turn, (6, 12), no unit: weighed."""
     return _rigid([pose], answer, centres)[0][0]
 
 
@@ -113,6 +113,11 @@ def predicted_offsets(
 
     By the leverage of the linear problem (Cook and Weisberg, Residuals and influence in regression,
     1982, section 2.2), not by fitting again.
+
+    Args:
+        poses: those that were fitted.
+        fit: what came of them.
+        centres: (3, 3) [m] of the balls in the plate's frame.
 
     Returns:
         RMS over the balls [m] and the plate's turn [rad]; None of a pose that the others alone
