@@ -58,7 +58,7 @@ def slopes(poses: Sequence[PlatePose], answer: Answer, centres: Floats) -> Float
 
 
 def crosses(vectors: Floats) -> Floats:
-    """The matrices (n, 3, 3) by which cross products with vectors (n, 3) are taken, in their unit."""
+    """The matrices (n, 3, 3) of cross products with vectors (n, 3), in their unit."""
     x, y, z = vectors.T
     zero = np.zeros_like(x)
     return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
