@@ -37,7 +37,7 @@ def test_sync_points_are_named_over_the_lanes_and_told_in_words(cell, runs):
     )
     html = lanes_html(cell, three, 3 * leg.seconds)
     assert html.count('class="wb-sync"') == 1 and ">S1</i>" in html
-    assert f"S1, {leg.seconds:.2f} s: right {leg.name}; left {leg.name}" in html
+    assert f"S1, {leg.seconds:.2f} s; right: {leg.name}; left: {leg.name}" in html
     assert "1 sync point<" in html
     assert "sync" not in lanes_html(cell, three[1:], 3 * leg.seconds)
 

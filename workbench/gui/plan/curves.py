@@ -87,12 +87,12 @@ def _syncs(syncs: tuple[SyncPoint, ...], seconds: float) -> str:
 
 
 def _sync_words(sync: SyncPoint) -> str:
-    return f"{sync.name}, {sync.time:.2f} s: {_who(sync.before)}; {_who(sync.after)}"
+    return f"{sync.name}, {sync.time:.2f} s; {_who(sync.before)}; {_who(sync.after)}"
 
 
 def _who(runs: tuple[Run, ...]) -> str:
-    """What legs are of whom: `right extract and left home`."""
-    return " and ".join(f"{run.arm} {run.words}" for run in runs)
+    """What legs are of whom, in pieces that can be translated: `right: extract and left: home`."""
+    return " and ".join(f"{run.arm}: {run.words}" for run in runs)
 
 
 def _sync_table(syncs: tuple[SyncPoint, ...]) -> str:
