@@ -152,8 +152,10 @@ def others(value: Any) -> Iterator[Any]:
 
 def test_no_two_plans_that_differ_in_anything_have_one_digest(result):
     """One waypoint by a last bit, a name by a letter: what was approved is another plan then."""
-    box = Obstacle(pose_from_rpy((0.1, 0.2, 0.3)), np.array([0.01, 0.02, 0.03]))
-    plan = replace(result.plan, obstacles=(box,))
-    digests = [plan.digest, *(other.digest for other in others(plan))]
+    T, size = pose_from_rpy((0.1, 0.2, 0.3)), np.array([0.01, 0.02, 0.03])
+    box, put = Obstacle(T, size), Obstacle(T, size, "puck", pose_from_rpy((0.1, 0.2, 0.4)))
+    plan = replace(result.plan, obstacles=(put,))
+    unsaid = replace(result.plan, obstacles=(box,))
+    digests = [plan.digest, unsaid.digest, *(other.digest for other in others(plan))]
     assert len(digests) > 500
     assert len(set(digests)) == len(digests)

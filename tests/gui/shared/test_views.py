@@ -28,7 +28,8 @@ from workbench.proof.stages import STRAIGHT
 
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
-TAGS = {"ol", "li", "span", "div", "b", "i", "table", "thead", "tbody", "tr", "th", "td"}
+TABLE = {"table", "thead", "tbody", "tr", "th", "td"}
+TAGS = {"ol", "li", "span", "div", "b", "i", "details", "summary"} | TABLE
 
 
 class Reader(HTMLParser):
