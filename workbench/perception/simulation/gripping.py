@@ -84,6 +84,28 @@ class Held:
         return float(np.linalg.norm(T.translation)), float(np.linalg.norm(pin.log3(T.rotation)))
 
 
+def world_of_grips() -> mujoco.MjSpec:
+    """An empty world, computed so that what fingers press on does not creep."""
+    spec = mujoco.MjSpec()
+    spec.option.timestep = STEP
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 10.0
+    spec.option.noslip_iterations = NO_SLIP
+    return spec
+
+
+def close_alike(spec: mujoco.MjSpec) -> None:
+    """Have both fingers, on the joints `slide0` and `slide1`, always be as far closed."""
+    spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_JOINT,
+        name1="slide1",
+        name2="slide0",
+        data=[0.0, 1.0, *[0.0] * 10],
+        solref=[2 * STEP, 1.0],
+    )
+
+
 class Gripping:
     """A part at rest and a tool with two fingers, to be gripped again and again.
 
@@ -94,12 +116,7 @@ class Gripping:
         """The part lies there, on a plane under its lowest point."""
         self._T_flange_tcp, self._stroke = tool.T_flange_tcp, tool.stroke
         self._T_world_part = T_world_part
-        spec = mujoco.MjSpec()
-        spec.option.timestep = STEP
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-        spec.option.impratio = 10.0
-        spec.option.noslip_iterations = NO_SLIP
+        spec = world_of_grips()
         body = spec.worldbody.add_body(name="part")
         body.add_freejoint()
         for piece in part.pieces:
@@ -132,13 +149,7 @@ class Gripping:
             moved.explicitinertial = True
             moved.mass, moved.inertia = FINGER_MASS, [1e-4, 1e-4, 1e-4]
             moved.gravcomp = 1.0
-        spec.add_equality(
-            type=mujoco.mjtEq.mjEQ_JOINT,
-            name1="slide1",
-            name2="slide0",
-            data=[0.0, 1.0, *[0.0] * 10],
-            solref=[2 * STEP, 1.0],
-        )
+        close_alike(spec)
         self._model = model = spec.compile()
         self._part = model.body("part").id
         self._hand = model.body("hand").id

@@ -20,12 +20,13 @@ from workbench.perception.simulation.gripping import (
     CLOSING,
     FINGER_MASS,
     LONGEST,
-    NO_SLIP,
     STEP,
     STILL,
+    close_alike,
     pose_of,
     quaternion_of,
     tiles,
+    world_of_grips,
 )
 from workbench.perception.simulation.physics import add_solid
 
@@ -64,12 +65,7 @@ class Pulling:
         """The part lies so, its centre of mass (3,) [m] there in its own frame."""
         self._grip, self._T_tcp_part = grip, T_tcp_part
         self._fingers = len(tool.fingers)
-        spec = mujoco.MjSpec()
-        spec.option.timestep = STEP
-        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-        spec.option.impratio = 10.0
-        spec.option.noslip_iterations = NO_SLIP
+        spec = world_of_grips()
         body = spec.worldbody.add_body(name="part")
         body.add_freejoint()
         for piece in part.pieces:
@@ -85,13 +81,7 @@ class Pulling:
             moved.explicitinertial = True
             moved.mass, moved.inertia = FINGER_MASS, [1e-4, 1e-4, 1e-4]
         if tool.fingers:
-            spec.add_equality(
-                type=mujoco.mjtEq.mjEQ_JOINT,
-                name1="slide1",
-                name2="slide0",
-                data=[0.0, 1.0, *[0.0] * 10],
-                solref=[2 * STEP, 1.0],
-            )
+            close_alike(spec)
         else:
             lip = spec.worldbody.add_body(name="lip")
             for bead in _beads(grip.lip):
