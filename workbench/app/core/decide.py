@@ -10,6 +10,13 @@ from dataclasses import replace
 from typing import assert_never
 
 from workbench.app.core import commands
+from workbench.app.core.ahead import (
+    after_the_end,
+    asked_ahead,
+    begun_ahead,
+    brought_ahead,
+    given_up,
+)
 from workbench.app.core.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
 from workbench.app.core.control import with_control
 from workbench.app.core.effects import (
@@ -90,6 +97,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return replace(state, observations=observations, message=says), ()
         case commands.MakePlan() as command:
             return make_plan(state, entry, command)
+        case commands.GoOn() as command if state.phase is Phase.SENDING:
+            return asked_ahead(state, command, entry)
         case commands.GoOn(scan=scan) as command:
             return take_scan(state, entry, scan, then=command)
         case commands.WantThreshold(threshold=threshold):
@@ -106,7 +115,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return with_step(state, number, entry.actor, entry.at), (LetStep(number),)
         case commands.Stop():
             says = f"{entry.actor} stops the sending"
-            return replace(state, message=says, stopped_by=entry.actor), (StopSending(),)
+            stopped = replace(state, message=says, stopped_by=entry.actor)
+            after, effects = given_up(stopped, "the plan is stopped")
+            return after, (StopSending(), *effects)
         case commands.CancelJob():
             return _cancel(state, entry)
         case commands.AcknowledgeFault():
@@ -145,7 +156,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             | commands.DenyControl()
             | commands.ReleaseControl()
         ) as about:
-            return _waiting_for(state, with_control(state, about, entry.actor)), ()
+            return _waiting_for(state, with_control(state, about, entry.actor))
         case commands.AcknowledgeChanges():
             return acknowledged(state, entry.actor), ()
         case commands.Started() as start:
@@ -158,13 +169,18 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
         case commands.JobEnded(result=Part() as part) as ended:
             return _part_made(state, ended, part)
+        case commands.JobEnded() as ended if state.phase is Phase.SENDING:
+            return brought_ahead(state, ended, entry)
         case commands.JobEnded() as ended:
             return gone_on(state, with_result(state, ended, entry.at), entry)
         case commands.Sent(receipt=receipt):
-            return with_receipt(state, receipt), ()
+            return begun_ahead(with_receipt(state, receipt), entry)
         case commands.LinkEnded():
             ended = entry.command
-            return with_next_plan(state, after_sending(state, ended, entry.at), ended, entry)
+            after = after_sending(state, ended, entry.at)
+            after, sends = with_next_plan(state, after, ended, entry)
+            after, effects = after_the_end(state, after, entry)
+            return after, (*sends, *effects)
         case _:
             assert_never(entry.command)
 
@@ -178,13 +194,15 @@ def _wanting(state: State, threshold: float) -> State:
     return replace(state, wanted_threshold=threshold)
 
 
-def _waiting_for(before: State, after: State) -> State:
+def _waiting_for(before: State, after: State) -> Outcome:
     """The state after a word about control: nobody goes on in the name of who has given it away."""
+    if after.ahead is not None and after.control != before.control:
+        return given_up(after, "somebody else is in control, or nobody")
     job = after.job
     if job is None or job.then is None or after.control == before.control:
-        return after
+        return after, ()
     message = f"{after.message}; after this task nothing goes on by itself"
-    return replace(after, job=replace(job, then=None), message=message)
+    return replace(after, job=replace(job, then=None), message=message), ()
 
 
 def _approved(state: State, entry: commands.Entry, vote: commands.Approve) -> State:
@@ -233,6 +251,8 @@ def _send(state: State, entry: commands.Entry) -> Outcome:
 
 
 def _cancel(state: State, entry: commands.Entry) -> Outcome:
+    if state.ahead is not None:
+        return given_up(state, f"cancelled by {entry.actor}")
     if state.job is None:
         return state, ()
     # The job leaves the state at once; whatever it still brings is recorded and not used.

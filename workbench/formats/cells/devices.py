@@ -33,6 +33,7 @@ def read_scanner(table: Table) -> ScannerMount:
         calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
         calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
         cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
+        while_moving=table.flag("while_moving", False),
     )
     with refused_at(table, "source"):
         options = read_options(table, load("workbench.scanners", mount.source).Options)
