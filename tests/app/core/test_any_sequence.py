@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from hypothesis.stateful import (
     RuleBasedStateMachine,
     initialize,
-    invariant,
     rule,
     run_state_machine_as_test,
 )
@@ -41,11 +40,9 @@ from workbench.app.core.commands import (
     WantThreshold,
     WatchPlan,
 )
-from workbench.app.core.effects import Send, StartJob
+from workbench.app.core.effects import Send
 from workbench.app.core.people import ROBOT_LINK, SESSION_START
-from workbench.app.core.rules import staleness
 from workbench.app.core.state import Phase, State
-from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.prediction import Emptying
@@ -378,36 +375,6 @@ class AnySequence(Checks, RuleBasedStateMachine):
     @rule(command=st.sampled_from([Stop(), CancelJob(), AcknowledgeFault(), ForgetAvoided()]))
     def interrupt(self, command):
         self.attempt(command)
-
-    @invariant()
-    def what_stands_together_belongs_together(self):
-        if not hasattr(self, "line"):
-            return
-        state = self.line.state
-        assert (state.phase is Phase.FAULT) == bool(state.fault)
-        if state.approval is not None:
-            assert state.plan is not None
-            assert not staleness(
-                state.approval, state.plan, state.cell, state.scene_digest, state.approval.at
-            )
-        if state.phase is Phase.APPROVED:
-            assert state.approval is not None
-        assert state.ahead is None or state.phase is Phase.SENDING
-        if state.phase in (Phase.SENDING, Phase.FAULT):
-            assert state.job is None or state.ahead is not None
-            # What was spent stays to be seen until the session is opened again.
-            assert (state.approval is None) == self.is_opened_again
-
-    @invariant()
-    def a_stage_leaves_the_digests_of_its_inputs_alone(self):
-        if not hasattr(self, "line"):
-            return
-        for effect in self.line.effects:
-            if isinstance(effect, StartJob) and "scan" in effect.arguments:
-                scan = effect.arguments["scan"]
-                if scan is None:
-                    continue
-                assert digest_of(scan, without=frozenset({"at", "source"})) == scan.digest
 
 
 def _run(samples: Any) -> None:

@@ -23,7 +23,7 @@ ROOM = 0.02
 AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract"})
 """Legs before or at the taking of a part: the scene is not yet what the next plan is for."""
 
-VIEW = "the scanner's view"
+VIEW = "scanner_view"
 
 
 def sees_from(cell: Cell, plan: Plan) -> int:
