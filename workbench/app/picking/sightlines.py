@@ -56,6 +56,14 @@ def sees_from(cell: Cell, plan: Plan) -> int:
     return first
 
 
+def seconds_seen(plan: Plan, first: int) -> float:
+    """How long a plan goes on [s] from the beginning of its step `first` on, counted from 1."""
+    if not first:
+        return 0.0
+    steps = plan.sequence[first - 1 :]
+    return sum(max(plan.arm(arm).leg(leg).seconds for arm, leg in step.runs) for step in steps)
+
+
 def _is_out(world: World, stretch: Stretch) -> bool:
     """Whether nothing that an arm carries is in the view during a step, nor after it."""
     # Arms that stand count as those that move; how fingers were left may be unknown.
