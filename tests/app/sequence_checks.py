@@ -3,10 +3,12 @@
 import dataclasses
 
 import numpy as np
+from hypothesis.stateful import invariant
 from line import Line
 
 from workbench.app.core.commands import Approve, Command, JobEnded, LinkEnded, SendPlan, WatchPlan
-from workbench.app.core.effects import Send
+from workbench.app.core.effects import Send, StartJob
+from workbench.app.core.rules import staleness
 from workbench.app.core.state import Phase, State
 from workbench.model.digest import digest_of
 from workbench.model.plan import UNSIGNED
@@ -32,6 +34,7 @@ class Checks:
     sent: set[str]
     let_out: tuple[str, ...]
     is_stopped: bool
+    is_opened_again: bool
     threshold: float
     threshold_of: dict[str, float]
 
@@ -96,3 +99,33 @@ class Checks:
         assert approval.at <= self.line.now < approval.until
         assert abs(self.line.joints["joint_1"]) <= np.deg2rad(1.0)
         assert send.plan.cell_digest == before.cell.digest
+
+    @invariant()
+    def what_stands_together_belongs_together(self):
+        if not hasattr(self, "line"):
+            return
+        state = self.line.state
+        assert (state.phase is Phase.FAULT) == bool(state.fault)
+        if state.approval is not None:
+            assert state.plan is not None
+            assert not staleness(
+                state.approval, state.plan, state.cell, state.scene_digest, state.approval.at
+            )
+        if state.phase is Phase.APPROVED:
+            assert state.approval is not None
+        assert state.ahead is None or state.phase is Phase.SENDING
+        if state.phase in (Phase.SENDING, Phase.FAULT):
+            assert state.job is None or state.ahead is not None
+            # What was spent stays to be seen until the session is opened again.
+            assert (state.approval is None) == self.is_opened_again
+
+    @invariant()
+    def a_stage_leaves_the_digests_of_its_inputs_alone(self):
+        if not hasattr(self, "line"):
+            return
+        for effect in self.line.effects:
+            if isinstance(effect, StartJob) and "scan" in effect.arguments:
+                scan = effect.arguments["scan"]
+                if scan is None:
+                    continue
+                assert digest_of(scan, without=frozenset({"at", "source"})) == scan.digest

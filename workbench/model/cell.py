@@ -155,7 +155,8 @@ class ScannerMount:
     finds the scanner, in its own way, `unit` that of files, `patience` [s] how long to wait for a
     scan, `options` are the driver's own keys.  `calibration` says who has measured the pose and
     when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
-    axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.
+    axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
+    as good while arms move out of its view, so that it need not wait for them.
     """
 
     T_world_scanner: pin.SE3
@@ -172,6 +173,7 @@ class ScannerMount:
     calibration_days: float = 90.0
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
     cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
+    while_moving: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))

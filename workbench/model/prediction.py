@@ -100,7 +100,9 @@ class EmptiedPile:
     `stages` [s] by stage in all, and `finding` [s] for the parts in the scans. `more` is how many
     of those left come out by any grasp of the tool, None when nobody asked; `rolled` how many of
     those taken had another roll than found, which the localizer had said. `outcomes` says of every
-    pick in turn what kind of failure it was, empty for a part taken.
+    pick in turn what kind of failure it was, empty for a part taken. `beside` has for each look
+    that may be taken while the robot still moves how long that goes on [s] from when the scanner
+    sees, and how long finding and planning took for it [s].
     """
 
     task: PileTask
@@ -119,6 +121,7 @@ class EmptiedPile:
     more: int | None = None
     rolled: int = 0
     outcomes: tuple[str, ...] = ()
+    beside: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

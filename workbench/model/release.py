@@ -127,7 +127,8 @@ class Receipt:
     empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
     or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
     what became of a part, `waits` when it reported that it stands before that step of the plan,
-    counted from 1, and waits for a person's word.
+    counted from 1, and waits for a person's word.  `step` is the step that it reported to run,
+    counted from 1; 0 where it said nothing of that.
     """
 
     at: float
@@ -139,6 +140,7 @@ class Receipt:
     heard: str = ""
     part: PartReport | None = None
     waits: int = field(default_factory=int, metadata=LATER)
+    step: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

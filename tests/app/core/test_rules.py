@@ -17,6 +17,7 @@ from workbench.app.core.commands import (
     CancelJob,
     Command,
     FindParts,
+    GoOn,
     JobEnded,
     LinkEnded,
     MakePlan,
@@ -115,7 +116,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in RIGHTS if not obstacle(state, c) and not RIGHTS[c].by_machine}
-    assert people == {Stop, NextStep, ReportPick} | CONTROL
+    assert people == {Stop, NextStep, ReportPick, GoOn} | CONTROL
 
 
 @pytest.mark.parametrize(

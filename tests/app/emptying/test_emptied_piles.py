@@ -30,6 +30,17 @@ def found(cell, told):
     return emptied_piles(cell, ASKED, lambda done, note: told.append((done, note)), never)
 
 
+def test_looks_beside_a_motion_are_told_where_the_scanner_sees_then(found, cell):
+    assert all(one.beside == () for one in found.emptying.piles)
+    seeing = replace(cell, scanner=replace(cell.scanner, while_moving=True))
+    asked = replace(ASKED, piles=1)
+    (pile,) = emptied_piles(seeing, asked, silent, never).emptying.piles
+    assert pile.taken == found.emptying.piles[0].taken
+    # After each plan that took what it was to take, as long as something lay there still.
+    assert 1 <= len(pile.beside) <= pile.cycles
+    assert all(moves > 1.0 and took > 0.0 for moves, took in pile.beside)
+
+
 def test_each_pile_has_the_next_seed_and_is_told_of(found, told, cell):
     emptying = found.emptying
     assert [one.task.seed for one in emptying.piles] == [12, 13]

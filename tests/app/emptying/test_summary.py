@@ -1,5 +1,7 @@
 """What is told of all piles follows from each of them."""
 
+from dataclasses import replace
+
 import pytest
 from made_piles import scene
 
@@ -16,6 +18,13 @@ def test_shares_and_rates_are_those_of_all_piles_together():
     assert found["left_by_reason"] == {"tool collision": 10}
     assert [one["seed"] for one in found["scenes"]] == [0, 1]
     assert found["scenes"][0]["left"][1]["part"] == "part-2"
+
+
+def test_what_hides_behind_motion_counts_once():
+    pile = replace(scene(0, 3, 0), beside=((1.5, 0.2), (1.5, 0.9)))
+    found = summary([pile], scan_seconds=1.0, approval_seconds=2.0)
+    seconds = 30 + 0.4 + 6 * 1.0 + 3 * 2.0 - (1.2 + 1.5)
+    assert found["parts_per_hour"] == pytest.approx(3600 * 3 / seconds)
 
 
 def test_failed_picks_are_picks_and_counted_by_kind():

@@ -129,11 +129,18 @@ class GoOn:
     It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
     when the one who has asked for it gives control away or has gone.  It approves and sends
     nothing.
+
+    While something is sent it begins when the last plan has ended, or before: from its step
+    `sees_from` on, counted from 1, the scanner sees past the arms; 0 where it never does.  `placed`
+    are the parts that will lie on pallets at that end.  Nobody has worked these out where they are
+    None.
     """
 
     scan: TakeScan = field(default_factory=TakeScan)
     find: FindParts = field(default_factory=FindParts)
     plan: MakePlan = field(default_factory=MakePlan)
+    sees_from: int | None = field(default_factory=lambda: None, metadata=LATER)
+    placed: tuple[Detection, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

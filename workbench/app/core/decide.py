@@ -6,11 +6,17 @@
 the same on every machine at any time, so a journal of entries is the history of states.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, assert_never
+from typing import assert_never
 
 from workbench.app.core import commands
+from workbench.app.core.ahead import (
+    after_the_end,
+    asked_ahead,
+    begun_ahead,
+    brought_ahead,
+    given_up,
+)
 from workbench.app.core.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
 from workbench.app.core.control import with_control
 from workbench.app.core.effects import (
@@ -18,15 +24,12 @@ from workbench.app.core.effects import (
     LetStep,
     RemoveDraft,
     Send,
-    StartJob,
     StopJob,
     StopSending,
     WriteCell,
 )
 from workbench.app.core.outcomes import (
-    after_one_more_scan,
     after_sending,
-    avoided_parts,
     with_outcome,
     with_receipt,
     with_step,
@@ -39,34 +42,31 @@ from workbench.app.core.release import (
     started,
     votes_of_others,
     with_watched,
-    without_approval,
 )
 from workbench.app.core.results import (
-    compared,
-    emptying_words,
-    with_detections,
+    begin_task,
+    find_parts,
+    gone_on,
+    make_plan,
+    sight_plate,
+    take_scan,
     with_outside_detections,
-    with_plan,
+    with_result,
+    with_scan,
 )
 from workbench.app.core.rows import following, row_said, with_next_plan
 from workbench.app.core.rules import approve
 from workbench.app.core.state import (
-    Job,
     Phase,
     RunState,
     ScanState,
     State,
     begun,
     counted,
-    stale_by,
 )
-from workbench.model.calibration import PlateObservation
-from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
+from workbench.model.errors import CommandRefused
 from workbench.model.part import Part
-from workbench.model.plan import PlanResult
-from workbench.model.prediction import Emptying
 from workbench.model.release import Vote, manner_words
-from workbench.model.scan import Scan, Search
 
 Outcome = tuple[State, tuple[Effect, ...]]
 
@@ -84,21 +84,23 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
     state = replace(state, number=entry.number)
     match entry.command:
         case commands.TakeScan() as command:
-            return _take_scan(state, entry, command)
+            return take_scan(state, entry, command)
         case commands.UseScan(scan=scan):
-            return _with_scan(state, scan, entry.at), ()
+            return with_scan(state, scan, entry.at), ()
         case commands.FindParts() as command:
-            return _find_parts(state, entry, command)
+            return find_parts(state, entry, command)
         case commands.UseDetections() as command:
             return with_outside_detections(state, entry, command), ()
         case commands.SightPlate() as command:
-            return _sight_plate(state, entry, command)
+            return sight_plate(state, entry, command)
         case commands.UseObservations(observations=observations, says=says):
             return replace(state, observations=observations, message=says), ()
         case commands.MakePlan() as command:
-            return _make_plan(state, entry, command)
+            return make_plan(state, entry, command)
+        case commands.GoOn() as command if state.phase is Phase.SENDING:
+            return asked_ahead(state, command, entry)
         case commands.GoOn(scan=scan) as command:
-            return _take_scan(state, entry, scan, then=command)
+            return take_scan(state, entry, scan, then=command)
         case commands.WantThreshold(threshold=threshold):
             return _wanting(state, threshold), ()
         case commands.ShortenRow(picks=picks):
@@ -113,7 +115,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return with_step(state, number, entry.actor, entry.at), (LetStep(number),)
         case commands.Stop():
             says = f"{entry.actor} stops the sending"
-            return replace(state, message=says, stopped_by=entry.actor), (StopSending(),)
+            stopped = replace(state, message=says, stopped_by=entry.actor)
+            after, effects = given_up(stopped, "the plan is stopped")
+            return after, (StopSending(), *effects)
         case commands.CancelJob():
             return _cancel(state, entry)
         case commands.AcknowledgeFault():
@@ -134,10 +138,10 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return edited_cell(state, edit)
         case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
-            return _begin(state, entry, "import", {"command": command}, says)
+            return begin_task(state, entry, "import", {"command": command}, says)
         case commands.TryEmptying(piles=piles, count=count) as command:
             says = f"emptying {counted(piles, 'pile')} of {counted(count, 'part')} in simulation"
-            return _begin(state, entry, "emptying", {"command": command}, says)
+            return begin_task(state, entry, "emptying", {"command": command}, says)
         case commands.DropDraft(part=part):
             return replace(state, message=f"the draft of {part} is dropped"), (RemoveDraft(part),)
         case commands.EmptyPallets():
@@ -152,7 +156,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             | commands.DenyControl()
             | commands.ReleaseControl()
         ) as about:
-            return _waiting_for(state, with_control(state, about, entry.actor)), ()
+            return _waiting_for(state, with_control(state, about, entry.actor))
         case commands.AcknowledgeChanges():
             return acknowledged(state, entry.actor), ()
         case commands.Started() as start:
@@ -165,29 +169,20 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
         case commands.JobEnded(result=Part() as part) as ended:
             return _part_made(state, ended, part)
+        case commands.JobEnded() as ended if state.phase is Phase.SENDING:
+            return brought_ahead(state, ended, entry)
         case commands.JobEnded() as ended:
-            return _gone_on(state, _job_ended(state, ended, entry.at), entry)
+            return gone_on(state, with_result(state, ended, entry.at), entry)
         case commands.Sent(receipt=receipt):
-            return with_receipt(state, receipt), ()
+            return begun_ahead(with_receipt(state, receipt), entry)
         case commands.LinkEnded():
             ended = entry.command
-            return with_next_plan(state, after_sending(state, ended, entry.at), ended, entry)
+            after = after_sending(state, ended, entry.at)
+            after, sends = with_next_plan(state, after, ended, entry)
+            after, effects = after_the_end(state, after, entry)
+            return after, (*sends, *effects)
         case _:
             assert_never(entry.command)
-
-
-def _begin(
-    state: State,
-    entry: commands.Entry,
-    name: str,
-    arguments: Mapping[str, Any],
-    message: str,
-    **about: Any,
-) -> Outcome:
-    """A job begins; `about` goes into the `Job`, for when it ends."""
-    job = Job(state.number, name, entry.at, **about)
-    after = replace(without_approval(state), job=job, message=message)
-    return after, (StartJob(job.number, name, arguments),)
 
 
 def _wanting(state: State, threshold: float) -> State:
@@ -199,98 +194,15 @@ def _wanting(state: State, threshold: float) -> State:
     return replace(state, wanted_threshold=threshold)
 
 
-def _waiting_for(before: State, after: State) -> State:
+def _waiting_for(before: State, after: State) -> Outcome:
     """The state after a word about control: nobody goes on in the name of who has given it away."""
+    if after.ahead is not None and after.control != before.control:
+        return given_up(after, "somebody else is in control, or nobody")
     job = after.job
     if job is None or job.then is None or after.control == before.control:
-        return after
-    message = f"{after.message}; after this task nothing goes on by itself"
-    return replace(after, job=replace(job, then=None), message=message)
-
-
-def _gone_on(before: State, after: State, entry: commands.Entry) -> Outcome:
-    """What follows by itself when the task of `before` has ended, where that was asked for."""
-    job = before.job
-    if job is None or job.then is None or after.job is not None:
         return after, ()
-    match job.name, after.phase:
-        case "scan", Phase.SCANNED:
-            return _find_parts(after, entry, job.then.find, then=job.then)
-        case "localize", Phase.LOCALIZED:
-            return _make_plan(after, entry, job.then.plan)
-        case "scan" | "localize", _:
-            return replace(after, message=f"{after.message}; going on ends here"), ()
-        case _:
-            return after, ()
-
-
-def _take_scan(
-    state: State,
-    entry: commands.Entry,
-    command: commands.TakeScan,
-    then: commands.GoOn | None = None,
-) -> Outcome:
-    arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
-    return _begin(state, entry, "scan", arguments, "scanning", then=then)
-
-
-def _find_parts(
-    state: State,
-    entry: commands.Entry,
-    command: commands.FindParts,
-    then: commands.GoOn | None = None,
-) -> Outcome:
-    if state.scan is None:
-        raise CommandRefused("there is no scan to find parts in")
-    arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
-    return _begin(
-        state,
-        entry,
-        "localize",
-        arguments,
-        "finding parts",
-        seed=command.seed,
-        overrides=command.overrides,
-        is_compared=command.is_compared,
-        then=then,
-    )
-
-
-def _sight_plate(state: State, entry: commands.Entry, command: commands.SightPlate) -> Outcome:
-    numbers = (one.name.rpartition(" ")[2] for one in state.observations)
-    last = max((int(number) for number in numbers if number.isdecimal()), default=0)
-    arguments = {
-        "name": f"pose {last + 1}",
-        "arm": command.arm,
-        "q": command.q,
-        "plate": command.plate,
-        "seed": command.seed,
-    }
-    return _begin(state, entry, "sight", arguments, "looking at the plate")
-
-
-def _make_plan(state: State, entry: commands.Entry, command: commands.MakePlan) -> Outcome:
-    if not state.detections:
-        raise CommandRefused("there are no parts to plan for")
-    arguments = {
-        "detections": state.detections,
-        "scan_digest": state.scene_digest,
-        "scan": state.scan,
-        "strategy": command.strategy,
-        "threshold": command.threshold,
-        "overrides": command.overrides,
-        "placed": state.placed,
-        "avoided": avoided_parts(state, entry.at),
-        "seed": command.seed,
-    }
-    state = replace(state, wanted_threshold=command.threshold)
-    about = {
-        "strategy": command.strategy,
-        "threshold": command.threshold,
-        "seed": command.seed,
-        "planning": command.overrides,
-    }
-    return _begin(state, entry, "plan", arguments, "planning", **about)
+    message = f"{after.message}; after this task nothing goes on by itself"
+    return replace(after, job=replace(job, then=None), message=message), ()
 
 
 def _approved(state: State, entry: commands.Entry, vote: commands.Approve) -> State:
@@ -339,39 +251,13 @@ def _send(state: State, entry: commands.Entry) -> Outcome:
 
 
 def _cancel(state: State, entry: commands.Entry) -> Outcome:
+    if state.ahead is not None:
+        return given_up(state, f"cancelled by {entry.actor}")
     if state.job is None:
         return state, ()
     # The job leaves the state at once; whatever it still brings is recorded and not used.
     message = f"task {state.job.name!r} cancelled by {entry.actor}"
     return replace(state, job=None, message=message), (StopJob(state.job.number),)
-
-
-def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
-    job, result = state.job, ended.result
-    if job is None or job.number != ended.number:
-        return state
-    state = replace(state, job=None)
-    match (job.name, result):
-        case (_, JobCancelled()):
-            return replace(state, message=f"task {job.name!r} was cancelled")
-        case (_, WorkbenchError()):
-            return replace(state, message=f"task {job.name!r} failed: {result}")
-        case ("scan", Scan()):
-            return _with_scan(state, result, at)
-        case ("localize", tuple()):
-            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
-            return (compared if job.is_compared else with_detections)(state, search)
-        case ("sight", PlateObservation()):
-            observations = (*state.observations, result)
-            message = f"{result.name}: the plate is seen, {len(observations)} so far"
-            return replace(state, observations=observations, message=message)
-        case ("emptying", Emptying()):
-            return replace(state, emptying=result, message=emptying_words(result))
-        case ("plan", PlanResult()):
-            return with_plan(state, result, job)
-        case _:
-            wrong = type(result).__name__
-            return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
 
 
 def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
@@ -383,15 +269,3 @@ def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
     size = part.facts["mm"]
     message = f"the part {part.name} is in the cell, {size} mm; it has no grasps yet"
     return changed_cell(replace(state, job=None), cell, message)
-
-
-def _with_scan(state: State, scan: Scan, at: float) -> State:
-    return begun(
-        replace(state, avoided=after_one_more_scan(state.avoided, at)),
-        ScanState,
-        phase=Phase.SCANNED,
-        scan=scan,
-        scene_digest=scan.digest,
-        stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
-        message=f"scan with {len(scan.points):,} points",
-    )

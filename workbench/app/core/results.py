@@ -1,8 +1,14 @@
-"""What tasks and people have brought: the state with parts found, with a plan, or with why not."""
+"""Tasks of the worker, and what they and people have brought: parts found, a plan, or why not."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
+from workbench.app.core import commands
 from workbench.app.core.commands import Entry, UseDetections
+from workbench.app.core.effects import StartJob
+from workbench.app.core.outcomes import after_one_more_scan, avoided_parts
+from workbench.app.core.release import without_approval
 from workbench.app.core.state import (
     Job,
     Outline,
@@ -15,10 +21,15 @@ from workbench.app.core.state import (
     counted,
     stale_by,
 )
+from workbench.model.calibration import PlateObservation
 from workbench.model.digest import digest_of
+from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
-from workbench.model.scan import Remark, Search
+from workbench.model.scan import Remark, Scan, Search
+
+Begun = tuple[State, tuple[StartJob, ...]]
+"""The state, and the task that has begun with it, if one has."""
 
 MOST_SEARCHES, MOST_REMARKS = 6, 30
 """In one scan, that are remembered."""
@@ -165,4 +176,157 @@ def _outline(result: PlanResult, job: Job) -> Outline:
         job.seed,
         job.planning,
         len(every),
+    )
+
+
+def begin_task(
+    state: State,
+    entry: Entry,
+    name: str,
+    arguments: Mapping[str, Any],
+    message: str,
+    **about: Any,
+) -> Begun:
+    """A job begins; `about` goes into the `Job`, for when it ends."""
+    job = Job(state.number, name, entry.at, **about)
+    after = replace(without_approval(state), job=job, message=message)
+    return after, (StartJob(job.number, name, arguments),)
+
+
+def take_scan(
+    state: State,
+    entry: Entry,
+    command: commands.TakeScan,
+    then: commands.GoOn | None = None,
+) -> Begun:
+    """The scanner is triggered; with `then` it is gone on as that says."""
+    arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
+    return begin_task(state, entry, "scan", arguments, "scanning", then=then)
+
+
+def find_parts(
+    state: State,
+    entry: Entry,
+    command: commands.FindParts,
+    then: commands.GoOn | None = None,
+) -> Begun:
+    """Parts are looked for in the scan; with `then` it is gone on as that says.
+
+    Raises:
+        CommandRefused: there is no scan.
+    """
+    if state.scan is None:
+        raise CommandRefused("there is no scan to find parts in")
+    arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
+    return begin_task(
+        state,
+        entry,
+        "localize",
+        arguments,
+        "finding parts",
+        seed=command.seed,
+        overrides=command.overrides,
+        is_compared=command.is_compared,
+        then=then,
+    )
+
+
+def sight_plate(state: State, entry: Entry, command: commands.SightPlate) -> Begun:
+    """The plate is looked at, held in one more pose."""
+    numbers = (one.name.rpartition(" ")[2] for one in state.observations)
+    last = max((int(number) for number in numbers if number.isdecimal()), default=0)
+    arguments = {
+        "name": f"pose {last + 1}",
+        "arm": command.arm,
+        "q": command.q,
+        "plate": command.plate,
+        "seed": command.seed,
+    }
+    return begin_task(state, entry, "sight", arguments, "looking at the plate")
+
+
+def make_plan(state: State, entry: Entry, command: commands.MakePlan) -> Begun:
+    """A plan is made for the parts found.
+
+    Raises:
+        CommandRefused: there are none.
+    """
+    if not state.detections:
+        raise CommandRefused("there are no parts to plan for")
+    arguments = {
+        "detections": state.detections,
+        "scan_digest": state.scene_digest,
+        "scan": state.scan,
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "overrides": command.overrides,
+        "placed": state.placed,
+        "avoided": avoided_parts(state, entry.at),
+        "seed": command.seed,
+    }
+    state = replace(state, wanted_threshold=command.threshold)
+    about = {
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "seed": command.seed,
+        "planning": command.overrides,
+    }
+    return begin_task(state, entry, "plan", arguments, "planning", **about)
+
+
+def gone_on(before: State, after: State, entry: Entry) -> Begun:
+    """What follows by itself when the task of `before` has ended, where that was asked for."""
+    job = before.job
+    if job is None or job.then is None or after.job is not None:
+        return after, ()
+    match job.name, after.phase:
+        case "scan", Phase.SCANNED:
+            return find_parts(after, entry, job.then.find, then=job.then)
+        case "localize", Phase.LOCALIZED:
+            return make_plan(after, entry, job.then.plan)
+        case "scan" | "localize", _:
+            return replace(after, message=f"{after.message}; going on ends here"), ()
+        case _:
+            return after, ()
+
+
+def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
+    """The state after the running task has ended, at [s since the epoch]; others change nothing."""
+    job, result = state.job, ended.result
+    if job is None or job.number != ended.number:
+        return state
+    state = replace(state, job=None)
+    match (job.name, result):
+        case (_, JobCancelled()):
+            return replace(state, message=f"task {job.name!r} was cancelled")
+        case (_, WorkbenchError()):
+            return replace(state, message=f"task {job.name!r} failed: {result}")
+        case ("scan", Scan()):
+            return with_scan(state, result, at)
+        case ("localize", tuple()):
+            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
+            return (compared if job.is_compared else with_detections)(state, search)
+        case ("sight", PlateObservation()):
+            observations = (*state.observations, result)
+            message = f"{result.name}: the plate is seen, {len(observations)} so far"
+            return replace(state, observations=observations, message=message)
+        case ("emptying", Emptying()):
+            return replace(state, emptying=result, message=emptying_words(result))
+        case ("plan", PlanResult()):
+            return with_plan(state, result, job)
+        case _:
+            wrong = type(result).__name__
+            return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
+
+
+def with_scan(state: State, scan: Scan, at: float) -> State:
+    """The state with a new scan, taken at [s since the epoch]."""
+    return begun(
+        replace(state, avoided=after_one_more_scan(state.avoided, at)),
+        ScanState,
+        phase=Phase.SCANNED,
+        scan=scan,
+        scene_digest=scan.digest,
+        stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
+        message=f"scan with {len(scan.points):,} points",
     )

@@ -54,7 +54,7 @@ RIGHTS: Mapping[type, Right] = {
     commands.MakePlan: Right(
         "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
     ),
-    commands.GoOn: Right("going on", frozenset({Phase.DONE})),
+    commands.GoOn: Right("going on", frozenset({Phase.SENDING, Phase.DONE})),
     commands.WantThreshold: Right("another threshold", SAFE, beside_job=True),
     commands.ShortenRow: Right(
         "another length of the row", frozenset({Phase.PLANNED, Phase.APPROVED})
@@ -144,13 +144,16 @@ def obstacle(state: State, command: type) -> str:
     it for every button.
     """
     right = RIGHTS[command]
-    if state.job is not None and not right.beside_job:
+    # What runs while something is sent is of the next cycle, and holds up nothing of this one.
+    if state.job is not None and not right.beside_job and state.phase is not Phase.SENDING:
         job = JOBS.get(state.job.name, f"the task {state.job.name!r}")
         return f"{right.says} has to wait until {job} ends or is cancelled"
-    if command is commands.CancelJob and state.job is None:
+    if command is commands.CancelJob and state.job is None and state.ahead is None:
         return "no task is running"
     if command is commands.SendPlan and state.changed:
         return f"sending has to wait until an engineer acknowledges: {changes_said(state)}"
+    if command is commands.GoOn and state.ahead is not None:
+        return "it is gone on already once the plan lets the scanner see, or has ended"
     missing = what_is_missing(state, command)
     return f"{right.says} is not possible now: {missing}" if missing else ""
 

@@ -5,9 +5,9 @@ from types import MappingProxyType
 from typing import assert_never
 
 from workbench.app.core import commands
+from workbench.app.core.cell_changes import check_edit, check_emptying, check_import, part_of
 from workbench.app.core.control import control_problem
 from workbench.app.core.outcomes import outcome_problem, step_problem
-from workbench.app.core.part_rules import check_edit, check_emptying, check_import, part_of
 from workbench.app.core.people import MACHINES, NOBODY, Role
 from workbench.app.core.release import (
     changes_problem,

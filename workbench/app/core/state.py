@@ -104,6 +104,18 @@ class Avoided:
     why: str = ""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Ahead:
+    """What is worked on for the next cycle while a plan is sent.
+
+    `wanted` says how it is gone on; `brought` are the tasks that have ended, each with its result
+    and when that came [s since the epoch].
+    """
+
+    wanted: GoOn
+    brought: tuple[tuple[Job, Any, float], ...] = ()
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SessionState:
     """What only the end of the session ends.
@@ -219,6 +231,7 @@ class RunState(ReleaseState):
     what is said of messages and steps is of the plan alone, outcomes and parts placed are of the
     whole row.
     `stopped_by` names who has stopped the sending: nothing of the row follows.
+    `ahead` is what is worked on for the next cycle meanwhile; no plan of it is here before the end.
     """
 
     receipts: tuple[Receipt, ...] = ()
@@ -230,6 +243,7 @@ class RunState(ReleaseState):
     let_until: float = 0.0
     sent_before: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     stopped_by: str = field(default_factory=str, metadata=LATER)
+    ahead: Ahead | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def whole_row(self) -> tuple[Proven, ...]:

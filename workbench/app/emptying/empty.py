@@ -14,6 +14,7 @@ from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
+from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
@@ -53,6 +54,7 @@ class _Tally:
     finding: float = 0.0
     seen: tuple[Detection, ...] = ()
     outcomes: list[str] = field(default_factory=list[str])
+    beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
 
 
 def emptied(
@@ -87,6 +89,7 @@ def emptied(
     result: PlanResult | None = None
     avoided: list[tuple[Detection, int]] = []
     idle = failures = 0
+    seen_for = 0.0
     while lying and idle < IDLE and failures < MOST_FAILURES:
         if cancelled():
             raise JobCancelled("the emptying was cancelled")
@@ -95,7 +98,12 @@ def emptied(
         tally.scans += 1
         avoided = [(one, age - 1) for one, age in avoided if age > 0]
         truth = [one for _, one in lying]
+        finding, plannings = tally.finding, len(tally.planning)
         result = _look_and_plan(cell, task, truth, avoided, seed, tally, cancelled)
+        if seen_for:
+            took = tally.finding - finding + sum(tally.planning[plannings:])
+            tally.beside.append((seen_for, took))
+        seen_for = 0.0
         plan = None if result is None else result.plan
         if result is None or plan is None or result.proof is None or not result.proof.holds:
             has_pick = result is not None and any(one.verdict.is_ok for one in result.candidates)
@@ -114,6 +122,9 @@ def emptied(
             if missed:
                 # Whatever is in doubt ends a row.
                 break
+        else:
+            last = result.plans[-1]
+            seen_for = seconds_seen(last, sees_from(cell, last))
     known = _as_seen(lying, tally.seen)
     left = left_in(
         cell,
@@ -148,6 +159,7 @@ def emptied(
         more,
         tally.rolled,
         tuple(tally.outcomes),
+        tuple(tally.beside),
     )
 
 

@@ -20,7 +20,9 @@ def summary(
 
     An hour is made of the motion as planned, `scan_seconds` [s] for each look, the time that
     finding and planning took here, and `approval_seconds` [s] of a person for each plan, or row of
-    plans, carried out.  Shares and times of which there are none are None.
+    plans, carried out.  Looks that can be taken beside a motion, and finding and planning for them,
+    count for what is longer than what is left of that.  Shares and times of which there are none
+    are None.
 
     Args:
         scenes: of all piles, in their order.
@@ -41,6 +43,7 @@ def summary(
         + sum(one.planning)
         + one.scans * scan_seconds
         + one.cycles * approval_seconds
+        - sum(min(moves, scan_seconds + took) for moves, took in one.beside)
         for one in scenes
     )
     return {

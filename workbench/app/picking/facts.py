@@ -8,8 +8,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryEmptying
-from workbench.app.core.state import State
+from workbench.app.core.state import Phase, State
 from workbench.app.picking.pile_check import check_pile, with_kinds
+from workbench.app.picking.sightlines import sees_from
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
@@ -60,6 +61,10 @@ def with_facts(state: State, command: Command) -> Command:
     """
     if isinstance(command, LinkEnded) and command.placed is None and state.plan is not None:
         return replace(command, placed=put_down(state.cell, state.plan))
+    if isinstance(command, GoOn) and state.phase is Phase.SENDING and command.sees_from is None:
+        last = state.plans[-1]
+        placed = put_down(state.cell, last)
+        return replace(command, sees_from=sees_from(state.cell, last), placed=placed)
     return command
 
 

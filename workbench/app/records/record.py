@@ -138,6 +138,7 @@ def summary(state: State) -> Mapping[str, Any]:
         "proof": None if state.proof is None else state.proof.digest,
         "approval": None if state.approval is None else state.approval.digest,
         "receipts": len(state.receipts),
+        "ahead": None if state.ahead is None else len(state.ahead.brought),
         "parts_placed": state.parts_placed,
         "on_pallets": len(state.placed),
         "watched": list(state.watched),

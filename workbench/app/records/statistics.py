@@ -4,7 +4,6 @@ A pure function from the entries of a journal to a value; entries are told by th
 and only those that count are read, so that the many messages on the wire cost nothing.
 """
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -25,6 +24,7 @@ from workbench.app.core.commands import (
     UseScan,
 )
 from workbench.app.records.grasp_use import NO_USES, Uses, added, judged, taken
+from workbench.app.records.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.errors import JournalError
 
@@ -176,6 +176,7 @@ class Count:
         self._refusals: Counter[str] = Counter()
         # The stage under way, since when, and the number of its task.
         self._begun: tuple[str, float, int] = NOTHING_BEGUN
+        self._turns = Turns(COUNTED)
         self._parts: tuple[str, ...] = ()
         self._judged: Uses = NO_USES
         # Of a row: what each plan takes, and its parts by the numbers of the first; which is sent.
@@ -191,21 +192,24 @@ class Count:
         """
         for row in rows:
             self.last = row.number
-            if row.kind not in COUNTED:
-                continue
             try:
-                body = json.loads(row.body)
-                at, stage = float(body["at"]), self._begun[0]
-                self._take(row.kind, row.number, at, body["command"])
-                if row.kind == LinkEnded.__name__ and body["after"].get("phase") == "sending":
-                    self._follows()
-                if row.kind == JobEnded.__name__ and body["after"]["job"] == row.number:
-                    # It was gone on with what that task has brought.
-                    self._begun = (STAGES[STAGES.index(stage) + 1], at, row.number)
+                for kind, number, body in self._turns.told(row):
+                    self._add(kind, number, body)
             except (AttributeError, LookupError, TypeError, ValueError) as error:
                 raise JournalError(
                     f"entry {row.number} ({row.kind}) cannot be read: {error!r}"
                 ) from error
+
+    def _add(self, kind: str, number: int, body: Any) -> None:
+        at, stage = float(body["at"]), self._begun[0]
+        self._take(kind, number, at, body["command"])
+        if kind == GoOn.__name__:
+            self._begun = ("scan", float(body.get("began", at)), number)
+        if kind == LinkEnded.__name__ and body["after"].get("phase") == "sending":
+            self._follows()
+        if kind == JobEnded.__name__ and body["after"]["job"] == number:
+            # It was gone on with what that task has brought.
+            self._begun = (STAGES[STAGES.index(stage) + 1], at, number)
 
     @property
     def value(self) -> Statistics:
@@ -294,7 +298,8 @@ class Count:
         )
         self._place = 0
         self._change(end="", strategy=plan["strategy"], picks=self._row[0], until=at)
-        self._begun = ("approve", at, 0)
+        # Of a plan that was made beside the cycle before nobody can be asked earlier.
+        self._begun = ("approve", max(at, self._cycles[-1].at), 0)
 
     def _sent(self, at: float) -> None:
         stage, began, _ = self._begun
@@ -358,7 +363,9 @@ class Count:
         self._change(seconds=seconds, until=at)
 
     def _change(self, **fields: Any) -> None:
-        self._cycles[-1] = replace(self._cycles[-1], **fields)
+        last = self._cycles[-1]
+        fields["until"] = max(fields.get("until", last.until), last.at)
+        self._cycles[-1] = replace(last, **fields)
 
 
 def statistics(rows: Iterable[Row]) -> Statistics:

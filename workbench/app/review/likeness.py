@@ -171,7 +171,7 @@ def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:
     """What was measured by the clock is never the same, and no part of the result."""
 
     def timeless(one: EmptiedPile) -> EmptiedPile:
-        return replace(one, planning=(), stages=(), finding=0.0)
+        return replace(one, planning=(), stages=(), finding=0.0, beside=())
 
     if len(kept.piles) != len(again.piles):
         return _other(f"{len(again.piles)} piles instead of {len(kept.piles)}")

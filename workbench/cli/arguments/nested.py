@@ -131,6 +131,9 @@ class BenchSoak:
     recall: bool = False
     """Run each task once and take its result from memory when it is asked again: very many cycles
     of rules, journal and robot link in a short time."""
+    ahead: bool = False
+    """Scan, find and plan beside the motion of the cycle before, by a scanner that sees as well
+    while arms move."""
     rapid: Maybe[Path] = None
     """Folder of RAPID modules that the controller runs, as robots/yumi/rapid."""
     sessions: Path = Path("sessions")

@@ -61,7 +61,9 @@ def soak(typed: BenchSoak) -> int:
     check_whole("--piles", typed.piles, 1, 10_000)
     check_number("--speed", typed.speed, 0.01, 1000)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - typed.piles)
-    cell = read_cell(typed.cell)
+    cell, goes_on = read_cell(typed.cell), typed.ahead
+    if goes_on:
+        cell = replace(cell, scanner=replace(cell.scanner, while_moving=True))
     samples: list[Sample] = []
     lost: list[str] = []
     with simulated_controller(
@@ -76,7 +78,9 @@ def soak(typed: BenchSoak) -> int:
             with progress("soak") as report:
                 for number in range(typed.cycles):
                     began = time.perf_counter()
-                    end = _cycle(bench, number, typed.seed + number % typed.piles, lost)
+                    seed, then = (typed.seed + k % typed.piles for k in (number, number + 1))
+                    beside = then if goes_on and number + 1 < typed.cycles else None
+                    end = _cycle(bench, number, seed, lost, beside)
                     seconds = time.perf_counter() - began
                     samples.append(Sample(end, seconds, footprint(journal.folder)))
                     report((number + 1) / typed.cycles, f"cycle {number + 1}, {end}")
@@ -94,11 +98,14 @@ def soak(typed: BenchSoak) -> int:
     return SUCCESS if not lost and not form["problems"] else FAILURE
 
 
-def _cycle(bench: Bench, number: int, seed: int, lost: list[str]) -> str:
-    """Run one cycle and tell in a word what became of it; why it was lost is added to `lost`."""
+def _cycle(bench: Bench, number: int, seed: int, lost: list[str], then: int | None) -> str:
+    """Run one cycle and tell in a word what became of it; why it was lost is added to `lost`.
+
+    `then` is the seed of the pile that is gone on with beside it, None where nothing is.
+    """
     rows: list[StageRow] = []
     try:
-        Cycle(bench, number + 1, rows, silent).run(seed)
+        Cycle(bench, number + 1, rows, silent).run(seed, then)
     except NoPlan:
         return "no plan"
     except WorkbenchError as error:

@@ -8,6 +8,7 @@ from workbench.app.core.commands import (
     Approve,
     Command,
     FindParts,
+    GoOn,
     MakePlan,
     SendPlan,
     TakeScan,
@@ -132,20 +133,21 @@ class Cycle:
         self._rows = rows
         self._report = report
 
-    def run(self, seed: int) -> None:
-        """From scan to robot.
+    def run(self, seed: int, then: int | None = None) -> None:
+        """From scan to robot; a plan that was made beside the cycle before is sent as it is.
+
+        Args:
+            seed: of the pile.
+            then: seed of the next pile, which is gone on with meanwhile; None: it waits.
 
         Raises:
             NoPlan: there is nothing to send.
             LinkError: the controller did not report the cycle as finished, with all parts placed.
             WorkbenchError: a stage failed.
         """
-        self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
-        state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
-        if not state.detections:
-            raise NoPlan("no parts were found in the scan")
-        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
-        state = self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
+        state = self._bench.state
+        if state.phase is not Phase.PLANNED:
+            state = self._planned(seed)
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(state.message)
@@ -154,11 +156,25 @@ class Cycle:
         row = tuple(one.plan.digest for one in state.row)
         self._bench.do(WatchPlan(plan.digest, is_told=True, row=row), ACTOR)
         self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
-        state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
+        if then is not None:
+            self._stage("send", SendPlan(plan.digest), *Phase, after=_next(state, then))
+            state = self._bench.state
+        else:
+            state = self._stage("send", SendPlan(plan.digest), Phase.DONE, Phase.FAULT)
         if state.phase is Phase.FAULT:
             raise LinkError(state.fault)
-        if self._are_parts_told(state) and state.parts_placed != len(plan.arms):
+        is_over = state.phase is Phase.DONE
+        if is_over and self._are_parts_told(state) and state.parts_placed != len(plan.arms):
             raise LinkError(state.message)
+
+    def _planned(self, seed: int) -> State:
+        """The state with what planning has brought for a new pile."""
+        self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
+        state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
+        if not state.detections:
+            raise NoPlan("no parts were found in the scan")
+        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+        return self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
 
     def _see_it_at_the_start(self, plan: Plan) -> None:
         """Wait for the report that the robot has come back: it is told after the plan's end.
@@ -174,10 +190,14 @@ class Cycle:
         link = link_named(state.cell.controller.link)
         return getattr(link, "tells_of_parts", True)
 
-    def _stage(self, name: str, command: Command, *expected: Phase) -> State:
+    def _stage(
+        self, name: str, command: Command, *expected: Phase, after: Command | None = None
+    ) -> State:
         began = time.time()
         before = self._bench.state.number
         state = self._bench.do(command, ACTOR)
+        if after is not None:
+            state = self._bench.do(after, ACTOR)
         # However long it takes: a worker that dies and a robot that is silent end it themselves.
         while not _is_settled(state):
             state = self._bench.wait(_is_settled, LOOK)
@@ -196,6 +216,12 @@ class Cycle:
         if live.getting_ready is not None:
             share, says = live.getting_ready.done, live.getting_ready.note
         self._report(share, f"cycle {self._number}, {name}: {says}")
+
+
+def _next(state: State, seed: int) -> GoOn:
+    """The wish to go on with the next pile as this one was planned."""
+    wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+    return GoOn(TakeScan(seed, PARTS), FindParts(seed), wanted)
 
 
 def _is_settled(state: State) -> bool:

@@ -288,7 +288,8 @@ class Sending:
         if said in self._told:
             return []
         self._told.add(said)
-        return [replace(self._heard(frame), waits=waits)]
+        running = step if phase == "running" and self._acknowledged == len(self._lines) else 0
+        return [replace(self._heard(frame), waits=waits, step=running)]
 
     def _check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> int:
         """The step that it waits before; 0 as long as our word that this one may run is on its way.

@@ -33,6 +33,7 @@ def read_scanner(table: Table) -> ScannerMount:
         calibration=read_record(table.table("calibration")) if table.has("calibration") else None,
         calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
         cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
+        while_moving=table.flag("while_moving", False),
     )
     with refused_at(table, "source"):
         options = read_options(table, load("workbench.scanners", mount.source).Options)
@@ -47,6 +48,8 @@ def read_scanner(table: Table) -> ScannerMount:
         raise table.error("address", "holds a login; `login` and so on in [scanner.options] say it")
     if mount.source == "merged" and mount.calibration is not None:
         raise table.error("calibration", "a merged scanner has none: each of its views has its own")
+    if mount.source == "merged" and mount.while_moving:
+        raise table.error("while_moving", "a merged scanner sees from several places: it waits")
     if not mount.near < mount.far:
         raise table.error("near_mm", "must be less than far_mm")
     return mount

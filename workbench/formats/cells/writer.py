@@ -142,6 +142,8 @@ def _scanner(cell: Cell) -> Iterator[str]:
     for key in ("source", "address", "unit", "cloud_axes"):
         if getattr(scanner, key) != getattr(usual, key):
             yield f"{key} = {text(getattr(scanner, key))}"
+    if scanner.while_moving:
+        yield "while_moving = true       # a scan is as good while arms move out of its view"
     if scanner.patience != usual.patience:
         yield f"patience_s = {number(scanner.patience)}"
     yield from _options(scanner.options)

@@ -1,4 +1,4 @@
-"""The button that begins the next cycle after a finished one."""
+"""The button that begins the next cycle, after a finished one or while one runs."""
 
 from collections.abc import Callable
 
@@ -13,9 +13,17 @@ from workbench.gui.shared.visitor import Visitor, whole
 
 SAYS = "Scans, finds the parts and plans; then a person looks and approves."
 
+BESIDE = (
+    "It begins as soon as the scanner sees past the arms, at the latest when the plan has ended."
+)
+"""What is said beside that while something is sent."""
+
 
 class GoOnButton:
-    """Seen once a cycle has ended well.  What it begins ends before anything is approved."""
+    """Seen while a plan is sent, and once a cycle has ended well.
+
+    What it begins ends before anything is approved.
+    """
 
     def __init__(
         self,
@@ -47,7 +55,12 @@ class GoOnButton:
     def show(self, new: View) -> None:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
-        is_there = state.phase is Phase.DONE and state.job is None and not new.is_recorded
+        is_sending = state.phase is Phase.SENDING
+        is_asked = state.job is not None or state.ahead is not None
+        is_there = (is_sending or state.phase is Phase.DONE) and not is_asked
+        is_there = is_there and not new.is_recorded
+        beside = line(BESIDE, kind="hint", span=2) if is_sending else ""
+        self._line.content = line(SAYS, kind="hint", span=2) + beside
         self._line.visible = self._button.visible = is_there
         if is_there:
             visitor.allow(self._button, visitor.refusal(state, GoOn(), new.at))

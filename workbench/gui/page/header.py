@@ -76,7 +76,7 @@ class Header:
             # With the cell the floor was laid anew for all, as on a light page.
             self._lay_out()
         self._status.content = status_html(new)
-        if state.job is not None:
+        if state.job is not None and state.phase is not Phase.SENDING:
             self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:
             self._progress.value = round(100 * live.getting_ready.done, 1)

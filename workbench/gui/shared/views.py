@@ -87,7 +87,9 @@ def short(digest: str) -> str:
 def strip_html(state: State) -> str:
     """The steps of a cycle as a strip: done, current, to come."""
     done = REACHED[state.phase]
-    step = None if state.job is None else JOB_STEPS.get(state.job.name)
+    # What is worked on for the next cycle while this one moves is no step of this one.
+    job = None if state.phase is Phase.SENDING else state.job
+    step = None if job is None else JOB_STEPS.get(job.name)
     current = done if step is None else step
     items: list[str] = []
     for number, name in enumerate(STEPS):
@@ -119,7 +121,7 @@ def status_html(view: View) -> str:
         waiting = "" if state.job is None else f"; then: {state.message}"
         note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
-    if state.job is not None:
+    if state.job is not None and state.phase is not Phase.SENDING:
         note = live.told_of(state.job.number)[1] or state.message
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")

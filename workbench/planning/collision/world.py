@@ -149,10 +149,9 @@ class World:
         shape = self._geometry.geometryObjects[g]
         shape.parentJoint = joint
         shape.placement = T
-        boxes = self._boxes
-        boxes.joint[g] = joint
-        boxes.R[g] = T.rotation
-        boxes.c[g] = T.translation + T.rotation @ self._centre[g]
+        self._boxes.joint[g] = joint
+        self._boxes.R[g] = T.rotation
+        self._boxes.c[g] = T.translation + T.rotation @ self._centre[g]
 
     # -- questions -------------------------------------------------------------------------
 
@@ -173,10 +172,8 @@ class World:
         found: dict[tuple[str, str], Contact] = {}
         for k in pairs.tolist():
             contact = self._contact_of(k, self._distance(k))
-            known = found.get(contact.pair)
-            if contact.distance < contact.margin and (
-                known is None or contact.distance < known.distance
-            ):
+            known = found.get(contact.pair, contact)
+            if contact.distance < contact.margin and contact.distance <= known.distance:
                 found[contact.pair] = contact
         return tuple(sorted(found.values(), key=lambda contact: contact.distance))
 
@@ -353,6 +350,12 @@ class World:
             for g, body in enumerate(self._bodies)
             if body.label in pair
         )
+
+    def with_fixture(self, name: str) -> Ints:
+        """The pairs (k,) of the phase in which one body is of that fixture."""
+        owned = np.array([(body.kind, body.owner) == ("fixture", name) for body in self._bodies])
+        among, pairing = self.pairs.among, self._pairing
+        return among[owned[pairing.first[among]] | owned[pairing.second[among]]]
 
     # -- machinery -------------------------------------------------------------------------
 

@@ -95,5 +95,6 @@ def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
         raise ValueError
     left = tuple(LeftPart(**one) for one in content.pop("left"))
     stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
+    beside = tuple((float(moves), float(took)) for moves, took in content.pop("beside"))
     lists = {key: tuple(content.pop(key)) for key in ("failed", "planning", "outcomes")}
-    return EmptiedPile(task=task, left=left, stages=stages, **lists, **content)
+    return EmptiedPile(task=task, left=left, stages=stages, beside=beside, **lists, **content)

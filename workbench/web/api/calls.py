@@ -212,7 +212,8 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/go-on",
-        "After a finished cycle: scan, find and plan, each after the other; a person approves.",
+        "When a cycle has ended, or beside its end: scan, find and plan, each after the other; "
+        "a person approves.",
         commands.GoOn,
         # One seed for all of it.
         (*SCAN_FIELDS, *FIND_FIELDS[1:], *PLAN_FIELDS[1:]),

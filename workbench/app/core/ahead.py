@@ -1,0 +1,136 @@
+"""The next cycle worked on while a plan still runs: kept apart until that has ended as planned.
+
+Somebody has asked to go on (`GoOn`) while something is sent.  As soon as the robot is reported to
+run a step from which on the scanner sees past the arms, the scan is taken, parts are found, and the
+next plan is made for the state that a good end leaves.  None of that is the state's own scan or
+plan before there is such an end, and whatever is in doubt throws it away.  Nothing here sends.
+"""
+
+from dataclasses import replace
+
+from workbench.app.core.commands import Entry, GoOn, JobEnded, LinkEnded
+from workbench.app.core.effects import StartJob, StopJob
+from workbench.app.core.outcomes import after_sending
+from workbench.app.core.results import Begun, gone_on, take_scan, with_result
+from workbench.app.core.state import Ahead, Phase, State
+from workbench.model.digest import digest_of
+from workbench.model.release import PartReport
+
+Ended = tuple[State, tuple[StartJob | StopJob, ...]]
+
+
+def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
+    """The state in which it is wanted to go on while something is sent."""
+    said = "it is gone on when the plan has ended"
+    if wanted.sees_from:
+        said = f"it is gone on from step {wanted.sees_from} on, where the scanner sees all"
+    return begun_ahead(replace(state, ahead=Ahead(wanted), message=said), entry)
+
+
+def begun_ahead(state: State, entry: Entry) -> Begun:
+    """Have the scanner triggered once the robot is reported to be where it sees past the arms."""
+    ahead = state.ahead
+    if ahead is None or ahead.brought or state.job is not None or not _sees(state, ahead):
+        return state, ()
+    begun, effects = take_scan(state, entry, ahead.wanted.scan, then=ahead.wanted)
+    message = "the robot is out of view: scanning for the next cycle"
+    return replace(state, job=begun.job, message=message), effects
+
+
+def brought_ahead(state: State, ended: JobEnded, entry: Entry) -> Begun:
+    """What a task brings while something is sent is kept, and gone on with for a good end."""
+    job, ahead = state.job, state.ahead
+    if job is None or ahead is None or job.number != ended.number:
+        return state, ()
+    ahead = replace(ahead, brought=(*ahead.brought, (job, ended.result, entry.at)))
+    state = replace(state, ahead=ahead)
+    foreseen = _taken_over(_as_if_ended(state, entry.at), ahead)
+    following, effects = gone_on(state, foreseen, entry)
+    message = f"for the next cycle: {following.message}"
+    return replace(state, job=following.job, message=message), effects
+
+
+def given_up(state: State, why: str) -> Ended:
+    """The state without what was worked on ahead, and without the wish for it."""
+    if state.ahead is None:
+        return state, ()
+    effects = () if state.job is None else (StopJob(state.job.number),)
+    message = f"{state.message}; the next cycle is not worked on ahead: {why}"
+    return replace(state, ahead=None, job=None, message=message), effects
+
+
+def after_the_end(before: State, after: State, entry: Entry) -> Ended:
+    """What was worked on ahead becomes the state's own, or is thrown away, when a plan has ended.
+
+    Args:
+        before: the state while the plan was sent that has ended.
+        after: the state after its end, which may be that the next one of the row is sent.
+        entry: tells of the end.
+    """
+    ahead = before.ahead
+    if ahead is None or after.phase is Phase.SENDING:
+        return after, ()
+    if why := _in_doubt(before, after, entry.at):
+        return given_up(after, why)
+    if not ahead.brought and before.job is None:
+        begun, effects = take_scan(after, entry, ahead.wanted.scan, then=ahead.wanted)
+        return replace(begun, ahead=None, message=f"{after.message}; scanning"), effects
+    taken = _taken_over(replace(after, ahead=None), ahead)
+    if before.job is not None and before.job.name == "plan":
+        taken = replace(taken, wanted_threshold=before.job.threshold)
+    message = f"{after.message}; {taken.message}" if ahead.brought else after.message
+    return replace(taken, job=before.job, message=message), ()
+
+
+def _sees(state: State, ahead: Ahead) -> bool:
+    """Whether the last plan that is sent has come, by the robot's reports, to where it is seen."""
+    sees_from, told = ahead.wanted.sees_from, state.receipts
+    if state.row or state.stopped_by or not sees_from or _failed(state):
+        return False
+    return max((one.step for one in told), default=0) >= sees_from
+
+
+def _failed(state: State) -> bool:
+    """Whether a pick has failed, as far as the robot or people have said."""
+    told = (one.part for one in state.receipts if one.part is not None)
+    is_told = any(part.is_picked is False for part in (*told, *state.part_reports))
+    return is_told or any(not one.is_picked for one in state.outcomes)
+
+
+def _as_if_ended(state: State, at: float) -> State:
+    """The state that a good end of the plan that is sent would leave, at [s since the epoch]."""
+    if state.plan is None or state.ahead is None:
+        return state
+    parts = tuple(PartReport(one.arm, one.detection, True) for one in state.plan.arms)
+    ended = LinkEnded("", len(parts), parts, state.ahead.wanted.placed)
+    return replace(after_sending(state, ended, at), job=None, ahead=None)
+
+
+def _taken_over(state: State, ahead: Ahead) -> State:
+    """The state with all that was brought, as if its tasks had begun after the end."""
+    for job, result, at in ahead.brought:
+        if job.name == "plan":
+            state = replace(state, wanted_threshold=job.threshold)
+        state = with_result(replace(state, job=job), JobEnded(job.number, result), at)
+    return state
+
+
+def _in_doubt(before: State, after: State, at: float) -> str:
+    """Why what was worked on ahead does not fit the world after the end; empty when it does."""
+    if after.phase is not Phase.DONE:
+        return "the plan has not ended as planned"
+    if after.stopped_by:
+        return f"stopped by {after.stopped_by}"
+    if before.row:
+        return "the row has ended early"
+    # A person may have seen more than the gripper felt afterwards.
+    if _failed(before) or _failed(after):
+        return "a pick has failed, so somebody has to look"
+    if before.job is None and before.ahead is not None and not before.ahead.brought:
+        return ""
+    arms = () if after.plan is None else after.plan.arms
+    if sum(part.is_picked is True for part in after.part_reports) < len(arms):
+        return "the robot has not reported every part as picked"
+    if digest_of(after.placed) != digest_of(_as_if_ended(before, at).placed):
+        return "the places are not as they were expected"
+    return ""

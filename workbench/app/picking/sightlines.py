@@ -1,0 +1,96 @@
+"""From where on a plan leaves the scanner its view: proven for all that arms and held parts pass.
+
+The scanner's view is a pyramid that stands around as one more fixture, and the plan's last steps
+are looked at for contacts with it as planning does: continuously, along all that the controller may
+make of the waypoints.  So nothing in it is hidden, and nothing of the robot counts as an obstacle.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell, Fixture, ScannerMount
+from workbench.model.geometry import Floats, Mesh, Solid
+from workbench.model.plan import LegName, Plan
+from workbench.planning.collision.legs import Stretch, stretches
+from workbench.planning.collision.motion import path_contact
+from workbench.planning.collision.world import World
+
+ROOM = 0.02
+"""[m] By so much arms keep out of the view: its pose is calibrated, and lenses have a width."""
+
+AT_THE_PARTS: frozenset[LegName] = frozenset({"reach", "approach", "extract"})
+"""Legs before or at the taking of a part: the scene is not yet what the next plan is for."""
+
+VIEW = "scanner_view"
+
+
+def sees_from(cell: Cell, plan: Plan) -> int:
+    """From which step of a plan on, counted from 1, the scanner sees past the arms; 0 for none.
+
+    From there on no arm, finger or held part comes within `ROOM` of what the scanner sees, whether
+    it moves or stands, and no part is taken any more.  The parts of the robot that no arm moves are
+    as in every scan.  A scanner that cannot see while arms move has no such step.
+
+    Where a scanner's lenses and lights are apart, the view is from its frame alone.
+
+    Args:
+        cell: whose scanner it is.
+        plan: proven, and the last one before the scan.
+    """
+    if not cell.scanner.while_moving or not plan.sequence:
+        return 0
+    seen = replace(cell, fixtures=(*cell.fixtures, _view(cell.scanner)))
+    # A finger moves by half of the stroke at most, so that it is never further than half of that
+    # from one of the two ends of its way, which are both looked at, or from its middle.
+    room = ROOM + max(arm.tool.stroke[1] / 4 for arm in cell.arms)
+    policy = replace(cell.policy, margin=room, near_margin=room)
+    world = World(seen, plan.detections, (), policy)
+    first = 0
+    steps = list(enumerate(stretches(plan), 1))
+    for number, stretch in reversed(steps):
+        if any(leg.name in AT_THE_PARTS for _, leg in stretch.runs) or not _is_out(world, stretch):
+            break
+        first = number
+    return first
+
+
+def seconds_seen(plan: Plan, first: int) -> float:
+    """How long a plan goes on [s] from the beginning of its step `first` on, counted from 1."""
+    if not first:
+        return 0.0
+    steps = plan.sequence[first - 1 :]
+    return sum(max(plan.arm(arm).leg(leg).seconds for arm, leg in step.runs) for step in steps)
+
+
+def _is_out(world: World, stretch: Stretch) -> bool:
+    """Whether nothing that an arm carries is in the view during a step, nor after it."""
+    # Arms that stand count as those that move; how fingers were left may be unknown.
+    openings = {arm.name: arm.tool.stroke[1] / 2 for arm in world.cell.arms}
+    openings |= stretch.phase.openings
+    world.enter(replace(stretch.phase, moving=frozenset(openings), openings=openings))
+    pairs = world.with_fixture(VIEW)
+    base = world.configuration(
+        {**stretch.standing, **{one.arm: leg.q[0] for one, leg in stretch.runs}}
+    )
+    if world.contact(base, pairs) is not None:
+        return False
+    for one, leg in stretch.runs:
+        columns = world.kinematics.columns[one.arm]
+        if path_contact(world, columns, base, np.asarray(leg.q), pairs) is not None:
+            return False
+    return True
+
+
+def _view(scanner: ScannerMount) -> Fixture:
+    """All that the scanner sees up to as far as it measures, as a pyramid with its tip at it."""
+    columns, rows = scanner.resolution
+    half = scanner.far * np.tan(scanner.field_of_view / 2)
+    x, y = half, half * rows / columns
+    corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
+    points: Floats = np.array([(0.0, 0.0, 0.0), *((*one, scanner.far) for one in corners)])
+    sides = [(0, 2, 1), (0, 3, 2), (0, 4, 3), (0, 1, 4), (1, 2, 3), (1, 3, 4)]
+    shape = Mesh(points, np.array(sides), is_convex=True)
+    solid = Solid(VIEW, shape, pin.SE3.Identity())
+    return Fixture(VIEW, scanner.T_world_scanner, (solid,))
