@@ -22,7 +22,7 @@ from workbench.model.plan import Leg
 QUICKEST = 0.001
 """[s] From one waypoint to an equal one."""
 
-UNLIMITED = 1e12
+UNLIMITED = 1e18
 
 HALVINGS = 50
 

@@ -28,7 +28,7 @@ from workbench.model.geometry import Floats
 STANDSTILL = 0.001
 """[s] No two waypoints are passed in less, be they equal."""
 
-UNLIMITED = 1e12
+UNLIMITED = 1e18
 """What the parameter may do where no joint moves that has a limit."""
 
 HALVINGS = 50
