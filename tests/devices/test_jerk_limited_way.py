@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
-from test_streamed_way import ACCELERATION, VELOCITY, ridden
 
 from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
 from workbench.devices.streamed_way import Ride
@@ -11,6 +10,7 @@ from workbench.model.plan import Leg
 from workbench.planning.kinematics.execution import timed
 
 PERIOD = 0.0005
+VELOCITY, ACCELERATION = np.full(7, 1.5), np.full(7, 10.0)
 JERK = np.full(7, 120.0)
 EQUAL = 1e-6
 
@@ -19,6 +19,13 @@ def leg_of(waypoints: int, zone: float, seed: int = 0) -> Leg:
     steps = np.random.default_rng(seed).normal(size=(waypoints, 7)) * 0.2
     path = np.cumsum(steps, axis=0)
     return Leg("reach", "joint", False, 0.0, path, timed(path, VELOCITY, ACCELERATION, zone, JERK))
+
+
+def ridden(ride: Ride) -> np.ndarray:
+    qs = [ride.q]
+    while not ride.is_over:
+        qs.append(ride.go())
+    return np.array(qs)
 
 
 def way_of(leg: Leg, zone: float) -> JerkLimitedWay:

@@ -32,6 +32,10 @@ SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03,
 """Of the fastest at a corner, which are tried where simpler ones find nothing."""
 
 
+Allowed = tuple[Floats, Floats, Floats]
+"""What ways allow, as `_allowed` says."""
+
+
 class Limits(NamedTuple):
     """Largest joint speeds, accelerations and jerks (n,) [rad, m, s]; a jerk may be infinite."""
 
@@ -52,22 +56,22 @@ def jerky_at(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
         zone: how much of a way a corner may take; 0 stops in each.
     """
     pace, farthest = 1.0, 0
-    tried: list[tuple[tuple[Floats, Floats, Floats], Floats]] = []
+    tried: list[tuple[Allowed, Floats]] = []
     for _ in range(2):
         # The quickest motion with limits as a slower clock has them is that of the same limits,
         # slower by that clock.
-        slower = (limit * pace**power for power, limit in enumerate(limits, start=1))
-        allowed = _allowed(steps, *slower, SOONEST / pace)
-        shares = _quickest(*allowed, zone)
-        pace = min(_seconds(*allowed, shares) / float(times.sum()), 1.0)
+        velocity, acceleration, jerk = (one * pace**k for k, one in enumerate(limits, start=1))
+        allowed = _allowed(steps, velocity, acceleration, jerk, SOONEST / pace)
+        shares = _quickest(allowed, zone)
+        pace = min(_seconds(allowed, shares) / float(times.sum()), 1.0)
         tried.append((allowed, shares))
-        peaks, row = _peaks(*allowed, shares, times)
+        peaks, row = _peaks(allowed, shares, times)
         if row < 0 and _is_one(steps, times, limits, zone, allowed, shares, peaks):
             return -1
         farthest = max(farthest, row)
     for allowed, shares in tried:
-        mixed, row = _mixed(*allowed, shares, times)
-        peaks, row = _peaks(*allowed, mixed, times) if row < 0 else (shares, row)
+        mixed, row = _mixed(allowed, shares, times)
+        peaks, row = _peaks(allowed, mixed, times) if row < 0 else (shares, row)
         if row < 0 and _is_one(steps, times, limits, zone, allowed, mixed, peaks):
             return -1
         farthest = max(farthest, row)
@@ -77,7 +81,7 @@ def jerky_at(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
 @njit(cache=True)
 def _allowed(
     steps: Floats, velocity: Floats, acceleration: Floats, jerk: Floats, soonest: float
-) -> tuple[Floats, Floats, Floats]:  # pragma: no cover (compiled)
+) -> Allowed:  # pragma: no cover (compiled)
     """Full speeds (m,) [1/s] of ways, and how a share of these may change [1/s, 1/s2].
 
     That is along ways (m, 2), and in corners (m + 1, 2), where all of it comes to be that of the
@@ -132,10 +136,9 @@ def _way(
 
 
 @njit(cache=True)
-def _quickest(
-    full: Floats, along: Floats, across: Floats, zone: float
-) -> Floats:  # pragma: no cover (compiled)
+def _quickest(allowed: Allowed, zone: float) -> Floats:  # pragma: no cover (compiled)
     """The largest shares (m + 1,) at corners, from rest to rest."""
+    full, along, across = allowed
     count = len(full)
     shares = np.zeros(count + 1)
     if zone == 0.0:
@@ -224,9 +227,10 @@ def _peak_for(
 
 @njit(cache=True)
 def _peaks(
-    full: Floats, along: Floats, across: Floats, shares: Floats, times: Floats
+    allowed: Allowed, shares: Floats, times: Floats
 ) -> tuple[Floats, int]:  # pragma: no cover (compiled)
     """The shares (m,) in the middle of ways, and the first for which there is none, or -1."""
+    full, along, across = allowed
     peaks = np.zeros(len(full))
     for k in range(len(full)):
         peaks[k] = _peak_for(
@@ -238,10 +242,9 @@ def _peaks(
 
 
 @njit(cache=True)
-def _seconds(
-    full: Floats, along: Floats, across: Floats, shares: Floats
-) -> float:  # pragma: no cover (compiled)
+def _seconds(allowed: Allowed, shares: Floats) -> float:  # pragma: no cover (compiled)
     """How long [s] a leg takes at the quickest with these shares (m + 1,) at corners."""
+    full, along, across = allowed
     total = 0.0
     for k in range(len(full)):
         begin, end = shares[k], shares[k + 1]
@@ -252,12 +255,13 @@ def _seconds(
 
 @njit(cache=True)
 def _mixed(
-    full: Floats, along: Floats, across: Floats, quickest: Floats, times: Floats
+    allowed: Allowed, quickest: Floats, times: Floats
 ) -> tuple[Floats, int]:  # pragma: no cover (compiled)
     """Shares (m + 1,) among `SHARES` of the quickest with which each way takes as long as planned.
 
     And the first way that no such share gets over, or -1.
     """
+    full, along, across = allowed
     count, tries = len(full), len(SHARES)
     came_from = np.full((count + 1, tries), -1)
     came_from[0, 0] = 0
@@ -293,7 +297,7 @@ def _is_one(
     times: Floats,
     limits: Limits,
     zone: float,
-    allowed: tuple[Floats, Floats, Floats],
+    allowed: Allowed,
     shares: Floats,
     peaks: Floats,
 ) -> bool:
