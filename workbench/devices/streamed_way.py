@@ -4,6 +4,8 @@ The curve is the polyline with corners rounded by parabolas, as planning has tim
 marks on it q'' is constant.  The squared speed `x` of the parameter is the largest from which the
 rest can be done (backwards), then the largest that can be reached (forwards): what limits it are
 speeds and accelerations of the joints.  A stop brakes along the same curve with what these allow.
+Where a cell limits jerk, a leg is a `JerkLimitedWay`; a stop then still is as hard as accelerations
+allow, since who stops wants no longer way.
 
 All links that stream share this.
 
@@ -15,6 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.plan import Leg
 
@@ -50,6 +54,11 @@ class Way:
             put(self, **{name: frozen(getattr(self, name))})
 
     @property
+    def end(self) -> float:
+        """The parameter at its end."""
+        return float(self.s[-1])
+
+    @property
     def seconds(self) -> float:
         """How long it takes."""
         return float(self.t[-1])
@@ -79,12 +88,13 @@ class Way:
             return q + turn * deep**2 / 2, step + turn * deep, turn
         return q, step, still
 
-    def braking(self, s: float, speed: float) -> float:
-        """The acceleration of the parameter [1/s2], not above 0, that stops soonest."""
-        _, slope, bend = self.at(s)
-        moves = np.abs(slope) > TINY
-        low = -self.acceleration[moves] - np.sign(slope[moves]) * bend[moves] * speed**2
-        return min(float((low / np.abs(slope[moves])).max(initial=-FASTEST)), 0.0)
+
+def timed_way(cell: Cell, arm: Arm, leg: Leg) -> Way | JerkLimitedWay:
+    """The curve of a leg of an arm, at the plan's times, within the limits of the cell."""
+    velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
+    if arm.jerk is None:
+        return way_of(leg, velocity, arm.acceleration, cell.policy.zone)
+    return jerk_limited_way(leg, velocity, arm.acceleration, arm.jerk, cell.policy.zone)
 
 
 def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> Way:
@@ -177,7 +187,7 @@ def _squares(
 class Ride:
     """A reference under way along a leg, one period after the other."""
 
-    def __init__(self, way: Way, share: float, period: float) -> None:
+    def __init__(self, way: Way | JerkLimitedWay, share: float, period: float) -> None:
         """Stand at the beginning; `share` of the planned speed, a reference each `period` [s]."""
         self._way, self._share, self._period = way, share, period
         self._t = 0.0
@@ -210,9 +220,16 @@ class Ride:
         return self.q
 
     def _slow_down(self, seconds: float) -> None:
-        push = self._way.braking(self._s, self._speed)
-        after = max(self._speed + push * seconds, 0.0)
+        after = max(self._speed + self._braking() * seconds, 0.0)
         self._s += (self._speed + after) / 2 * seconds
         self._speed = after
-        if self._s >= self._way.s[-1]:
-            self._s, self._speed = float(self._way.s[-1]), 0.0
+        if self._s >= self._way.end:
+            self._s, self._speed = self._way.end, 0.0
+
+    def _braking(self) -> float:
+        """The acceleration of the parameter [1/s2], not above 0, that stops soonest."""
+        _, slope, bend = self._way.at(self._s)
+        moves = np.abs(slope) > TINY
+        low = -self._way.acceleration[moves]
+        low = low - np.sign(slope[moves]) * bend[moves] * self._speed**2
+        return min(float((low / np.abs(slope[moves])).max(initial=-FASTEST)), 0.0)

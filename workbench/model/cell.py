@@ -86,7 +86,8 @@ class Arm:
     where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
-    that it can carry.
+    that it can carry.  `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most that its
+    joints may have; without `jerk` acceleration may jump.
     """
 
     name: str
@@ -104,12 +105,14 @@ class Arm:
     needs_roll: bool = field(default_factory=lambda: False, metadata=LATER)
     part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
     passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
+    jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
             self,
             home=frozen(self.home),
             acceleration=frozen(self.acceleration),
+            jerk=None if self.jerk is None else frozen(self.jerk),
             Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
             part_places=tuple(self.part_places),
         )

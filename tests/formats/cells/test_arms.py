@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
@@ -162,3 +163,33 @@ def test_parts_do_not_stay_and_go_at_once(tmp_path: Path) -> None:
     assert "arm[1].passes_parts_on: " in refused(folder)
     file.write_text(file.read_text().replace("keeps_parts = true\n", ""), encoding="utf-8")
     assert [arm.passes_parts_on for arm in read_cell(folder).arms] == [True, False, False]
+
+
+def test_jerk_is_unlimited_unless_a_cell_says_so(tmp_path: Path) -> None:
+    folder = write_cell(tmp_path / "cell")
+    file = folder / "cell.toml"
+    text, before = file.read_text(encoding="utf-8"), read_cell(folder)
+    assert [arm.jerk for arm in before.arms] == [None] * 3
+
+    def says(value: str) -> None:
+        limited = f'name = "north"\njerk_deg = {value}'
+        file.write_text(text.replace('name = "north"', limited, 1), encoding="utf-8")
+
+    for value, problem in (
+        ("0", "arm[1].jerk_deg: 0 is not between 10 and 1e+08"),
+        ("-5", "arm[1].jerk_deg: -5 is not between 10 and 1e+08"),
+        ("inf", "arm[1].jerk_deg: a finite number is expected, inf is given"),
+        ('"much"', "arm[1].jerk_deg: a number is expected, 'much' is given"),
+        ("[9000]", "arm[1].jerk_deg: a number is expected, [9000] is given"),
+    ):
+        says(value)
+        assert problem in refused(folder)
+    says("12000")
+    cell = read_cell(folder)
+    jerk = cell.arm("north").jerk
+    assert jerk is not None and np.allclose(np.rad2deg(jerk), 12000)
+    assert [arm.jerk is None for arm in cell.arms] == [arm.name != "north" for arm in cell.arms]
+    assert cell.digest != before.digest
+    pairs = {pair: "Adjacent" for pair in cell.robot.disabled_pairs}
+    again = read_cell(write_whole_cell(tmp_path / "again", cell, pairs))
+    assert again.arm("north").jerk == pytest.approx(jerk)

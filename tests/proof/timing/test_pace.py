@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 from bending import with_leg
 from judged_times import at_rest_between, soonest
+from paces import LINKS, resampled, scaled
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
-from workbench.model.plan import Guarantee, Plan, Step
+from workbench.model.plan import Guarantee, Step
 from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.timing.pace import pace_violations
-
-LINKS = {"stop": "abb-socket", "blend": "abb-socket/2", "streamed": "abb-egm"}
 
 
 @pytest.fixture(scope="module", params=LINKS)
@@ -31,15 +30,6 @@ def limits(cell, arm: str):
     joints = cell.arm(arm).joints
     speeds = cell.robot.limits(joints)[2] * cell.policy.speed
     return speeds, np.asarray(cell.arm(arm).acceleration)
-
-
-def scaled(plan: Plan, share: float) -> Plan:
-    """All times of a plan made longer."""
-    arms = tuple(
-        replace(one, legs=tuple(replace(leg, t=leg.t * share) for leg in one.legs))
-        for one in plan.arms
-    )
-    return replace(plan, arms=arms)
 
 
 def looks_fine(cell, arm: str, leg) -> bool:
@@ -152,9 +142,3 @@ def test_arms_in_step_are_one_motion(cell, result):
     assert list(pace_violations(cell, scaled(plan, 3.0))) == []
     (violation,) = pace_violations(cell, scaled(plan, 0.98))
     assert violation.arm == plan.arms[0].arm
-
-
-def resampled(path: np.ndarray, count: int) -> np.ndarray:
-    """A way (count, n) with the same ends, and as many waypoints as asked."""
-    at = np.linspace(0, len(path) - 1, count)
-    return np.stack([np.interp(at, np.arange(len(path)), column) for column in path.T], axis=1)

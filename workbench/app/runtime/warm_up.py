@@ -27,9 +27,11 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
+from workbench.planning.kinematics.execution import timed
 from workbench.planning.planners.ease import eased
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
+from workbench.proof.timing.jerk import Limits, jerky_at
 
 
 def main(use: Use) -> int:
@@ -66,6 +68,9 @@ def plan() -> None:
         zero, one, zero, one, one, lambda a, b: False, iterations=1, rng=rng
     )
     eased(np.zeros((3, 2)), lambda a, b: False, one, one, 0.2)
+    path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
+    times = np.diff(timed(path, one, one, 0.2, one))
+    jerky_at(np.diff(path, axis=0), times * [1.0, 1.5], Limits(one, one, one), 0.2)
     suggest(part, cell.arms[0].tool, most=1, seed=0)
     lying = pose_from_rpy((0.0, 0.0, 0.03), (0.0, math.pi / 2, 0.0))
     trial, grasps = Trial(cell, part), part.grasps[:1]

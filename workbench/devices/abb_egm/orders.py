@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.devices.abb_egm import wire
-from workbench.devices.streamed_way import Way, way_of
+from workbench.devices.jerk_limited_way import JerkLimitedWay
+from workbench.devices.streamed_way import Way, timed_way
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan
@@ -40,7 +41,7 @@ class Run:
     arm: str
     name: str
     number: int
-    way: Way
+    way: Way | JerkLimitedWay
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +60,7 @@ class Score:
         """How many receipts there are."""
         return len(self.items)
 
-    def start(self, arm: str) -> Way:
+    def start(self, arm: str) -> Way | JerkLimitedWay:
         """The first way of an arm."""
         return next(one.way for one in self.items if isinstance(one, Run) and one.arm == arm)
 
@@ -76,7 +77,7 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
     for step in plan.sequence:
         for name, leg_name in step.runs:
             arm, leg = cell.arm(name), plan.arm(name).leg(leg_name)
-            lower, upper, velocity = cell.robot.limits(arm.joints)
+            lower, upper, _ = cell.robot.limits(arm.joints)
             if np.any(leg.q < lower - 1e-6) or np.any(leg.q > upper + 1e-6):
                 raise InputError(f"leg {leg_name} goes beyond the limits of arm {name}")
             before = hands.get(name)
@@ -84,9 +85,7 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
                 hands[name] = leg.opening, leg.holding
                 moves.append(Order(name, wire.GRIP, leg.opening, leg.holding))
             legs += 1
-            speed = velocity * cell.policy.speed
-            way = way_of(leg, speed, np.asarray(arm.acceleration), cell.policy.zone)
-            moves.append(Run(name, leg_name, legs, way))
+            moves.append(Run(name, leg_name, legs, timed_way(cell, arm, leg)))
     arms = tuple(dict.fromkeys(arm.arm for arm in plan.arms))
     begins = [Order(arm, wire.BEGIN) for arm in arms]
     ends = [Order(arm, wire.END) for arm in arms]

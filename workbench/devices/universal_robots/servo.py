@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.devices.streamed_way import Ride, way_of
+from workbench.devices.streamed_way import Ride, timed_way
 from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.urscript import Line
 from workbench.model.cell import Arm, Cell
@@ -60,8 +60,7 @@ def references_of(cell: Cell, arm: Arm, leg: Leg, servo: Servo) -> Floats:
     Raises:
         InputError: even slowly the arm would not stay close to them.
     """
-    velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
-    way = way_of(leg, velocity, np.asarray(arm.acceleration), cell.policy.zone)
+    way = timed_way(cell, arm, leg)
     share = servo.share
     while share > SLOWEST * servo.share:
         ride = Ride(way, share, PERIOD)

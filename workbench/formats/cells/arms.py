@@ -99,6 +99,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         keeps_parts=table.flag("keeps_parts", False),
         needs_roll=table.flag("needs_roll", False),
         passes_parts_on=table.flag("passes_parts_on", False),
+        jerk=_jerk(table, count),
         tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
     )
     table.finish()
@@ -136,6 +137,11 @@ def _known_tool(table: Table, key: str, name: str, tools: dict[str, Tool]) -> To
 def _acceleration(table: Table, count: int) -> Floats:
     each = table.number("acceleration_deg", 600, low=1, high=100_000)
     return np.full(count, np.deg2rad(each))
+
+
+def _jerk(table: Table, count: int) -> Floats | None:
+    each = table.number("jerk_deg", 1e6, low=10, high=100_000_000)
+    return np.full(count, np.deg2rad(each)) if table.has("jerk_deg") else None
 
 
 def _check_home(table: Table, robot: Robot, joints: tuple[str, ...], home: Floats) -> None:

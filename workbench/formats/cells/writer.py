@@ -190,6 +190,8 @@ def _arm(arm: Arm) -> Iterator[str]:
     yield f"signs = {numbers(np.array(arm.axis_signs))}"
     yield f"home_deg = {numbers(np.round(home, 4))}   # in the controller's order"
     yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
+    if arm.jerk is not None:
+        yield f"jerk_deg = {number(np.rad2deg(arm.jerk[0]))}"
     if arm.keeps_parts:
         yield "keeps_parts = true        # they stay at their places, as on a pallet"
     if arm.passes_parts_on:

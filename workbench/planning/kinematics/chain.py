@@ -26,7 +26,8 @@ class Chain:
     `R` (n+1, 3, 3), `p` (n+1, 3) [m]: the fixed transform before each joint, and last the one
     from the last joint to the TCP.  `axes` (n, 3), `slides` (n,) 1.0 for prismatic joints.
     `lower`, `upper` (n,) [rad]: the joint limits as far as they can be sent (`MotionModel.limits`);
-    `velocity` (n,) [rad/s], `acceleration` (n,) [rad/s2]: the largest that the joints have.
+    `velocity` (n,) [rad/s], `acceleration` (n,) [rad/s2], `jerk` (n,) [rad/s3]: the largest that
+    the joints have; without `jerk` acceleration may jump.
     """
 
     R: Floats
@@ -37,6 +38,7 @@ class Chain:
     upper: Floats
     velocity: Floats
     acceleration: Floats
+    jerk: Floats | None = None
 
     @property
     def arrays(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
@@ -105,7 +107,8 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
     p.append(T.translation.copy())
     lower, upper, velocity = cell.robot.limits(tuple(names))
     limits = (*cell.controller.motion.limits(lower, upper), velocity, np.array(arm.acceleration))
-    return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), *limits)
+    jerk = None if arm.jerk is None else np.array(arm.jerk)
+    return Chain(np.array(R), np.array(p), np.array(axes), np.array(slides), *limits, jerk)
 
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,

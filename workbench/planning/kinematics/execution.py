@@ -16,6 +16,7 @@ from numba import njit
 
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats, Ints
+from workbench.planning.kinematics.jerk_limited import jerk_limited
 
 STRAIGHT_PIECES = 16
 """Of the straight middle between two waypoints: where speeding up may turn into slowing down."""
@@ -34,7 +35,13 @@ WITHIN = 1e-9
 """Share of a squared speed that rounding may decide."""
 
 
-def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> Floats:
+def timed(
+    path: Floats,
+    velocity: Floats,
+    acceleration: Floats,
+    zone: float,
+    jerk: Floats | None = None,
+) -> Floats:
     """Times (m,) [s] at which the waypoints (m, n) are passed, starting at 0, from rest to rest.
 
     Args:
@@ -42,12 +49,18 @@ def timed(path: Floats, velocity: Floats, acceleration: Floats, zone: float) -> 
         velocity: largest joint speeds (n,) [rad/s], already scaled.
         acceleration: largest joint accelerations (n,) [rad/s2].
         zone: corner rounding, fraction of the neighbouring segments, below 0.5.
+        jerk: largest joint jerks (n,) [rad/s3]; without them acceleration may jump, and corners
+            are rounded as above, with them as `jerk_limited` says.
 
     Raises:
         WorkbenchError: the limits are not positive.
     """
     if not (np.all(velocity > 0) and np.all(acceleration > 0)):
         raise WorkbenchError("an arm's speed and acceleration limits must be above zero")
+    if jerk is not None:
+        if not np.all(jerk > 0):
+            raise WorkbenchError("an arm's jerk limits must be above zero")
+        return jerk_limited(np.diff(path, axis=0), velocity, acceleration, jerk, zone)
     if zone <= 0.0:
         return _stopping(path, velocity, acceleration)  # sharp corners are taken at rest
     slopes, bends, widths, at = _pieces(np.diff(path, axis=0), zone)

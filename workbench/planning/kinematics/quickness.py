@@ -20,6 +20,7 @@ from workbench.planning.kinematics.chain import (
     chain_of,
     solved,
 )
+from workbench.planning.kinematics.jerk_limited import UNLIMITED
 
 ROUNDS = 10
 """Steps that a configuration is drawn by."""
@@ -38,10 +39,14 @@ LEAST = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pace:
-    """The largest speeds (n,) [rad/s] and accelerations (n,) [rad/s2] of an arm's joints."""
+    """The largest speeds (n,) [rad/s] and accelerations (n,) [rad/s2] of an arm's joints.
+
+    So are jerks (n,) [rad/s3], where acceleration may not jump.
+    """
 
     velocity: Floats
     acceleration: Floats
+    jerk: Floats | None = None
 
     def seconds(self, far: Floats) -> Floats:
         """What joints need at least for distances (..., n) [rad], from rest to rest (...) [s].
@@ -49,6 +54,8 @@ class Pace:
         No motion that begins and ends at rest is quicker, whatever its way.
         """
         far = np.abs(far)
+        if self.jerk is not None:
+            return self._by_s_curves(far, self.jerk).max(axis=-1)
         # Up to speed and down again, or never quite up to speed.
         ramps = self.velocity / self.acceleration
         times = np.where(
@@ -58,10 +65,28 @@ class Pace:
         )
         return times.max(axis=-1)
 
+    def _by_s_curves(self, far: Floats, jerk: Floats) -> Floats:
+        """What each joint needs for its distance (..., n) [s]."""
+        jerk = np.minimum(jerk, UNLIMITED)  # of arms in step, one may have no limit
+        # Of the speed that is reached where acceleration has its largest value only for a moment.
+        sudden = self.acceleration**2 / jerk
+        peak = np.where(
+            far >= 2.0 * sudden * self.acceleration / jerk,
+            (np.sqrt(sudden**2 + 4.0 * self.acceleration * far) - sudden) / 2.0,
+            np.cbrt(far**2 * jerk / 4.0),
+        )
+        speed = np.maximum(np.minimum(peak, self.velocity), 1e-12)
+        ramps = np.where(
+            speed >= sudden,
+            speed / self.acceleration + self.acceleration / jerk,
+            2.0 * np.sqrt(speed / jerk),
+        )
+        return np.where(far > 0.0, far / speed + ramps, 0.0)
+
 
 def pace_of(chain: Chain, share: float) -> Pace:
     """The pace of an arm that is allowed this share of its speeds."""
-    return Pace(chain.velocity * share, chain.acceleration)
+    return Pace(chain.velocity * share, chain.acceleration, chain.jerk)
 
 
 def hand_acceleration(cell: Cell, arm: Arm) -> float:

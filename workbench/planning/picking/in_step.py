@@ -101,17 +101,24 @@ def columns_of(world: World, arms: Sequence[str]) -> Ints:
 
 
 def pace_in_step(world: World, arms: Sequence[str]) -> Pace:
-    """The pace of all joints of several arms."""
+    """The pace of all joints of several arms.
+
+    Beside an arm with limits of jerk one without has infinite ones.
+    """
     paces = [pace_of(world.chains[arm], world.policy.speed) for arm in arms]
-    velocity = np.concatenate([pace.velocity for pace in paces])
-    return Pace(velocity, np.concatenate([pace.acceleration for pace in paces]))
+    jerks = [np.full_like(p.velocity, np.inf) if p.jerk is None else p.jerk for p in paces]
+    return Pace(
+        np.concatenate([pace.velocity for pace in paces]),
+        np.concatenate([pace.acceleration for pace in paces]),
+        np.concatenate(jerks) if any(pace.jerk is not None for pace in paces) else None,
+    )
 
 
 def _timed(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
     pace = pace_in_step(world, [plan.arm for plan in plans])
-    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone)
+    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
     count = len(plans[0].joints)
     return (
         replace(legs[0], q=path[:, :count], t=times),

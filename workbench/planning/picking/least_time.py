@@ -2,8 +2,8 @@
 
 Between two stops of an arm every joint has to turn from where it stands to where it has to be, by
 way of the ends of the straight ways, and can do that no quicker than alone, straight, at its full
-allowed speed and acceleration.  An arm stops at the part, at the place and at home, nowhere else,
-and no arm ever waits for another.
+allowed speed, acceleration and, where the cell limits it, jerk.  An arm stops at the part, at the
+place and at home, nowhere else, and no arm ever waits for another.
 """
 
 from collections.abc import Mapping, Sequence
@@ -45,22 +45,25 @@ def least_cycle(world: World, plan: Plan, picks: Sequence[Pick]) -> float:
     for (name, part), some in ways.items():
         arm = world.arm(name)
         velocity = world.cell.robot.limits(arm.joints)[2] * world.policy.speed
-        times = least_seconds(np.stack(some), velocity, np.asarray(arm.acceleration))
+        times = least_seconds(np.stack(some), velocity, arm.acceleration, arm.jerk)
         alone[name, part] = float(times.min())
     return shared(alone, parts)
 
 
-def least_seconds(ends: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+def least_seconds(
+    ends: Floats, velocity: Floats, acceleration: Floats, jerk: Floats | None = None
+) -> Floats:
     """What each of several ways takes at least (k,) [s].
 
     Args:
         ends: where the legs of a way begin and end (k, legs + 1, n) [rad], home first and last.
         velocity: largest joint speeds (n,) [rad/s], already scaled.
         acceleration: largest joint accelerations (n,) [rad/s2].
+        jerk: largest joint jerks (n,) [rad/s3], where acceleration may not jump.
     """
     assert ends.shape[1] == len(LEG_NAMES) + 1
     far = np.add.reduceat(np.abs(np.diff(ends, axis=1)), STOPS, axis=1)
-    return Pace(velocity, acceleration).seconds(far).sum(axis=1)
+    return Pace(velocity, acceleration, jerk).seconds(far).sum(axis=1)
 
 
 def shared(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:

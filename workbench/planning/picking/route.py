@@ -183,7 +183,7 @@ def _without_return(verdict: Verdict, name: LegName) -> Verdict:
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)
-    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone)
+    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 

@@ -4,6 +4,7 @@ Where a controller stops at waypoints, each way is one from rest to rest.  Where
 or is streamed, the curve is the polyline with corners rounded by parabolas, as wide as the zone
 allows.  A leg holds where there is a motion along it, from rest to rest, that passes every waypoint
 when the plan says, and no joint is anywhere faster, or accelerates more, than the cell allows.
+Where the cell limits jerk nothing follows a parabola, and the motion is one of `timing.jerk`.
 """
 
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Guarantee, Leg, Plan, Violation, are_in_step
 from workbench.proof.timing.fastest import ceilings, fastest, seconds, uneven_at
+from workbench.proof.timing.jerk import Limits, jerky_at
 
 ROUNDING = 1.001
 """What sums of rounded values may exceed a limit by."""
@@ -24,6 +26,7 @@ planner's, what it found is missed."""
 
 TOO_FAST = "is faster than the joints may turn"
 TOO_HARD = "asks for more acceleration than the arm has"
+TOO_JERKY = "asks for more jerk than the arm may have"
 
 
 def pace_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
@@ -47,6 +50,32 @@ def _violations(cell: Cell, legs: list[tuple[Arm, Leg]]) -> Iterator[Violation]:
     velocity = np.concatenate([cell.robot.limits(arm.joints)[2] for arm, _ in legs])
     limits = velocity * cell.policy.speed, np.concatenate([arm.acceleration for arm, _ in legs])
     steps = np.diff(np.hstack([leg.q for _, leg in legs]), axis=0)
+    too_jerky = None
+    if any(arm.jerk is not None for arm, _ in legs):
+        jerks = [np.full(len(a.joints), np.inf) if a.jerk is None else a.jerk for a, _ in legs]
+        row = _jerky_at(cell, steps, times, Limits(*limits, np.concatenate(jerks)))
+        if row < 0:
+            return
+        too_jerky = TOO_JERKY, row
+    # Where it is too much speed or acceleration already, that is said.
+    found = _of_any_jerk(cell, steps, times, limits) or too_jerky
+    if found:
+        problem, row = found
+        yield Violation(problem, arm.name, leg.name, row)
+
+
+def _jerky_at(cell: Cell, steps: Floats, times: Floats, limits: Limits) -> int:
+    """The first way (m, n) [rad] that no motion with these limits passes in its time; -1: none."""
+    row = jerky_at(steps, times, limits, cell.zone)
+    if row >= 0 and cell.controller.motion.corners == "blend":
+        return jerky_at(steps, times, limits, 0.0)
+    return row
+
+
+def _of_any_jerk(
+    cell: Cell, steps: Floats, times: Floats, limits: tuple[Floats, Floats]
+) -> tuple[str, int] | None:
+    """What is wrong with ways (m, n) [rad] in times (m,) [s], and with which of them."""
     found = None
     if cell.zone > 0.0:
         found = _rounded(steps, times, *limits, cell.zone)
@@ -54,9 +83,7 @@ def _violations(cell: Cell, legs: list[tuple[Arm, Leg]]) -> Iterator[Violation]:
         # A zone that cannot be done becomes a stop.
         stopped = from_rest_to_rest(steps, times, *limits)
         found = stopped and (found or stopped)
-    if found:
-        problem, row = found
-        yield Violation(problem, arm.name, leg.name, row)
+    return found
 
 
 def from_rest_to_rest(

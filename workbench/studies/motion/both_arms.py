@@ -131,7 +131,7 @@ class BothArms:
         if isinstance(found, Verdict):
             return Attempt(planner, ends, used, None, None)
         pace = pace_in_step(world, self.arms)
-        times = timed(found, pace.velocity, pace.acceleration, world.policy.zone)
+        times = timed(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
         return Attempt(planner, ends, used, found, float(times[-1]))
 
 
