@@ -17,7 +17,7 @@ from workbench.formats.files.toml_documents import shorts
 from workbench.formats.files.whole_files import read_whole
 
 
-def fit(typed: arguments.Scanner) -> int:
+def fit(typed: arguments.ScannerFit) -> int:
     """Say what a scan tells of its scanner, and write it into the cell if asked to."""
     cell = read_cell(typed.cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)

@@ -22,7 +22,7 @@ from workbench.model.errors import InputError
 
 def tell_statistics(typed: arguments.Statistics) -> int:
     """Count what the sessions tell."""
-    folders = typed.sessions or _below(Path("sessions"))
+    folders = typed.sessions or sessions_below(Path("sessions"))
     counted = together(_counted(folder) for folder in folders)
     if typed.csv is not None:
         write_whole(typed.csv, csv_text(counted).encode())
@@ -35,7 +35,12 @@ def tell_statistics(typed: arguments.Statistics) -> int:
     return SUCCESS
 
 
-def _below(root: Path) -> tuple[Path, ...]:
+def sessions_below(root: Path) -> tuple[Path, ...]:
+    """The folders of all sessions in a folder.
+
+    Raises:
+        InputError: there are none.
+    """
     found = tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
     if not found:
         raise InputError(f"{root}: there are no sessions in it; name the folders of some")

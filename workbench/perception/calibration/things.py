@@ -24,7 +24,7 @@ from workbench.perception.views.surfaces import add_solids, add_surface, triangl
 Kind = Literal["bin", "fixture", "part"]
 
 ENOUGH = 20_000
-"""Points of a scan that are looked at; of more every second, third, ..."""
+"""Points of a scan that are looked at, and all around parts; of more every second, third, ..."""
 
 REACH, GATES = 0.008, (0.006, 0.004, 0.003, 0.003)
 """[m] Points this near to a surface may belong to it; the same in each step of the fit."""
@@ -36,7 +36,7 @@ INSIDE = 1e-4
 """[m] Across its normal, the point of a surface that is nearest to another is no further off: else
 it is on an edge, which says nothing of the face."""
 
-FEWEST = 150
+FEWEST = 60
 """Points on a thing that is believed."""
 
 HELD = 0.01
@@ -137,7 +137,7 @@ def sight_things(
         off = motion_at(T_seen * cell.bin.T_world_bin.inverse(), middle)
         found.append(Sighting("bin", "bin", at, off, np.diag(known)))
     surfaces = _Surfaces(cell, put_down)
-    points = scan.points_world[:: -(-len(scan.points) // ENOUGH)]
+    points = _looked_at(cell, scan, put_down)
     view = scan.T_world_scanner.translation
     owners = surfaces.owners(points, view)
     for number, (name, kind, slopes) in enumerate(surfaces.things):
@@ -149,6 +149,18 @@ def sight_things(
             off, information = moved_to(middle - place) @ off, back.T @ information @ back
             found.append(Sighting(name, kind, at, off, information, slopes))
     return found
+
+
+def _looked_at(cell: Cell, scan: Scan, put_down: Sequence[PutPart]) -> Floats:
+    """Points (n, 3) [m] in the world: all around parts, some of the others."""
+    points = scan.points_world
+    is_near = np.zeros(len(points), bool)
+    is_near[:: -(-len(points) // ENOUGH)] = True
+    for one in put_down:
+        reach = np.linalg.norm(cell.part(one.detection.part).mesh.points, axis=1).max() + REACH
+        off = points - one.detection.T_world_part.translation
+        is_near |= np.einsum("ij,ij->i", off, off) < reach**2
+    return points[is_near]
 
 
 def motion_at(T: pin.SE3, point: Floats) -> Floats:
