@@ -46,7 +46,7 @@ def main(count: int, first: int) -> None:
                     cell, seed, drift, start=start, jitter=jitter, bin_moves=moves,
                     has_parts=has_parts,
                 )  # fmt: skip
-                found = drift_of(sightings, PRIOR)
+                found = drift_of(sightings, PRIOR, 0.9)
                 told += bool(found.drifted)
                 bins += found.is_bin_off
                 truth = start + drift

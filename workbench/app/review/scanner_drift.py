@@ -80,8 +80,10 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> Recorde
             continue
         sessions, scans = sessions + 1, scans + len(found)
         sightings += [one for scan in found for one in scan]
-    there = Detection("", pin.SE3(np.eye(3), cell.bin.T_world_bin.translation))
-    drift = drift_of(sightings, calibration_error(cell.scanner, there))
+    middle = cell.bin.T_world_bin.translation
+    prior = calibration_error(cell.scanner, Detection("", pin.SE3(np.eye(3), middle)))
+    distance = float(np.linalg.norm(cell.scanner.T_world_scanner.translation - middle))
+    drift = drift_of(sightings, prior, distance)
     return RecordedDrift(drift, sessions, scans, tuple(problems))
 
 

@@ -4,7 +4,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import opened, sessions_in
 from workbench.app.records.statistics import (
     GROUPS,
     Statistics,
@@ -16,7 +16,6 @@ from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import milliseconds, print_json, print_table
 from workbench.formats.files.whole_files import write_whole
-from workbench.journal.journal import DATABASE
 from workbench.model.errors import InputError
 
 
@@ -41,7 +40,7 @@ def sessions_below(root: Path) -> tuple[Path, ...]:
     Raises:
         InputError: there are none.
     """
-    found = tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
+    found = sessions_in(root)
     if not found:
         raise InputError(f"{root}: there are no sessions in it; name the folders of some")
     return found

@@ -38,6 +38,10 @@ ARM = 0.15
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""
 
+LEAST = 3e-5 / np.repeat([1.0, ARM], 3)
+"""[m, rad] Deviation of every comparison that no number of days takes out: what else changes
+around a thing, a bin beside a table, moves its fit by some hundredths of a millimetre."""
+
 PARTS = "parts put down"
 """What all parts together are called."""
 
@@ -152,11 +156,11 @@ def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float
         if size < FEWEST:
             continue
         first, last = values[:size], values[-size:]
-        spread = max(float(np.sqrt(first.var(ddof=1) + last.var(ddof=1))), 1e-9)
-        freedom[axis], now = 2 * size - 2, min(NOW, size)
-        away = abs(last.mean() - first.mean()) / (spread / np.sqrt(size))
+        variance, now = first.var(ddof=1) + last.var(ddof=1), min(NOW, size)
+        freedom[axis] = 2 * size - 2
+        away = abs(last.mean() - first.mean()) / np.hypot(np.sqrt(variance / size), LEAST[axis])
         odds[axis] = 2 * stdtr(freedom[axis], -away)
         change[axis] = last[-now:].mean() - first[:now].mean()
-        deviation[axis] = spread / np.sqrt(now)
+        deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
     is_told = np.asarray(odds < chance)  # not where nothing is compared
     return Course(thing, kind, days, moved, change, deviation, freedom, is_told)

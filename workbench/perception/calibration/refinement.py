@@ -57,13 +57,14 @@ class Drift:
             put(self, moved=frozen(self.moved), covariance=frozen(self.covariance))
 
 
-def drift_of(sightings: Sequence[Sighting], prior: Floats) -> Drift:
+def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> Drift:
     """What all sightings since the calibration say together.
 
     Args:
         sightings: of one place of bin, fixtures and scanner in the cell.
         prior: (6, 6) [m, rad] covariance of the scanner's pose by its calibration, at the bin's
             middle.
+        distance: [m] from there to the scanner.
     """
     told = courses(sightings)
     fixed = [one for one in told if one.kind == "fixture"]
@@ -89,7 +90,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats) -> Drift:
     left = tuple(name for name, is_seen in zip(DIRECTIONS, seen, strict=True) if not is_seen)
     moved = covariance = None
     if has_drifted or by_parts is not None:
-        moved, covariance = _together(prior, steady if has_drifted else [], by_parts)
+        moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
     return Drift(told, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
@@ -131,11 +132,12 @@ def _disagree(one: Course, other: Course) -> Bools:
 
 
 def _together(
-    prior: Floats, changes: Sequence[Course], by_parts: Estimate | None
+    prior: Floats, changes: Sequence[Course], by_parts: Estimate | None, distance: float
 ) -> tuple[Floats, Floats]:
     """The motion (6,) of the scanner and its covariance (6, 6) by all that is known.
 
-    What nothing tells of a scanner that has moved may have moved as far as what is told.
+    What nothing tells of a scanner that has moved may have moved as far as what is told; and where
+    it has turned, about whatever place of its mount, the bin may have moved aside by that.
     """
     start, variance = np.zeros(6), np.zeros(6)
     if changes:
@@ -148,7 +150,8 @@ def _together(
             start += weight * np.nan_to_num(one.change)
         is_seen = weights > 0
         start = np.where(is_seen, start / np.maximum(weights, 1e-300), 0.0)
-        largest = np.repeat([np.abs(start[:3]).max(), np.abs(start[3:]).max()], 3)
+        turn = np.abs(start[3:]).max()
+        largest = np.repeat([np.hypot(np.abs(start[:3]).max(), turn * distance), turn], 3)
         variance = np.where(is_seen, 1 / np.maximum(weights, 1e-300), largest**2)
     information = np.linalg.inv(prior + np.diag(variance))
     pulls = information @ start
