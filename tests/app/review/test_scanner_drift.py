@@ -67,7 +67,7 @@ def test_a_scanner_that_was_knocked_is_told_and_taken_over(cell, sessions):
     assert not found.drift.is_bin_off
     says = " ".join(drift_words(cell, found.drift))
     assert "the scanner has drifted since its calibration, as table shows" in says
-    assert "nothing but the bin tells x, y, the turn about z" in says
+    assert "nothing but the bin tells x, y, rz" in says
 
     after = refined_cell(cell, found.drift, 20 * DAY, "Grace")
     truth = motion_of(DRIFT, cell.bin.T_world_bin.translation) * cell.scanner.T_world_scanner

@@ -44,15 +44,16 @@ def drift_words(cell: Cell, drift: Drift) -> tuple[str, ...]:
         says.append(f"no drift shows in {days} days")
     if drift.open and days >= 2 * FEWEST:
         says.append(
-            f"nothing but the bin tells {', '.join(drift.open)}: fixtures in view, or parts put "
-            "down there and turned, would"
+            f"nothing but the bin tells {', '.join(drift.open)} (shifts along axes, turns about "
+            "them): fixtures in view, or parts put down there and turned, would"
         )
     if drift.moved is not None and drift.covariance is not None:
         middle = cell.bin.T_world_bin.translation
         corners = np.array(list(bin_corners(cell.bin).values()))
         sure = point_errors(drift.covariance, middle, corners).max() * 1000
+        moved = at_corners(cell, drift.moved)
         says.append(
-            f"with the scanner moved by {at_corners(cell, drift.moved):.2f} mm, as the corners of "
+            f"with the scanner moved by {moved:.2f} mm, as the corners of "
             f"the bin see it, what lies there is seen to {sure:.2f} mm or better (95 %)"
         )
     return tuple(says)

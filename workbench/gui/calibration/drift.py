@@ -42,7 +42,7 @@ class DriftGroup:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._look = gui.add_button(LOOK, icon=viser.Icon.HISTORY, color="gray")
             self._look.visible = not visitor.is_recorded
-            self._take = gui.add_button("Take over", icon=viser.Icon.CHECK)
+            self._take = gui.add_button("Move the scanner", icon=viser.Icon.CHECK)
         self._look.on_click(lambda _: self._looked())
         visitor.on_press(self._take, self._taken)
 
@@ -109,13 +109,15 @@ def course_html(thing: str, days: Ints, moved: Floats) -> str:
     if len(days) < 2:
         return ""
     along, plots = (days - days[0]).astype(float), list[str]()
-    for title, unit, first, scale in (("shift", "mm", 0, 1e3), ("turn", "°", 3, 180 / np.pi)):
+    titles = (f"Shift, as {thing} shows it", f"Turn, as {thing} shows it")
+    units = ((titles[0], "mm", 0, 1e3), (titles[1], "°", 3, 180 / np.pi))
+    for title, unit, first, scale in units:
         curves = tuple(
             Curve(name, JOINTS[axis], moved[:, first + axis] * scale)
             for axis, name in enumerate("xyz")
             if np.isfinite(moved[:, first + axis]).any()
         )
         if curves:
-            plot = Plot(f"{thing}: {title}", unit, along, curves, -0.1, 0.1, along="days")
+            plot = Plot(title, unit, along, curves, -0.1, 0.1, along="days")
             plots.append(plot_html(plot, float(along[-1])) + legend_html(plot))
     return "".join(plots)

@@ -187,7 +187,7 @@ HELP: Mapping[str, tuple[str, str]] = {
     "4 · Drift": (
         "The recorded scans of every day are held against each other: bin and fixtures stand "
         "still, parts stand where the robot has put them. So it shows whether the scanner still "
-        "hangs where it was calibrated. Take over changes the cell, Undo takes that back.",
+        "hangs where it was calibrated. Move the scanner changes the cell, Undo takes that back.",
         CALIBRATION,
     ),
 }

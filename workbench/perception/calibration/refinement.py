@@ -28,7 +28,8 @@ from workbench.perception.calibration.things import Sighting
 FEWEST_PARTS = 4
 """Parts put down by which a pose is refined."""
 
-DIRECTIONS = ("x", "y", "z", "the turn about x", "the turn about y", "the turn about z")
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+"""Shifts along the world's axes, and turns about them, as controllers show them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
