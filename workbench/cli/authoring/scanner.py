@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.picking.first_scan import FirstScan, first_scan
-from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json
 from workbench.formats.cells.edits import save_cell

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.app.picking.drift_words import at_corners, drift_words
 from workbench.app.review.scanner_drift import RecordedDrift, recorded_drift, refined_cell
-from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.sessions.statistics import sessions_below
 from workbench.cli.terminal import print_json, print_table, progress

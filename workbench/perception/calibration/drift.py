@@ -2,9 +2,9 @@
 
 Each day is one measurement: within a day nothing of what moves a bin, or bends a mount, may have
 happened, so that scans of one day are no independent witnesses.  What stands still is held against
-itself: the first days since the calibration against the last ones, by Student's test of two
-samples, along each of six directions.  Parts that the robot has put down are held against where it
-has put them: they tell the scanner's pose itself, not only how it changes.
+itself: the first days since the calibration against the last ones, by the test of two samples
+(Student 1908), along each of six directions.  Parts that the robot has put down are held against
+where it has put them: they tell the scanner's pose itself, not only how it changes.
 
 All motions (6,) [m, rad] are told at the bin's middle, as in `things`, and are those of the scanner
 from where the cell has it, along and about the world's axes.
@@ -39,8 +39,8 @@ SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""
 
 LEAST = 3e-5 / np.repeat([1.0, ARM], 3)
-"""[m, rad] Deviation of every comparison that no number of days takes out: what else changes
-around a thing, a bin beside a table, moves its fit by some hundredths of a millimetre."""
+"""[m, rad] Deviation of every comparison that no number of days takes out.  In simulation a bin
+that is moved beside a table moves the table's fit by a fifth of that; nothing real is so flat."""
 
 PARTS = "parts put down"
 """What all parts together are called."""
@@ -56,11 +56,11 @@ LEAK = 0.02
 class Course:
     """What one thing tells, day after day.
 
-    `days` (n,) number days since the epoch, `moved` (n, 6) is by how much the scanner seems to be
-    moved, NaN along what a day does not tell.  `change` (6,) is what has become of that from the
-    first three days to the last three, with its `deviation` and the `freedom` of it, all NaN where
-    nothing can be compared; `is_told` (6,) where the first week and the last one do not differ by
-    chance.
+    `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
+    seems to be moved, NaN along what a day does not tell.  `change` (6,) [m, rad] is what has
+    become of that from the first three days to the last three, with its `deviation` and the
+    `freedom` of it, all NaN where nothing can be compared; `is_told` (6,) where the first week and
+    the last one do not differ by chance.
     """
 
     thing: str
@@ -80,7 +80,10 @@ class Course:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """A motion (6,) of the scanner and its information (6, 6), zero along what is not known."""
+    """A motion (6,) [m, rad] of the scanner and its information (6, 6) [1/m2, 1/rad2].
+
+    Both are zero along what is not known; `count` sightings told it.
+    """
 
     moved: Floats
     information: Floats
@@ -93,7 +96,7 @@ class Estimate:
 
 
 def known(information: Floats) -> Bools:
-    """Which of the six directions an information (6, 6) determines, whatever the others are."""
+    """Which of the six directions an information (6, 6) [1/m2, 1/rad2] determines by itself."""
     values, axes = np.linalg.eigh(information * np.outer(SCALE, SCALE))
     if values[-1] <= 0:
         return np.zeros(6, bool)

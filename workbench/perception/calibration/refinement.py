@@ -123,7 +123,7 @@ def _as_change(found: Estimate, course: Course) -> Course:
 
 
 def _disagree(one: Course, other: Course) -> Bools:
-    """Where (6,) two things say of the scanner what cannot both be so, by Welch's test."""
+    """Where (6,) two things say of the scanner what cannot both be so (Welch 1947)."""
     spread = np.hypot(one.deviation, other.deviation)
     odds = 2 * stdtr(
         np.fmin(one.freedom, other.freedom),

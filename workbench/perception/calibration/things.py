@@ -83,7 +83,10 @@ class Sighting:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PutPart:
-    """A part that stands where the robot has put it, and the `slopes` of its sighting (6, 6)."""
+    """A part that stands where the robot has put it.
+
+    `slopes` (6, 6) are those of its sighting, no unit of their own: of [m, rad] in [m, rad].
+    """
 
     detection: Detection
     slopes: Floats
@@ -169,7 +172,7 @@ def motion_at(T: pin.SE3, point: Floats) -> Floats:
 
 
 def motion_of(step: Floats, point: Floats) -> pin.SE3:
-    """The motion of the world that `motion_at` tells."""
+    """The motion of the world that `motion_at` tells: a step (6,) [m, rad] at a point (3,) [m]."""
     R = pin.exp3(step[3:])
     return pin.SE3(R, point + step[:3] - R @ point)
 
