@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from workbench.cli.arguments import nested, part, studies, top
+from workbench.cli.arguments import nested, part, scanner, studies, top
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.cli.loading import loading
 from workbench.model.errors import InputError, LinkError, WorkbenchError
@@ -78,7 +78,8 @@ HOW: Mapping[type, str] = {
     top.Scan: "picking.look:scan",
     top.Localize: "picking.look:localize",
     top.Calibrate: "authoring.calibrate:calibrate",
-    top.Scanner: "authoring.scanner:fit",
+    scanner.ScannerFit: "authoring.scanner:fit",
+    scanner.ScannerDrift: "authoring.scanner_drift:drift",
     top.Plan: "picking.planning:plan",
     top.Explain: "picking.explain:explain",
     top.Prove: "picking.proving:prove",

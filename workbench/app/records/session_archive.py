@@ -50,6 +50,11 @@ def opened(folder: Path) -> Journal:
     return Journal(folder)
 
 
+def sessions_in(root: Path) -> tuple[Path, ...]:
+    """The folders of all sessions below a folder, by name."""
+    return tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
+
+
 def told(journal: Journal, certified: Mapping[int, str] = MappingProxyType({})) -> Told:
     """Each entry in a few words.
 

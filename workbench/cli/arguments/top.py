@@ -27,6 +27,7 @@ from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.plc import CERTIFICATES, OpcUaCommands
 from workbench.cli.arguments.proving import Prove, Verify
 from workbench.cli.arguments.rapid import RapidCommands
+from workbench.cli.arguments.scanner import ScannerCommands
 from workbench.cli.arguments.studies import Study
 from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Statistics
 
@@ -341,24 +342,6 @@ class Import:
     json: Json = False
 
 
-@dataclass(frozen=True, slots=True)
-class Scanner:
-    """Look at the first scan of a scanner: unit, axes, bin, the scanner's pose and its noise.
-
-    Says in words what does not fit the cell, with the key to change. Ends with 3 when something
-    does not.
-    """
-
-    verb: Positional[Literal["fit"]]
-    """What to do."""
-    scan: Positional[Path]
-    """Point cloud, PLY or PCD, of the bin without the robot."""
-    cell: CellName = "yumi"
-    write: bool = False
-    """Write unit, axes and, if nobody has calibrated the scanner, its pose into the cell file."""
-    json: Json = False
-
-
 Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
@@ -366,7 +349,7 @@ Arguments = (
     | Annotated[Scan, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
     | Annotated[Calibrate, subcommand("calibrate")]
-    | Annotated[Scanner, subcommand("scanner")]
+    | Annotated[ScannerCommands, subcommand("scanner")]
     | Annotated[Plan, subcommand("plan")]
     | Annotated[Explain, subcommand("explain")]
     | Annotated[Prove, subcommand("prove")]

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.picking.first_scan import FirstScan, first_scan
-from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json
 from workbench.formats.cells.edits import save_cell
@@ -17,7 +17,7 @@ from workbench.formats.files.toml_documents import shorts
 from workbench.formats.files.whole_files import read_whole
 
 
-def fit(typed: arguments.Scanner) -> int:
+def fit(typed: arguments.ScannerFit) -> int:
     """Say what a scan tells of its scanner, and write it into the cell if asked to."""
     cell = read_cell(typed.cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)

@@ -4,7 +4,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import opened, sessions_in
 from workbench.app.records.statistics import (
     GROUPS,
     Statistics,
@@ -16,13 +16,12 @@ from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import milliseconds, print_json, print_table
 from workbench.formats.files.whole_files import write_whole
-from workbench.journal.journal import DATABASE
 from workbench.model.errors import InputError
 
 
 def tell_statistics(typed: arguments.Statistics) -> int:
     """Count what the sessions tell."""
-    folders = typed.sessions or _below(Path("sessions"))
+    folders = typed.sessions or sessions_below(Path("sessions"))
     counted = together(_counted(folder) for folder in folders)
     if typed.csv is not None:
         write_whole(typed.csv, csv_text(counted).encode())
@@ -35,8 +34,13 @@ def tell_statistics(typed: arguments.Statistics) -> int:
     return SUCCESS
 
 
-def _below(root: Path) -> tuple[Path, ...]:
-    found = tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
+def sessions_below(root: Path) -> tuple[Path, ...]:
+    """The folders of all sessions in a folder.
+
+    Raises:
+        InputError: there are none.
+    """
+    found = sessions_in(root)
     if not found:
         raise InputError(f"{root}: there are no sessions in it; name the folders of some")
     return found

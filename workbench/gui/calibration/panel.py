@@ -9,6 +9,7 @@ import viser
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseObservations
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.picking.calibration import calibrated, with_calibration
+from workbench.gui.calibration.drift import DriftGroup
 from workbench.gui.help.groups import group
 from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.calibration_views import (
@@ -99,12 +100,14 @@ class CalibrationPanel:
             gui.add_html('<div class="wb-buttons wb-two"></div>')
             self._apply = gui.add_button("Apply", icon=viser.Icon.CHECK)
             self._save = gui.add_button("Save to file", icon=viser.Icon.DEVICE_FLOPPY)
+        self._drift = DriftGroup(visitor, self._who)
         self._rows = visitor.rows(MOST_ROWS, self._look_at)
         self._react()
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, chosen = new.state, new.own.observation
+        self._drift.show(new)
         self._where.content = line(self._says_where(new), kind="hint")
         if self._after.value != new.own.is_calibrated:
             self._after.value = new.own.is_calibrated
@@ -251,11 +254,15 @@ class CalibrationPanel:
         rest = observations[:number] + observations[number + 1 :]
         return UseObservations(rest, f"{observations[number].name} is removed")
 
-    def _applied(self) -> Command:
+    def _who(self) -> str:
         visitor = self._visitor
         by = visitor.person.name if visitor.is_known else self._name.value.strip()
         if not by:
             raise InputError("type your name: it is kept with the calibration")
+        return by
+
+    def _applied(self) -> Command:
+        by = self._who()
         state = self._visitor.bench.state
         found = calibrated(state.cell, state.observations)
         cell = with_calibration(state.cell, found, time.time(), by)

@@ -184,6 +184,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "keeps it.",
         CALIBRATION,
     ),
+    "4 · Drift": (
+        "The recorded scans of every day are held against each other: bin and fixtures stand "
+        "still, parts stand where the robot has put them. So it shows whether the scanner still "
+        "hangs where it was calibrated. Move the scanner changes the cell, Undo takes that back.",
+        CALIBRATION,
+    ),
 }
 """By the name of the group: three sentences, and the section of the manual."""
 

@@ -103,9 +103,8 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
     R_tcp_hand = np.eye(3) if checker.pads is None else np.asarray(checker.pads.R_tcp_closing)
     R_part_hand = T_part_tcp.rotation @ R_tcp_hand
     grip = _grip(checker, tool, T_part_tcp, T_world_part)
-    # From shifts of the origin, along the world's axes, to those at the TCP, along the hand's.
     to_tcp = R_part_hand.T @ T_part_tcp.translation
-    to_hand = _shifted(to_tcp) @ _turned((T_world_part.rotation @ R_part_hand).T)
+    to_hand = _to_hand(T_world_part, T_part_tcp, R_part_hand)
     to_part = _shifted(-to_tcp)
     before = {
         CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
@@ -131,6 +130,35 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
         place,
         None if place is None else within(off, place),
     )
+
+
+def kept_by_grip(
+    cell: Cell, arm: str, part: str, T_world_part: pin.SE3, T_part_tcp: pin.SE3
+) -> Floats:
+    """What a hand keeps of the error of a part as it takes it: `error -> kept @ error` (6, 6).
+
+    Errors are [m, rad] shifts of the part's origin, then turns about it, along the world's axes,
+    before and after.
+
+    Args:
+        cell: that knows the `part` and the `arm` by these names.
+        arm: see there.
+        part: see there.
+        T_world_part: how it lies.
+        T_part_tcp: of the grasp.
+    """
+    tool = cell.arm(arm).tool
+    checker = _checker(cell.part(part), tool)
+    R_tcp_hand = np.eye(3) if checker.pads is None else np.asarray(checker.pads.R_tcp_closing)
+    to_hand = _to_hand(T_world_part, T_part_tcp, T_part_tcp.rotation @ R_tcp_hand)
+    grip = _grip(checker, tool, T_part_tcp, T_world_part)
+    return np.linalg.inv(to_hand) @ grip.keeps @ to_hand
+
+
+def _to_hand(T_world_part: pin.SE3, T_part_tcp: pin.SE3, R_part_hand: Floats) -> Floats:
+    """From shifts of the origin, along the world's axes, to those at the TCP, along the hand's."""
+    to_tcp = R_part_hand.T @ T_part_tcp.translation
+    return _shifted(to_tcp) @ _turned((T_world_part.rotation @ R_part_hand).T)
 
 
 def off_of(covariance: Floats, R_part_hand: Floats, what: Counted) -> tuple[Floats, Floats]:

@@ -1,0 +1,47 @@
+"""The look at recorded scans on the calibration's tab, without a browser."""
+
+import numpy as np
+import pytest
+
+import workbench.app.review.scanner_drift
+from workbench.app.review.scanner_drift import RecordedDrift
+from workbench.gui.calibration.drift import LOOK, DriftGroup, course_html
+from workbench.model.errors import InputError
+from workbench.perception.calibration.refinement import Drift
+
+
+def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch):
+    drift = Drift((), ("table",), False, (), np.full(6, 1e-3), np.eye(6) * 1e-8, 0)
+    found = RecordedDrift(drift, 3, 20, ("monday: is not whole",))
+    monkeypatch.setattr(workbench.app.review.scanner_drift, "recorded_drift", lambda *args: found)
+    monkeypatch.setattr(
+        workbench.app.review.scanner_drift, "refined_cell", lambda cell, drift, at, by: (cell, by)
+    )
+    group = DriftGroup(visitor, lambda: "Ada")
+    with pytest.raises(InputError, match="first"):
+        group._taken()
+    group._looked()
+    assert "20 scans of 3 sessions" in group._says.content
+    assert "monday: is not whole" in group._says.content
+    assert (group._look.disabled, group._look.label) == (False, LOOK)
+    command = group._taken()
+    assert command.cell == (visitor.cell, "Ada")
+    assert "the scanner is moved by Ada" in command.says
+
+
+def test_a_scanner_that_was_never_calibrated_is_said(visitor):
+    told = []
+    visitor.tell = lambda *said: told.append(said)
+    group = DriftGroup(visitor, lambda: "Ada")
+    group._looked()
+    assert "was never calibrated" in told[0][1]
+    assert not group._look.disabled
+
+
+def test_days_are_drawn_with_what_they_tell():
+    moved = np.full((3, 6), np.nan)
+    moved[:, 2] = (0, 1e-3, 2e-3)
+    html = course_html("table", np.array([4, 5, 9]), moved)
+    assert "Shift, as table shows it" in html and html.count("<path") == 1
+    assert "Turn" not in html
+    assert course_html("table", np.array([4]), moved[:1]) == ""

@@ -1,0 +1,192 @@
+"""What recorded sessions say of the scanner's pose since it was calibrated, and the cell by it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.core.commands import Entry, LinkEnded
+from workbench.app.core.state import State
+from workbench.app.picking.pallets import at_rest
+from workbench.app.records.replay import replay
+from workbench.app.records.session_archive import opened
+from workbench.app.records.sessions import cell_of
+from workbench.model.calibration import CalibrationRecord
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError, JournalError
+from workbench.model.geometry import Floats
+from workbench.model.scan import Detection
+from workbench.perception.calibration.refinement import Drift, drift_of
+from workbench.perception.calibration.things import (
+    PutPart,
+    Sighting,
+    motion_of,
+    moved_to,
+    put_slopes,
+    sight_things,
+)
+from workbench.planning.placing.budget import kept_by_grip
+from workbench.planning.placing.sources import calibration_error
+
+APART = 3600.0
+"""[s] Scans that show no new part are looked at so rarely: days count, not scans."""
+
+Told = Callable[[float, str], None]
+"""Told of progress 0..1, and of what; it may raise to give up."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedDrift:
+    """The `drift`, of how many `sessions` and `scans`, and `problems` of sessions left out."""
+
+    drift: Drift
+    sessions: int
+    scans: int
+    problems: tuple[str, ...]
+
+
+def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> RecordedDrift:
+    """What sessions say of the scanner of a cell.
+
+    Counted are scans since its calibration that were taken while bin, fixtures and scanner stood in
+    the cell where they stand in it now: what was moved there begins anew.
+
+    Args:
+        folders: of the sessions.
+        cell: as it is now.
+        report: told how far it is.
+
+    Raises:
+        InputError: the scanner was never calibrated, or a folder holds no session.
+    """
+    record = _record(cell)
+    sightings: list[Sighting] = []
+    problems: list[str] = []
+    sessions = scans = 0
+    for number, folder in enumerate(folders):
+        report(number / len(folders), folder.name)
+        try:
+            with closing(opened(folder)) as journal:
+                began_with = cell_of(journal)
+                if began_with.name != cell.name:
+                    continue
+                found = list(_of_session(replay(journal, began_with), cell, record.at))
+        except JournalError as error:
+            problems.append(f"{folder.name}: {error}")
+            continue
+        sessions, scans = sessions + 1, scans + len(found)
+        sightings += [one for scan in found for one in scan]
+    middle = cell.bin.T_world_bin.translation
+    prior = calibration_error(cell.scanner, Detection("", pin.SE3(np.eye(3), middle)))
+    distance = float(np.linalg.norm(cell.scanner.T_world_scanner.translation - middle))
+    drift = drift_of(sightings, prior, distance)
+    return RecordedDrift(drift, sessions, scans, tuple(problems))
+
+
+def refined_cell(cell: Cell, drift: Drift, at: float, by: str) -> Cell:
+    """The cell with its scanner where calibration, drift and parts together say.
+
+    Args:
+        cell: that the drift was told of.
+        drift: see `recorded_drift`.
+        at: [s since the epoch] when.
+        by: the person who takes it over.
+
+    Raises:
+        InputError: nothing says that it hangs elsewhere.
+    """
+    if drift.moved is None or drift.covariance is None:
+        raise InputError("nothing recorded says that the scanner hangs elsewhere")
+    middle = cell.bin.T_world_bin.translation
+    T = motion_of(drift.moved, middle) * cell.scanner.T_world_scanner
+    to_scanner = moved_to(T.translation - middle)
+    covariance = to_scanner @ drift.covariance @ to_scanner.T
+    record = replace(
+        _record(cell),
+        at=float(round(at)),
+        by=by,
+        position_error=_largest(covariance[:3, :3]),
+        angle_error=_largest(covariance[3:, 3:]),
+        covariance=covariance,
+    )
+    return replace(cell, scanner=replace(cell.scanner, T_world_scanner=T, calibration=record))
+
+
+def _record(cell: Cell) -> CalibrationRecord:
+    record = cell.scanner.calibration
+    if record is None:
+        raise InputError(
+            f"cell {cell.name}: the scanner was never calibrated; drift is told since a calibration"
+        )
+    return record
+
+
+def _largest(covariance: Floats) -> float:
+    """Deviation in the direction of most."""
+    return float(np.sqrt(max(np.linalg.eigvalsh(covariance)[-1], 0.0)))
+
+
+def _of_session(
+    states: Iterator[tuple[Entry, State]], cell: Cell, since: float
+) -> Iterator[list[Sighting]]:
+    """What each scan that counts shows."""
+    layout, before = _layout(cell), None
+    kept: dict[bytes, Floats] = {}
+    seen: set[bytes] = set()
+    last = -np.inf
+    for entry, state in states:
+        if before is not None and isinstance(entry.command, LinkEnded):
+            kept |= _kept(before)
+        is_new = state.scan is not None and (before is None or state.scan is not before.scan)
+        before = state
+        if state.scan is None or not is_new or entry.at <= since or _layout(state.cell) != layout:
+            continue
+        stands = [
+            (one, T, _key(one.T_world_found))
+            for one, T in zip(state.placed, at_rest(state.cell, state.placed), strict=True)
+            if one.score > 0 and one.T_world_found is not None
+        ]
+        fresh = [one for one in stands if one[2] in kept and one[2] not in seen]
+        if not fresh and entry.at - last < APART:
+            continue
+        last = entry.at
+        put_down = [_put_part(cell, *one[:2], kept[one[2]]) for one in fresh]
+        seen |= {one[2] for one in fresh}
+        yield sight_things(cell, state.scan, put_down, at=entry.at)
+
+
+def _layout(cell: Cell) -> str:
+    return digest_of((cell.bin, cell.fixtures, cell.scanner.T_world_scanner))
+
+
+def _key(T: pin.SE3 | None) -> bytes:
+    """A part by where it was found."""
+    return b"" if T is None else np.round(T.homogeneous, 9).tobytes()
+
+
+def _kept(state: State) -> dict[bytes, Floats]:
+    """What the hands keep of the errors of the parts of the plan that has just ended.
+
+    Not of parts that come from a station: there two grips have taken something out.
+    """
+    if state.plan is None:
+        return {}
+    found = [(one, state.plan.detections[one.detection]) for one in state.plan.arms]
+    return {
+        _key(part.T_world_part): kept_by_grip(
+            state.cell, one.arm, part.part, part.T_world_part, one.T_tcp_part.inverse()
+        )
+        for one, part in found
+        if part.roll_known and part.T_world_found is None
+    }
+
+
+def _put_part(cell: Cell, one: Detection, T_world_rest: pin.SE3, keeps: Floats) -> PutPart:
+    assert one.T_world_found is not None
+    middle = cell.bin.T_world_bin.translation
+    slopes = put_slopes(middle, one.T_world_found, one.T_world_part, keeps)
+    return PutPart(replace(one, T_world_part=T_world_rest), slopes)

@@ -1,0 +1,123 @@
+"""Whether the scanner still hangs where it was calibrated: what the recorded sessions say."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import viser
+
+from workbench.app.core.commands import ChangeCell, Command
+from workbench.app.core.state import State
+from workbench.app.records.session_archive import sessions_in
+from workbench.app.runtime.bench import Bench
+from workbench.gui.help.groups import group
+from workbench.gui.shared.colours import JOINTS
+from workbench.gui.shared.look import View
+from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
+from workbench.gui.shared.views import line, sentence
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError, WorkbenchError
+from workbench.model.geometry import Floats, Ints
+
+LOOK = "Look at recorded scans"
+
+NOTHING = "Look at the recorded scans first."
+
+
+class DriftGroup:
+    """A look at the sessions beside this one, what it brought, and its use.
+
+    Concurrency: the look is done in the thread of its callback; `show` is the renderer's.
+    """
+
+    def __init__(self, visitor: Visitor, who: Callable[[], str]):
+        """Add the controls; `who` names the person, or raises InputError."""
+        self._visitor, self._who = visitor, who
+        self._found: tuple[str, Callable[[float, str], Cell]] | None = None
+        gui = visitor.gui
+        with group(gui, "4 · Drift", expand_by_default=False):
+            self._says = gui.add_html("")
+            gui.add_html('<div class="wb-buttons wb-two"></div>')
+            self._look = gui.add_button(LOOK, icon=viser.Icon.HISTORY, color="gray")
+            self._look.visible = not visitor.is_recorded
+            self._take = gui.add_button("Move the scanner", icon=viser.Icon.CHECK)
+        self._look.on_click(lambda _: self._looked())
+        visitor.on_press(self._take, self._taken)
+
+    def show(self, new: View) -> None:
+        """Let be used what can be used of a cell as it is now."""
+        self._admit(new.state)
+
+    def _admit(self, state: State) -> None:
+        is_of_it = self._found is not None and self._found[0] == state.cell.digest
+        self._visitor.admit(self._take, state, ChangeCell, otherwise="" if is_of_it else NOTHING)
+
+    def _looked(self) -> None:
+        """Look through the sessions; that takes some seconds for each week."""
+        bench = self._visitor.bench
+        if self._look.disabled or not isinstance(bench, Bench):
+            return
+        self._look.disabled, self._look.label = True, "Looking …"
+        try:
+            self._found = self._brought(bench)
+        except WorkbenchError as error:
+            self._visitor.tell("No look", str(error))
+        finally:
+            self._look.disabled, self._look.label = False, LOOK
+            self._admit(bench.state)
+
+    def _brought(self, bench: Bench) -> tuple[str, Callable[[float, str], Cell]] | None:
+        # Open3D takes a second to load: the page does not wait for it.
+        from workbench.app.picking.drift_words import drift_words
+        from workbench.app.review.scanner_drift import recorded_drift, refined_cell
+
+        cell = bench.state.cell
+        found = recorded_drift(sessions_in(bench.folder.parent), cell, self._report)
+        said = [
+            line(f"{found.scans} scans of {found.sessions} sessions since the calibration."),
+            *(line(f"{sentence(one)}.") for one in drift_words(cell, found.drift)),
+            *(course_html(one.thing, one.days, one.moved) for one in found.drift.courses),
+            *(line(one, kind="bad") for one in found.problems),
+        ]
+        self._says.content = "".join(said)
+        if found.drift.moved is None:
+            return None
+        return cell.digest, partial(refined_cell, cell, found.drift)
+
+    def _report(self, done: float, note: str) -> None:
+        self._look.label = f"Looking … {done:.0%}"
+
+    def _taken(self) -> Command:
+        cell = self._visitor.bench.state.cell
+        if self._found is None or self._found[0] != cell.digest:
+            raise InputError(NOTHING)
+        by = self._who()
+        says = f"the scanner is moved by {by}, as recorded scans say"
+        return ChangeCell(self._found[1](time.time(), by), says)
+
+
+def course_html(thing: str, days: Ints, moved: Floats) -> str:
+    """By how much a thing says that the scanner is moved, day after day.
+
+    Args:
+        thing: its name.
+        days: (n,) since the epoch.
+        moved: (n, 6) [m, rad], NaN where a day does not tell.
+    """
+    if len(days) < 2:
+        return ""
+    along, plots = (days - days[0]).astype(float), list[str]()
+    titles = (f"Shift, as {thing} shows it", f"Turn, as {thing} shows it")
+    units = ((titles[0], "mm", 0, 1e3), (titles[1], "°", 3, 180 / np.pi))
+    for title, unit, first, scale in units:
+        curves = tuple(
+            Curve(name, JOINTS[axis], moved[:, first + axis] * scale)
+            for axis, name in enumerate("xyz")
+            if np.isfinite(moved[:, first + axis]).any()
+        )
+        if curves:
+            plot = Plot(title, unit, along, curves, -0.1, 0.1, along="days")
+            plots.append(plot_html(plot, float(along[-1])) + legend_html(plot))
+    return "".join(plots)

@@ -1,0 +1,169 @@
+"""How the scanner's pose has drifted, by things whose place is known, and the pose refined by them.
+
+Each day is one measurement: within a day nothing of what moves a bin, or bends a mount, may have
+happened, so that scans of one day are no independent witnesses.  What stands still is held against
+itself: the first days since the calibration against the last ones, by the test of two samples
+(Student 1908), along each of six directions.  Parts that the robot has put down are held against
+where it has put them: they tell the scanner's pose itself, not only how it changes.
+
+All motions (6,) [m, rad] are told at the bin's middle, as in `things`, and are those of the scanner
+from where the cell has it, along and about the world's axes.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtr
+
+from workbench.model.geometry import Bools, Floats, Ints, frozen, put
+from workbench.perception.calibration.things import Kind, Sighting
+
+DAY = 86400.0
+"""[s] Days are those of UTC."""
+
+FEWEST, MOST = 2, 7
+"""Days at the beginning and at the end that are compared: all, up to a week."""
+
+NOW = 3
+"""Days at both ends by which it is told how much: what drifts goes on within a week."""
+
+CHANCE = 0.01
+"""With which a drift is told though there is none, all directions and things together."""
+
+ARM = 0.15
+"""[m] A turn counts as much as the shift that it makes so far away."""
+
+SCALE = np.repeat([1.0, 1 / ARM], 3)
+"""[no unit, 1/m] By it motions have one unit."""
+
+LEAST = 3e-5 / np.repeat([1.0, ARM], 3)
+"""[m, rad] Deviation of every comparison that no number of days takes out.  In simulation a bin
+that is moved beside a table moves the table's fit by a fifth of that; nothing real is so flat."""
+
+PARTS = "parts put down"
+"""What all parts together are called."""
+
+UNSEEN = 1e-4
+"""Information along a direction over that along the best one, below which it is not known."""
+
+LEAK = 0.02
+"""Share of a direction that may be among what is not known, for it to count as known."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """What one thing tells, day after day.
+
+    `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
+    seems to be moved, NaN along what a day does not tell.  `change` (6,) [m, rad] is what has
+    become of that from the first three days to the last three, with its `deviation` and the
+    `freedom` of it, all NaN where nothing can be compared; `is_told` (6,) where the first week and
+    the last one do not differ by chance.
+    """
+
+    thing: str
+    kind: Kind
+    days: Ints
+    moved: Floats
+    change: Floats
+    deviation: Floats
+    freedom: Floats
+    is_told: Bools
+
+    def __post_init__(self) -> None:
+        for name in ("moved", "change", "deviation", "freedom"):
+            put(self, **{name: frozen(getattr(self, name))})
+        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_told, np.bool_))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """A motion (6,) [m, rad] of the scanner and its information (6, 6) [1/m2, 1/rad2].
+
+    Both are zero along what is not known; `count` sightings told it.
+    """
+
+    moved: Floats
+    information: Floats
+    count: int
+
+    @property
+    def is_known(self) -> Bools:
+        """Along which of the six directions it says something."""
+        return known(self.information)
+
+
+def known(information: Floats) -> Bools:
+    """Which of the six directions an information (6, 6) [1/m2, 1/rad2] determines by itself."""
+    values, axes = np.linalg.eigh(information * np.outer(SCALE, SCALE))
+    if values[-1] <= 0:
+        return np.zeros(6, bool)
+    lost = axes[:, values < UNSEEN * values[-1]]
+    return np.asarray((lost**2).sum(axis=1) < LEAK**2)
+
+
+def estimated(sightings: Sequence[Sighting]) -> Estimate:
+    """The motion of the scanner that sightings tell by least squares, and how sure it is.
+
+    Their own information says how directions compare; how large their errors are is taken from
+    what they leave over, where there are enough of them.
+    """
+    sums, pulls = np.zeros((6, 6)), np.zeros(6)
+    for one in sightings:
+        pull = one.slopes.T @ one.information
+        sums, pulls = sums + pull @ one.slopes, pulls + pull @ one.off
+    values, axes = np.linalg.eigh(sums * np.outer(SCALE, SCALE))
+    is_held = values > UNSEEN * max(values[-1], 1e-300)
+    axes = axes[:, is_held] * SCALE[:, None]
+    moved = axes @ ((axes.T @ pulls) / values[is_held])
+    left = numbers = 0.0
+    for one in sightings:
+        off = one.off - one.slopes @ moved
+        left += off @ one.information @ off
+        numbers += np.linalg.matrix_rank(one.information, hermitian=True)
+    freedom = numbers - np.count_nonzero(is_held)
+    spread = max(1.0, left / freedom) if freedom > 0 else 1.0
+    back = axes / SCALE[:, None] ** 2
+    return Estimate(moved, (back * values[is_held]) @ back.T / spread, len(sightings))
+
+
+def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
+    """Each thing day after day, what stands still first; parts are one thing, whichever they are.
+
+    Args:
+        sightings: since the calibration, of one place of bin and fixtures.
+    """
+    by_thing: defaultdict[tuple[str, Kind], list[Sighting]] = defaultdict(list)
+    for one in sightings:
+        by_thing[(PARTS if one.kind == "part" else one.thing, one.kind)].append(one)
+    tests = 6 * max(1, sum(kind != "part" for _, kind in by_thing))
+    order = sorted(by_thing, key=lambda one: (("bin", "fixture", "part").index(one[1]), one[0]))
+    return tuple(_course(*key, by_thing[key], CHANCE / tests) for key in order)
+
+
+def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float) -> Course:
+    by_day: defaultdict[int, list[Sighting]] = defaultdict(list)
+    for one in sightings:
+        by_day[int(one.at // DAY)].append(one)
+    days = np.array(sorted(by_day))
+    moved = np.full((len(days), 6), np.nan)
+    for row, day in enumerate(days.tolist()):
+        found = estimated(by_day[day])
+        moved[row, found.is_known] = found.moved[found.is_known]
+    change, deviation, freedom, odds = (np.full(6, np.nan) for _ in range(4))
+    for axis in range(6):
+        values = moved[np.isfinite(moved[:, axis]), axis]
+        size = min(MOST, len(values) // 2)
+        if size < FEWEST:
+            continue
+        first, last = values[:size], values[-size:]
+        variance, now = first.var(ddof=1) + last.var(ddof=1), min(NOW, size)
+        freedom[axis] = 2 * size - 2
+        away = abs(last.mean() - first.mean()) / np.hypot(np.sqrt(variance / size), LEAST[axis])
+        odds[axis] = 2 * stdtr(freedom[axis], -away)
+        change[axis] = last[-now:].mean() - first[:now].mean()
+        deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
+    is_told = np.asarray(odds < chance)  # not where nothing is compared
+    return Course(thing, kind, days, moved, change, deviation, freedom, is_told)

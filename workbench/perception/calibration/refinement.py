@@ -1,0 +1,164 @@
+"""What is to be said of a scanner that may have drifted, and its pose by all that is known.
+
+A bin can be moved by people.  So it never says that the scanner has drifted: fixtures do, which
+belong to the robot's world, and parts that the robot has put down.  What is known of the pose (the
+covariance of the calibration, what has changed since, what parts say) is put together by its
+information.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import stdtr
+
+from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.perception.calibration.drift import (
+    CHANCE,
+    DAY,
+    MOST,
+    PARTS,
+    Course,
+    Estimate,
+    courses,
+    estimated,
+)
+from workbench.perception.calibration.things import Sighting
+
+FEWEST_PARTS = 4
+"""Parts put down by which a pose is refined."""
+
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+"""Shifts along the world's axes, and turns about them, as controllers show them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drift:
+    """What recorded scans say of the scanner since its calibration.
+
+    `courses` are what each thing says day by day.  `drifted` names what of the robot's world says
+    that the scanner has, empty while nothing does; `is_bin_off` where the bin has changed, and
+    nothing else says that it was the scanner.  `open` are directions that only the bin tells, if
+    anything.
+    `moved` (6,) [m, rad], at the bin's middle, is by what the scanner is to be moved from where the
+    cell has it, and `covariance` (6, 6) what is not known of it then; None while there is no
+    reason to.  `parts` counts those that the robot has put down, and were seen again.
+    """
+
+    courses: tuple[Course, ...]
+    drifted: tuple[str, ...]
+    is_bin_off: bool
+    open: tuple[str, ...]
+    moved: Floats | None
+    covariance: Floats | None
+    parts: int
+
+    def __post_init__(self) -> None:
+        if self.moved is not None and self.covariance is not None:
+            put(self, moved=frozen(self.moved), covariance=frozen(self.covariance))
+
+
+def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> Drift:
+    """What all sightings since the calibration say together.
+
+    Args:
+        sightings: of one place of bin, fixtures and scanner in the cell.
+        prior: (6, 6) [m, rad] covariance of the scanner's pose by its calibration, at the bin's
+            middle.
+        distance: [m] from there to the scanner.
+    """
+    told = courses(sightings)
+    fixed = [one for one in told if one.kind == "fixture"]
+    steady = [one for one in fixed if not any(_disagree(one, other).any() for other in fixed)]
+    has_drifted = any(one.is_told.any() for one in steady)
+    put_down = _recent([one for one in sightings if one.kind == "part"], has_drifted)
+    by_parts = estimated(put_down) if len(put_down) >= FEWEST_PARTS else None
+    drifted = [one.thing for one in steady if one.is_told.any()]
+    others = list(steady)
+    if by_parts is not None:
+        others += [_as_change(by_parts, one) for one in told if one.kind == "part"]
+        if _is_off(by_parts, prior).any():
+            drifted.append(PARTS)
+    seen = np.zeros(6, bool)
+    for one in others:
+        seen |= np.isfinite(one.change)
+    is_bin_off = any(
+        (one.is_told & (~seen | _disagree(one, other))).any()
+        for one in told
+        if one.kind == "bin"
+        for other in others or [one]
+    )
+    left = tuple(name for name, is_seen in zip(DIRECTIONS, seen, strict=True) if not is_seen)
+    moved = covariance = None
+    if has_drifted or by_parts is not None:
+        moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
+    return Drift(told, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
+
+
+def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
+    """Those of the last days, where what was before is of a scanner that hung elsewhere."""
+    if not has_drifted or not put_down:
+        return put_down
+    days = sorted({one.at // DAY for one in put_down})[-MOST:]
+    return [one for one in put_down if one.at // DAY >= days[0]]
+
+
+def _is_off(found: Estimate, prior: Floats) -> Bools:
+    """Where parts say of the scanner's pose what neither calibration nor chance explains."""
+    variance = np.diag(prior) + np.diag(np.linalg.pinv(found.information, hermitian=True))
+    odds = 2 * stdtr(max(found.count - 2, 1), -np.abs(found.moved) / np.sqrt(variance))
+    return np.asarray((odds < CHANCE / 6) & found.is_known)
+
+
+def _as_change(found: Estimate, course: Course) -> Course:
+    """The course of parts, with what they say of the scanner's pose as its change."""
+    spread = np.sqrt(np.diag(np.linalg.pinv(found.information, hermitian=True)))
+    unknown = np.where(found.is_known, 0.0, np.nan)
+    return replace(
+        course,
+        change=found.moved + unknown,
+        deviation=spread + unknown,
+        freedom=max(found.count - 2, 1) + unknown,
+    )
+
+
+def _disagree(one: Course, other: Course) -> Bools:
+    """Where (6,) two things say of the scanner what cannot both be so (Welch 1947)."""
+    spread = np.hypot(one.deviation, other.deviation)
+    odds = 2 * stdtr(
+        np.fmin(one.freedom, other.freedom),
+        -np.abs(one.change - other.change) / np.maximum(spread, 1e-12),
+    )
+    return np.asarray(odds < CHANCE / 6)
+
+
+def _together(
+    prior: Floats, changes: Sequence[Course], by_parts: Estimate | None, distance: float
+) -> tuple[Floats, Floats]:
+    """The motion (6,) of the scanner and its covariance (6, 6) by all that is known.
+
+    What nothing tells of a scanner that has moved may have moved as far as what is told; and where
+    it has turned, about whatever place of its mount, the bin may have moved aside by that.
+    """
+    start, variance = np.zeros(6), np.zeros(6)
+    if changes:
+        weights = np.zeros(6)
+        for one in changes:
+            # Of few days the deviation is not known well: that of Student's distribution is larger.
+            wider = one.freedom / np.maximum(one.freedom - 2, 0.5)
+            weight = np.nan_to_num(1 / np.maximum(wider * one.deviation**2, 1e-16))
+            weights += weight
+            start += weight * np.nan_to_num(one.change)
+        is_seen = weights > 0
+        start = np.where(is_seen, start / np.maximum(weights, 1e-300), 0.0)
+        turn = np.abs(start[3:]).max()
+        largest = np.repeat([np.hypot(np.abs(start[:3]).max(), turn * distance), turn], 3)
+        variance = np.where(is_seen, 1 / np.maximum(weights, 1e-300), largest**2)
+    information = np.linalg.inv(prior + np.diag(variance))
+    pulls = information @ start
+    if by_parts is not None:
+        information = information + by_parts.information
+        pulls = pulls + by_parts.information @ by_parts.moved
+    covariance = np.linalg.inv(information)
+    covariance = (covariance + covariance.T) / 2
+    return covariance @ pulls, covariance
