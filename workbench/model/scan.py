@@ -142,6 +142,7 @@ class Objection(enum.StrEnum):
     TOO_LITTLE = "explains too little of the visible surface"
     FREE_SPACE = "free space violated"
     UNKNOWN = "something unknown explains it better"
+    OUTDONE = "a part of another kind explains it and more"
     GOES_ON = "its surface goes on where the part would end"
     NOT_HELD = "a small shift would be explained as well"
     CLAIMED = "surface claimed by"

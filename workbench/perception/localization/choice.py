@@ -102,6 +102,8 @@ def _are_in_bin(
         T = T_bin_scanner @ poses[k]
         outside = 0
         for p in points:
+            if outside > MOST_DEEP * len(points):
+                break
             x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
             y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
             z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
@@ -111,54 +113,59 @@ def _are_in_bin(
     return inside
 
 
-def choose(
+def take(
     choice: Choice,
     surface: PartSurface,
-    hypotheses: list[Hypothesis],
+    hypothesis: Hypothesis,
     assess: Callable[[Floats], Assessment],
     spread: float,
     tolerance: float,
-) -> None:
-    """Take the hypotheses that hold together after a close look, the best first.
+) -> Assessment | None:
+    """Take a hypothesis if it holds after a close look beside those that were taken before.
 
-    Each next one is that which gains most from the pixels that no chosen one explains; it must
-    explain enough of what it shows, and not reach into a chosen one.
+    It must explain enough of what it shows, and not reach into a chosen one.
 
     Args:
-        choice: what was taken before, and is added to.
+        choice: what was taken before; the hypothesis is added to it, or to what was rejected.
         surface: the part.
-        hypotheses: possible poses, fitted roughly.
+        hypothesis: a possible pose, fitted roughly.
         assess: looks closely at a pose (4, 4) [m] and returns a better one.
         spread: [m] deviation of a part's points from its surface.
         tolerance: [m] see `sightings.look`.
+
+    Returns:
+        What was taken, None if it was not.
     """
-    left = list(hypotheses)
-    while left:
-        values = [_gain(hypothesis.sighting, choice.claimed) for hypothesis in left]
-        one: Hypothesis | Assessment = left.pop(int(np.argmax(values)))
-        rejected = _objection(choice, surface, one)
+    rejected = _objection(choice, surface, hypothesis)
+    if rejected is None:
+        one = assess(hypothesis.pose)
+        rejected = _objection(choice, surface, one) or _overlap(choice, surface, one)
+        if rejected is None and not one.is_held:
+            rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)
+        if (
+            rejected is None
+            and log_likelihood_ratio(
+                one.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
+            )
+            < 0.0
+        ):
+            rejected = Rejection(one.pose, one.sighting, Objection.UNKNOWN)
         if rejected is None:
-            one = assess(one.pose)
-            rejected = _objection(choice, surface, one) or _overlap(choice, surface, one)
-            if rejected is None and not one.is_held:
-                rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)
-            if (
-                rejected is None
-                and log_likelihood_ratio(
-                    one.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
-                )
-                < 0.0
-            ):
-                rejected = Rejection(one.pose, one.sighting, Objection.UNKNOWN)
-            if rejected is None:
-                choice.claimed[one.sighting.explained] = len(choice.chosen)
-                choice.chosen.append(one)
-                continue
-        choice.rejected.append(rejected)
+            choice.claimed[one.sighting.explained] = len(choice.chosen)
+            choice.chosen.append(one)
+            return one
+    choice.rejected.append(rejected)
+    return None
 
 
-def _gain(sighting: Sighting, claimed: np.ndarray) -> float:
+def gain(sighting: Sighting, claimed: np.ndarray) -> float:
+    """`Sighting.gain` [px] less what it explains that is `claimed` (pixels,): not -1 there."""
     return sighting.gain - float(np.count_nonzero(claimed[sighting.explained] >= 0))
+
+
+def enough(seen: Sighting) -> float:
+    """Pixels of a picture that must be explained, or it tells too little."""
+    return max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
 
 
 def _objection(
@@ -168,12 +175,12 @@ def _objection(
     seen = one.sighting
     owners = choice.claimed[seen.explained]
     explained = int(np.count_nonzero(owners < 0))
-    enough = max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
-    if len(seen.explained) < enough:
+    least = enough(seen)
+    if len(seen.explained) < least:
         return Rejection(one.pose, seen, Objection.TOO_LITTLE)
     if len(seen.explained) < PLAUSIBLE * (len(seen.explained) + len(seen.violated)):
         return Rejection(one.pose, seen, Objection.FREE_SPACE)
-    if explained < enough or explained < PLAUSIBLE * (explained + len(seen.violated)):
+    if explained < least or explained < PLAUSIBLE * (explained + len(seen.violated)):
         rival = int(np.bincount(owners[owners >= 0]).argmax())
         apart = _between(choice.chosen[rival].pose, one.pose) @ [*surface.middle, 1.0]
         is_same = np.linalg.norm(apart[:3] - surface.middle) < SAME_PLACE * surface.diameter
@@ -199,9 +206,15 @@ def reaches_into(surface: PartSurface, host: PartSurface, T_host_part: Floats) -
     if not host.is_closed or apart > (surface.diameter + host.diameter) / 2:
         return False
     points = (surface.coarse.points @ R.T + t).astype(np.float32)
+    most = MOST_DEEP * len(points)
+    # Few points of two parts that touch are within the box around the host at all.
+    low, high = host.vertices.min(axis=0), host.vertices.max(axis=0)
+    points = points[((points > low) & (points < high)).all(axis=1)]
+    if len(points) <= most:
+        return False
     depth = host.scene.compute_signed_distance(o3d.core.Tensor(points)).numpy()
     deep = DEEP * min(surface.diameter, host.diameter)
-    return float(np.mean(depth < -deep)) > MOST_DEEP
+    return int(np.count_nonzero(depth < -deep)) > most
 
 
 def _between(pose: Floats, other: Floats) -> Floats:

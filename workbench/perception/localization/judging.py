@@ -102,16 +102,23 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
     ]
 
 
-def taken_by_others(brought: Sequence[Sought], k: int) -> Bools:
-    """Which pixels of kind `k`'s maps standing parts of other kinds explain: (pixels,), no unit."""
-    maps = brought[k].maps
-    taken = np.zeros(maps.depth.size, np.bool_)
-    if not any(other.choice.chosen for j, other in enumerate(brought) if j != k):
+def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
+    """For each kind, which pixels of its maps standing parts of other kinds explain.
+
+    Returns:
+        For each kind (pixels,), no unit.
+    """
+    taken = [np.zeros(one.maps.depth.size, np.bool_) for one in brought]
+    if len(brought) == 1:
         return taken
-    for j, (other, standing) in enumerate(zip(brought, judged(brought), strict=True)):
-        if j != k:
-            for one in standing.choice.chosen:
-                taken[look(maps, other.surface, one.pose, other.tolerance).explained] = True
+    there = [one for one in brought if one.choice.chosen]
+    for other, standing in zip(there, judged(there), strict=True):
+        for one, pixels in zip(brought, taken, strict=True):
+            if one is not other:
+                for part in standing.choice.chosen:
+                    pixels[look(one.maps, other.surface, part.pose, other.tolerance).explained] = (
+                        True
+                    )
     return taken
 
 

@@ -4,20 +4,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
 
-import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.choice import reaches_into
+from workbench.perception.localization.competition import compete
 from workbench.perception.localization.hypotheses import EFFORTS
 from workbench.perception.localization.judging import Sought, taken_by_others
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
-    look_for,
     mapped,
+    proposals,
     together,
 )
 from workbench.perception.parts.part_surface import PartSurface
@@ -49,10 +49,13 @@ def all_kinds(
         brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
     found = [one for one in brought if isinstance(one, Sought)]
     for number in range(len(EFFORTS)):
-        for k, one in enumerate(found):
-            # At first each kind looks everywhere: what two of them take is one of them (`merged`).
-            taken = taken_by_others(found, k) if number else np.zeros(one.maps.depth.size, np.bool_)
-            look_for(one, number, taken, seed=seed, step=step)
+        # At first nothing is taken, and each kind looks everywhere.
+        taken = taken_by_others(found)
+        proposed = [
+            proposals(one, number, pixels, seed=seed, step=step)
+            for one, pixels in zip(found, taken, strict=True)
+        ]
+        compete(found, proposed, step)
     return merged(together(scan, brought))
 
 

@@ -12,7 +12,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
-from workbench.perception.localization.assessment import Assessment, assess
+from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.cad_scale import scale_check
 from workbench.perception.localization.certainty import covariance, probability_of
 from workbench.perception.localization.choice import (
@@ -21,7 +21,6 @@ from workbench.perception.localization.choice import (
     Hypothesis,
     Rejection,
     are_in_bin,
-    choose,
 )
 from workbench.perception.localization.hypotheses import (
     EFFORTS,
@@ -98,7 +97,7 @@ def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
 def mapped(
     scan: Scan, part: Part, cell: Cell, *, detail: float, scene: SceneModel
 ) -> Sought | PartSurface:
-    """The search for a part before anything is found; see `look_for`.
+    """The search for a part before anything is found; see `proposals`.
 
     Args:
         scan: organised or not.
@@ -108,7 +107,7 @@ def mapped(
         scene: what surrounds the parts, and how good the scan is.
 
     Returns:
-        What `look_for` adds to; of a scan with nothing in the bin, the part alone.
+        What `proposals` looks in; of a scan with nothing in the bin, the part alone.
 
     Raises:
         InputError: the part's mesh has no surface.
@@ -131,27 +130,25 @@ def mapped(
     return Sought(part, surface, maps, glance, tolerance, spread, are_possible, choice)
 
 
-def look_for(
+def proposals(
     one: Sought, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
-) -> None:
-    """Look for a part in what is left of the scan, the more thoroughly the higher the number.
+) -> list[Hypothesis]:
+    """Where a part may lie in what is left of the scan, looked at with an effort of that number.
 
     Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
     ICP, and verified by drawing the mesh: what the scan measures must lie where the pose predicts
-    it, and the scan must not look through the part.  The best are taken one after the other, each
-    after a close look at the poses that its near-symmetries could be mistaken for.
+    it, and the scan must not look through the part.
 
     Args:
-        one: what was taken before; what is taken now and what is not is added to its choice.
+        one: what was taken before; what is outside the bin is added to what was rejected.
         number: from 0, of the effort in `hypotheses.EFFORTS`.
         taken: (pixels,) no unit, those of its maps in which parts of other kinds are known to lie.
         seed: of the choice of points that vote.
         step: told what is being done; it may raise to give up.
-    """
 
-    def assess_next(pose: Floats) -> Assessment:
-        step("look closely")
-        return assess(one.maps, one.glance, one.surface, pose, one.tolerance)
+    Returns:
+        What `competition.compete` takes.
+    """
 
     def seen(pose: Floats) -> Hypothesis:
         return Hypothesis(pose, look(one.maps, one.surface, pose, one.tolerance))
@@ -159,7 +156,7 @@ def look_for(
     step("vote")
     free = _without(one.maps, (one.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
-        return
+        return []
     poses, outside = hypotheses(
         free,
         _coarser(free, one.surface),
@@ -169,11 +166,10 @@ def look_for(
         EFFORTS[number],
         seed=(seed, number),
     )
-    found = [seen(pose) for pose in poses]
-    choose(one.choice, one.surface, found, assess_next, one.spread, one.tolerance)
     one.choice.rejected += [
         Rejection(each.pose, each.sighting, Objection.OUTSIDE) for each in map(seen, outside)
     ]
+    return [seen(pose) for pose in poses]
 
 
 def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:

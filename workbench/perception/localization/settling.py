@@ -9,6 +9,7 @@ from workbench.perception.localization.registration import move, solved, transfo
 from workbench.perception.localization.sightings import (
     AGAINST,
     EXPLAINED,
+    HIDDEN,
     SQUARES,
     VIOLATED,
     Drawing,
@@ -22,7 +23,14 @@ from workbench.perception.localization.sightings import (
 from workbench.perception.parts.part_surface import PartSurface
 
 FITS = 3
-"""Gauss-Newton steps of the dense fit."""
+"""Gauss-Newton steps of the dense fit, at most."""
+
+AT_REST = 0.002
+"""The fit ends when a step turns and shifts the part by less, over the tolerance."""
+
+HOPELESS_SHOWN, HOPELESS_SEEN = 0.2, 0.5
+"""A pose that explains less than these shares, after the first fit, of what it shows and of what is
+seen in its place, is not searched further: it is far from what is asked of a part that is taken."""
 
 WEAK = 3
 """Directions that are searched at most: those that the fit holds least.  A ball's are its turns, of
@@ -114,14 +122,20 @@ def _settle(
     _fit(drawing, T, middle, radius)
     if searched == 0:
         return
+    says = counted(drawing, T)
+    shown = says[EXPLAINED] + says[VIOLATED] + says[HIDDEN]
+    seen = says[EXPLAINED] + says[VIOLATED]
+    if says[EXPLAINED] < max(HOPELESS_SHOWN * shown, HOPELESS_SEEN * seen):
+        return
+    value = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
     centre = transformed(T, middle)
     A, _ = pulled(drawing, T, centre, radius)
     values, directions = np.linalg.eigh(A)
-    value = -np.inf
+    is_moved = False
     for weak in range(searched):
         if NOISE / np.sqrt(max(values[weak], 1e-12)) < LOOSE:
             break
-        for step in np.append(0.0, steps) if weak == 0 else steps:
+        for step in steps:
             start = T.copy()
             for sign in (-1.0, 1.0):
                 tried = start.copy()
@@ -132,10 +146,10 @@ def _settle(
                 says = counted(drawing, tried)
                 found = says[EXPLAINED] - AGAINST * says[VIOLATED] - says[SQUARES]
                 if found > value:
-                    value = found
+                    value, is_moved = found, True
                     _copy(tried, T)
-                if step == 0.0:
-                    break
+    if not is_moved:
+        return
     # Counting pixels is coarse: what surfaces hold, they hold better, if the shape is right.
     tried = T.copy()
     _fit(drawing, tried, middle, radius)
@@ -157,7 +171,7 @@ def _copy(source: Floats, target: Floats) -> None:  # pragma: no cover (compiled
 def _fit(
     drawing: Drawing, T: Floats, middle: Floats, radius: float
 ) -> None:  # pragma: no cover (compiled)
-    """A few Gauss-Newton steps of the pose `T`, in place."""
+    """A few Gauss-Newton steps of the pose `T`, in place, until it hardly moves."""
     x = np.empty(6)
     for _ in range(FITS):
         centre = transformed(T, middle)
@@ -166,6 +180,8 @@ def _fit(
             break
         solved(A, b, x)
         move(T, centre, x, radius)
+        if np.abs(x).max() < AT_REST * drawing.tolerance:
+            break
 
 
 def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> bool:

@@ -259,8 +259,11 @@ def pulled(
             weight = (1.0 - (off / drawing.tolerance) ** 2) ** 2
             for k in range(6):
                 b[k] += weight * x[k] * off
-                for m in range(6):
+                for m in range(k + 1):
                     A[k, m] += weight * x[k] * x[m]
+    for k in range(6):
+        for m in range(k):
+            A[m, k] = A[k, m]
     return A, b
 
 

@@ -44,8 +44,9 @@ DRAWN_OFF = 0.002
 ROUND = 0.02
 """A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
 
-MOST_KEPT = 8
-"""Prepared parts remembered at a time."""
+MOST_KEPT = 100
+"""Prepared parts remembered at a time, some megabytes each: each search for the kinds of a larger
+library prepares them all again."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,82 @@
+"""Hypotheses of several kinds compete before anybody looks closely."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.formats.parts.reading import read_part
+from workbench.model.scan import Objection
+from workbench.perception.localization import competition
+from workbench.perception.localization.choice import Choice, Hypothesis
+from workbench.perception.localization.competition import compete
+from workbench.perception.localization.localize import mapped, proposals
+from workbench.perception.scene.scene_model import scene_model
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.synthesize import synthesize
+
+KINDS = tuple(read_part(name) for name in ("bolt", "keyed_cylinder"))
+BOLT, CYLINDER = KINDS
+
+
+@pytest.fixture(scope="module")
+def proposed(cell):
+    """Where bolts and cylinders may lie among four cylinders and a bolt."""
+    mixed = replace(cell, parts=KINDS)
+    truth = drop_parts((CYLINDER,) * 4 + (BOLT,), mixed.bin, seed=21)
+    scan = synthesize(mixed, truth, seed=21)
+    scene = scene_model(scan, mixed)
+    sought = [mapped(scan, part, mixed, detail=1.0, scene=scene) for part in KINDS]
+    nothing = [np.zeros(one.maps.depth.size, np.bool_) for one in sought]
+    return sought, [
+        proposals(one, 0, taken, seed=0, step=lambda _: None)
+        for one, taken in zip(sought, nothing, strict=True)
+    ]
+
+
+def afresh(sought):
+    return [replace(one, choice=Choice(np.full(one.maps.depth.size, -1), [], [])) for one in sought]
+
+
+def looked_at(monkeypatch) -> list[object]:
+    looks, assess = [], competition.assess
+
+    def counted(maps, glance, surface, *rest):
+        looks.append(surface)
+        return assess(maps, glance, surface, *rest)
+
+    monkeypatch.setattr(competition, "assess", counted)
+    return looks
+
+
+def test_what_a_larger_part_explains_as_well_needs_no_close_look(proposed, monkeypatch):
+    looks = looked_at(monkeypatch)
+    sought, found = proposed
+    alone, together = afresh(sought[:1]), afresh(sought)
+    compete(alone, found[:1], lambda _: None)
+    beside_none = len(looks)
+    looks.clear()
+    compete(together, found, lambda _: None)
+    bolts, cylinders = (one.choice for one in together)
+    assert len(cylinders.chosen) == 4 and len(bolts.chosen) == 1
+    assert sum(surface is together[0].surface for surface in looks) < beside_none / 2
+    assert Objection.OUTDONE in {one.reason for one in bolts.rejected}
+    assert not any(one.reason is Objection.OUTDONE for one in cylinders.rejected)
+
+
+def test_the_order_of_the_kinds_changes_nothing(proposed):
+    sought, found = proposed
+    one, other = afresh(sought), afresh(sought)[::-1]
+    compete(one, found, lambda _: None)
+    compete(other, found[::-1], lambda _: None)
+    for first, second in zip(one, other[::-1], strict=True):
+        pairs = zip(first.choice.chosen, second.choice.chosen, strict=True)
+        assert all(np.array_equal(a.pose, b.pose) for a, b in pairs)
+
+
+def test_hypotheses_of_a_single_kind_are_all_its_own(proposed):
+    sought, found = proposed
+    (one,) = afresh(sought[1:])
+    compete([one], found[1:], lambda _: None)
+    poses = len(one.choice.chosen) + len(one.choice.rejected)
+    assert poses == len(found[1]) and isinstance(found[1][0], Hypothesis)
