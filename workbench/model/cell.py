@@ -19,7 +19,7 @@ from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
 ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
-LiftName = Literal["leaning", "up", "back", "off-wall", "around"]
+LiftName = Literal["leaning", "up", "back", "off-wall", "around", "any"]
 LIFT_NAMES: tuple[LiftName, ...] = get_args(LiftName)
 
 _LEANING: tuple[LiftName, ...] = ("leaning",)

@@ -209,7 +209,7 @@ def with_policy(folder: Path, lines: str) -> Path:
 @pytest.mark.parametrize(
     ("line", "problem"),
     [
-        ('lifts = ["sideways"]', "is none of leaning, up, back, off-wall, around"),
+        ('lifts = ["sideways"]', "is none of leaning, up, back, off-wall, around, any"),
         ("lifts = []", "each once"),
         ('lifts = ["up", "up"]', "each once"),
         ("least_air_mm = -1", "least_air_mm"),

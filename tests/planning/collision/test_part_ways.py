@@ -7,9 +7,10 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.collision.part_ways import FIRST, kept_on_ways
+from workbench.planning.collision.pairing import SLACK
+from workbench.planning.collision.part_ways import FIRST, MOST_OFF, kept_on_ways
 from workbench.planning.collision.world import World
 
 UP = np.array([0.0, 0.0, 0.1])
@@ -115,3 +116,39 @@ def test_what_is_not_near_does_not_count_and_no_way_gains_more_than_it_is_long(c
     assert ways.gain(0, -UP) == FIRST
     assert ways.gain(0, 0.001 * UP / 0.1) == pytest.approx(0.001)
     assert ways.gain(0, 0.0 * UP) == 0.0
+
+
+def test_ways_off_lead_a_part_out_from_under_what_reaches_over_it(cell):
+    """Judged by the distances of the parts themselves, each mm of the way."""
+    # Another one reaches across it from one side: it only comes out to the other one.
+    one = lying(cell, 0.0)
+    half = float(np.abs(cell.parts[0].mesh.points[:, 2]).max())
+    T = cell.bin.T_world_bin * pose_from_rpy((0.0, half + 0.008, 0.06), (np.pi / 2, 0, 0))
+    both = (one, Detection(one.part, T))
+    ways = World(cell, both).part_ways
+    off = ways.ways_off(0)
+    assert ways.blocked(0, [UP])[0] is not None and 0 < len(off) <= MOST_OFF
+    for way in off:
+        assert np.linalg.norm(way) == pytest.approx(cell.policy.lift_length)
+        assert way[2] >= 0.5 * cell.policy.lift_length - 1e-9
+        gaps = []
+        for far in np.arange(0.0, cell.policy.lift_length, 0.001):
+            moved = one.T_world_part.copy()
+            moved.translation = one.T_world_part.translation + far * way / np.linalg.norm(way)
+            gaps.append(World(cell, (Detection(one.part, moved), both[1])).part_ways.gap(0, 1))
+        free = int(np.ceil(cell.policy.release / 0.001))
+        assert min(gaps[: free + 1]) >= min(gaps[0], cell.policy.near_margin) - SLACK
+        assert min(gaps[free:]) >= kept_on_ways(cell)
+    again = World(cell, both).part_ways.ways_off(0)
+    assert all(np.array_equal(a, b) for a, b in zip(off, again, strict=True))
+
+
+def test_a_part_that_lies_free_comes_off_straight_up_first(cell):
+    off = World(cell, (lying(cell, 0.0),)).part_ways.ways_off(0)
+    assert off[0] == pytest.approx([0.0, 0.0, cell.policy.lift_length])
+
+
+def test_a_part_under_a_roof_has_no_way_off(cell):
+    T = cell.bin.T_world_bin * pose_from_rpy((0.0, 0.0, 0.06))
+    roof = Obstacle(T, np.array([0.3, 0.4, 0.01]))
+    assert World(cell, (lying(cell, 0.0),), (roof,)).part_ways.ways_off(0) == ()

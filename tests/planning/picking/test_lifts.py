@@ -12,6 +12,7 @@ from workbench.model.cell import LIFT_NAMES, Cell, LiftName
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.pairing import SLACK
 from workbench.planning.collision.world import World
 from workbench.planning.picking import resolve
 from workbench.planning.picking.lifts import AUTHORED, lifts
@@ -229,3 +230,30 @@ def test_a_part_that_stands_against_something_is_taken_by_a_lift_that_leads_away
 
     assert rubbing("up", "around") == {False}
     assert rubbing("up", "back") == {True}
+
+
+def test_a_part_that_is_caught_is_taken_by_any_way_on_which_it_comes_off_and_proven(cell):
+    """A bar reaches over one end of it: nothing that leans to the usual sides leads past that."""
+    one = lying(cell, 0.0, 0.0)
+    T = cell.bin.T_world_bin * pose_from_rpy((0.035, 0.009, 0.045))
+    bar = Obstacle(T, np.array([0.03, 0.006, 0.01]))
+    usual, more = (
+        by(cell, lifts=names, least_air=0.0015) for names in (LIFT_NAMES[:-1], LIFT_NAMES)
+    )
+    before, now = (plan_pick(each, (one,), "test", obstacles=(bar,)) for each in (usual, more))
+    assert before.plan is None
+    assert now.plan is not None and now.proof is not None and now.proof.holds
+    assert any("lift any" in c.verdict.note for c in now.candidates if c.verdict.is_ok)
+
+
+def test_ways_on_which_a_part_is_pushed_into_something_come_last(cell):
+    every, one = by(cell, lifts=LIFT_NAMES), lying(cell, 0.0, 0.0)
+    beside = cell.bin.T_world_bin * pose_from_rpy((0.0, 0.0245, 0.019))
+    wall = Obstacle(beside, np.array([0.2, 0.01, 0.038]))
+    world = World(every, (one,), (wall,))
+    gain = world.part_ways.gain
+    candidate = judge(every, (one,))[0]
+    found = [gain(0, way) for _, way in lifts(world, candidate, candidate.T_world_tcp)]
+    pushed = [far < -SLACK for far in found]
+    assert True in pushed and pushed == sorted(pushed)
+    assert min(found) < -SLACK < max(found)

@@ -12,6 +12,9 @@ from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.bodies import Body, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
 
+SLACK = 0.0005
+"""[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
+
 MOST_PAIRINGS = 16
 """Kept for cells and numbers of parts that come again."""
 

@@ -6,7 +6,7 @@ grasp has to be tried.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations, product
 
 import coal
@@ -14,10 +14,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, Shape
+from workbench.model.geometry import Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
 from workbench.planning.collision.bodies import coal_shape, extent, part_label
 from workbench.planning.collision.hands import NOTHING
+from workbench.planning.collision.pairing import SLACK
 from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings
 
@@ -32,6 +33,13 @@ FIRST = 0.003
 """[m] So much of a way tells whether it leads away from what the part lies against.
 
 The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
+
+LEANS, SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
+"""[rad] How far ways off lean, and to how many sides.  The least leads 1.4 mm away from a wall
+within the first 10 mm, from which on `near_margin` is kept to it."""
+
+MOST_OFF = 12
+"""Ways off that are told of a part, those that lead away most."""
 
 COMES_OFF = 0.001
 """[m] Steps in which a part comes off what it lies on, where its turns are looked at."""
@@ -84,6 +92,7 @@ class PartWays:
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
         self._against: dict[int, list[Against]] = {}
         self._gained: dict[tuple[int, bytes], float] = {}
+        self._off: dict[int, tuple[Floats, ...]] = {}
 
     def blocked(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
         """For each way (3,) [m] in the world: what a part meets on it and after how much [m].
@@ -137,6 +146,28 @@ class PartWays:
             gains = [_apart(a, b, step) - begins for a, b, begins in self._against[number]]
             self._gained[key] = min([first, *gains])
         return self._gained[key]
+
+    def ways_off(self, number: int) -> tuple[Floats, ...]:
+        """The ways (3,) [m] in the world on which a part comes off and then meets nothing.
+
+        They are looked for all over the half sphere above it, up to 60 degrees from upright, each
+        as long as the policy's lift.
+        Those come first that lead away most in their first mm, and of these the steepest.  It is
+        the part alone that is looked at, so all its grasps have them in common.
+
+        Args:
+            number: of the detection.
+        """
+        if number not in self._off:
+            R, length = self._cell.bin.T_world_bin.rotation, self._cell.policy.lift_length
+            ways: list[Floats] = list(length * _half_sphere() @ R.T) if length > 0 else []
+            met = self.blocked(number, ways)
+            free = [way for way, what in zip(ways, met, strict=True) if what is None]
+            # Gains that are equal but for rounding keep the order of the leans.
+            gains = {k: round(self.gain(number, way), 4) for k, way in enumerate(free)}
+            best = sorted((k for k in gains if gains[k] >= -SLACK), key=lambda k: -gains[k])
+            self._off[number] = tuple(free[k] for k in best[:MOST_OFF])
+        return self._off[number]
 
     def _lying_against(self, number: int) -> list[Against]:
         """Pieces of a part, what each is near to, and how near [m] they are."""
@@ -282,6 +313,14 @@ class PartWays:
                 old, new = heap[second], heap[first]
                 heap = [new if number == old else number for number in heap]
         return heap
+
+
+@lru_cache(maxsize=1)
+def _half_sphere() -> Floats:
+    """Unit vectors (k, 3) upwards, the steepest first."""
+    lean, turn = np.meshgrid(LEANS, np.arange(SIDES) * 2 * np.pi / SIDES, indexing="ij")
+    leaning = np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.cos(lean)
+    return frozen(np.vstack([(0.0, 0.0, 1.0), np.stack(leaning, axis=-1).reshape(-1, 3)]))
 
 
 def _is_near(p: Floats, reach: float, body: tuple[Shape, pin.SE3]) -> bool:

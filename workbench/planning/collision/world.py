@@ -16,7 +16,7 @@ from workbench.planning.collision import bodies
 from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.pairing import Phase, pairing_of
+from workbench.planning.collision.pairing import SLACK, Phase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
@@ -27,9 +27,6 @@ from workbench.planning.kinematics.robot import Kinematics
 
 LOOSENESS = 0.03
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
-
-SLACK = 0.0005
-"""[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
 
 AT_REST = "at rest"
 """Where `World` has placed a part that no hand holds."""

@@ -1,13 +1,15 @@
 """Ways in which a part is taken out of the bin, by name, in the order of the policy.
 
 Where there are several, those that lead away from what the part lies against come before those on
-which it only rubs along that, and may drag it.
+which it only rubs along that, and may drag it.  Last come those on which it is pushed into that:
+the arm may not go there, so they must not keep it from trying others.
 
 `leaning`: up, leaning to the middle of the bin, as the thesis does.  `up`: straight up.  `back`:
 out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest;
 straight up where there is none.
 `around`: up, leaning to each of twelve sides by half and by all of the policy's angle, for parts
-that others hold down.
+that others hold down.  `any`: of ways all over the half sphere above those on which the part itself
+comes off, for parts that are caught in others.
 """
 
 from collections.abc import Iterator
@@ -21,6 +23,7 @@ from workbench.model.cell import LiftName
 from workbench.model.geometry import Floats
 from workbench.model.part import Bin
 from workbench.planning.collision.bodies import part_label
+from workbench.planning.collision.pairing import SLACK
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
@@ -60,8 +63,13 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
     ways = [(named[k][0], policy.lift_length * named[k][1]) for k in kept]
     if len(ways) > 1:
         gain, number = world.part_ways.gain, candidate.detection
-        ways.sort(key=lambda way: gain(number, way[1]) < RUBS)
+        ways.sort(key=lambda way: _how_bad(gain(number, way[1])))
     yield from ways
+
+
+def _how_bad(gain: float) -> int:
+    """Whether a way with a gain [m] leads away (0), rubs along something (1), or into it (2)."""
+    return (gain < RUBS) + (gain < -SLACK)
 
 
 def _unlike(directions: Floats) -> list[int]:
@@ -155,6 +163,9 @@ def _directions(
             for lean, angle in product((policy.lift_lean, policy.lift_lean / 2), angles):
                 side = R @ np.array([np.cos(angle), np.sin(angle), 0.0])
                 yield _leaning(up, side, lean)
+        case "any":
+            for way in world.part_ways.ways_off(candidate.detection):
+                yield way / policy.lift_length
 
 
 def lift_direction(world: World, T_world_tcp: pin.SE3) -> Floats:
