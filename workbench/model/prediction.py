@@ -1,7 +1,9 @@
 """What studies say beforehand: of a threshold, and of bins that are emptied in simulation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+from workbench.model.digest import LATER
 
 Seen = Literal["truth", "scan"]
 """Whether plans are made with the true poses or with those found in a simulated scan."""
@@ -121,7 +123,7 @@ class EmptiedPile:
     more: int | None = None
     rolled: int = 0
     outcomes: tuple[str, ...] = ()
-    beside: tuple[tuple[float, float], ...] = ()
+    beside: tuple[tuple[float, float], ...] = field(default_factory=tuple, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,3 +46,14 @@ def test_modules_in_rapid_stand_where_the_simulated_controller_stands():
         talk = Talk(there.port)
         assert talk.say("hello abb-socket/2") == ("hello", "abb-socket/2 R7 L7")
         talk.link.close()
+
+
+def test_cycles_that_go_on_beside_each_other_lose_nothing(say, tmp_path):
+    said = say(
+        *("bench", "soak", "--ahead", "--cycles", 4, "--piles", 4, "--seed", 1, "--speed", 20),
+        *("--sessions", tmp_path, "--json"),
+    )
+    form = json.loads(said.out)
+    assert said.code == 0, form["lost"]
+    assert "lost" not in form["ends"] and form["ends"]["done"] >= 2
+    assert form["problems"] == [] and form["stood_ms"] > 0

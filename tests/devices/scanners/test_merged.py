@@ -206,6 +206,14 @@ def test_a_view_whose_pose_nobody_has_measured_is_not_taken(folders):
         scanner_of(folders(more=old)).scan(ScanRequest(), silent, never)
 
 
+def test_it_does_not_see_while_arms_move(tmp_path):
+    text = WHOLE.format(views="a.toml").replace('"merged"', '"merged"\nwhile_moving = true')
+    with pytest.raises(
+        FileError, match=r"scanner.while_moving: a merged scanner sees from several"
+    ):
+        read_cell(cell_with(tmp_path, text))
+
+
 def test_only_its_views_are_calibrated(folders, tmp_path):
     text = WHOLE.format(views="a.toml b.toml")
     folders()

@@ -66,6 +66,7 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         unit="mm",
         patience=5.0,
         calibration=record,
+        while_moving=True,
     )
     policy = replace(
         cell.policy,

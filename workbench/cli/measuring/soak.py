@@ -1,6 +1,7 @@
 """`workbench bench soak`: very many cycles of the demo in a row; none may be lost, nothing grow."""
 
 import contextlib
+import json
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -10,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.core.commands import AcknowledgeFault
+from workbench.app.core.commands import AcknowledgeFault, LinkEnded, SendPlan, TakeScan
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.records.sessions import new_session
@@ -120,6 +121,7 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
     settled = samples[int(len(samples) * SETTLED) :]
     with contextlib.closing(Journal(folder)) as journal:
         entries, problems = journal.count, journal.verify()
+        stood = _stood(journal)
     seconds = sorted(sample.seconds for sample in samples)
     return {
         "cycles": len(samples),
@@ -127,6 +129,7 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
         "lost": lost,
         "median_ms": milliseconds(median(seconds)),
         "p95_ms": milliseconds(seconds[int(0.95 * (len(seconds) - 1))]),
+        "stood_ms": milliseconds(median(stood)) if stood else None,
         "memory_mb": {
             name: {
                 "first": _megabytes(settled[0], name),
@@ -142,6 +145,20 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
         "session_mb": _size(folder),
         "problems": list(problems),
     }
+
+
+def _stood(journal: Journal) -> list[float]:
+    """How long the robot stood before each plan that went out straight after another one [s]."""
+    ended, scans, found = 0.0, 0, list[float]()
+    for row in journal.entries():
+        if row.kind == TakeScan.__name__:
+            scans += 1
+        elif row.kind == LinkEnded.__name__:
+            ended, scans = json.loads(row.body)["at"], 0
+        elif row.kind == SendPlan.__name__ and ended and scans <= 1:
+            # With more scans between, there was a pile without a plan.
+            found.append(json.loads(row.body)["at"] - ended)
+    return found
 
 
 def _megabytes(sample: Sample, name: str) -> float:
@@ -187,6 +204,8 @@ def _print(form: dict[str, Any]) -> None:
     for line in form["lost"]:
         print(f"lost: {line}")
     print(f"a cycle: median {form['median_ms']:,} ms, 95 % within {form['p95_ms']:,} ms")
+    if form["stood_ms"] is not None:
+        print(f"the robot stood between two plans: median {form['stood_ms']:,} ms")
     print_table(
         "Resident memory, MB",
         ("of", f"after {SETTLED:.0%} of the cycles", "at the end", "most", "growth, 1,000 cycles"),

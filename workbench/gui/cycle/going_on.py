@@ -5,7 +5,8 @@ from collections.abc import Callable
 import viser
 
 from workbench.app.core.commands import FindParts, GoOn, MakePlan, TakeScan
-from workbench.app.core.state import Phase
+from workbench.app.core.rights import JOBS
+from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
@@ -59,8 +60,21 @@ class GoOnButton:
         is_asked = state.job is not None or state.ahead is not None
         is_there = (is_sending or state.phase is Phase.DONE) and not is_asked
         is_there = is_there and not new.is_recorded
+        if state.ahead is not None:
+            self._line.content = line(_said(state, state.ahead), kind="hint", span=2)
+            self._line.visible, self._button.visible = not new.is_recorded, False
+            return
         beside = line(BESIDE, kind="hint", span=2) if is_sending else ""
         self._line.content = line(SAYS, kind="hint", span=2) + beside
         self._line.visible = self._button.visible = is_there
         if is_there:
             visitor.allow(self._button, visitor.refusal(state, GoOn(), new.at))
+
+
+def _said(state: State, ahead: Ahead) -> str:
+    """How far the next cycle is while this one moves."""
+    if state.job is not None:
+        return f"Beside the motion runs {JOBS[state.job.name]}."
+    if ahead.brought:
+        return "The next cycle is prepared; it counts once the plan has ended well."
+    return BESIDE
