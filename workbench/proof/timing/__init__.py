@@ -1,4 +1,4 @@
-"""Speeds and accelerations along whole legs: whether a motion can be as a plan says.
+"""Speeds, accelerations and jerk along whole legs: whether a motion can be as a plan says.
 
 Imports `model` alone.
 """
