@@ -7,9 +7,9 @@ import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.scan import Objection
-from workbench.perception.localization import competition
+from workbench.perception.localization import kinds
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.competition import compete
+from workbench.perception.localization.kinds import compete
 from workbench.perception.localization.localize import mapped, proposals
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import drop_parts
@@ -39,13 +39,13 @@ def afresh(sought):
 
 
 def looked_at(monkeypatch) -> list[object]:
-    looks, assess = [], competition.assess
+    looks, assess = [], kinds.assess
 
     def counted(maps, glance, surface, *rest):
         looks.append(surface)
         return assess(maps, glance, surface, *rest)
 
-    monkeypatch.setattr(competition, "assess", counted)
+    monkeypatch.setattr(kinds, "assess", counted)
     return looks
 
 

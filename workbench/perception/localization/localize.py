@@ -147,7 +147,7 @@ def proposals(
         step: told what is being done; it may raise to give up.
 
     Returns:
-        What `competition.compete` takes.
+        What `kinds.compete` takes.
     """
 
     def seen(pose: Floats) -> Hypothesis:
