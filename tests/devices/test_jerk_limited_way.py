@@ -1,11 +1,13 @@
 """A leg with limits of jerk as it is streamed: what SciPy makes of its references is the judge."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
 from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
-from workbench.devices.streamed_way import Ride
+from workbench.devices.streamed_way import Ride, Way, timed_way
 from workbench.model.plan import Leg
 from workbench.planning.kinematics.execution import timed
 
@@ -107,3 +109,17 @@ def test_times_that_are_longer_are_ridden_slower_and_shorter_ones_are_not_believ
     for share, taken in ((2.0, 2.0), (0.5, 1.0)):
         way = way_of(Leg("reach", "joint", False, 0.0, leg.q, leg.t * share), 0.2)
         assert way.seconds == pytest.approx(taken * leg.seconds)
+
+
+def test_a_leg_is_streamed_within_the_limits_of_its_cell(cell, plan):
+    """Where an arm has no limit of jerk, as it was before there were any."""
+    arm, period = replace(cell.arms[0], jerk=cell.arms[0].acceleration * 20.0), 0.004
+    velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
+    leg = plan.arm(arm.name).legs[0]
+    limits = velocity, arm.acceleration, arm.jerk
+    t = timed(np.asarray(leg.q), velocity, arm.acceleration, cell.policy.zone, arm.jerk)
+    way = timed_way(cell, arm, replace(leg, t=t))
+    assert way.seconds == pytest.approx(t[-1], rel=1e-9)
+    for found, most in zip(judged(ridden(Ride(way, 1.0, period)), period), limits, strict=True):
+        assert (found <= most * (1 + 1e-4)).all()
+    assert isinstance(timed_way(cell, cell.arms[0], leg), Way)
