@@ -141,6 +141,7 @@ def of_session(
         since: [s since the epoch] when its scanner was calibrated.
     """
     layout, before = _layout(cell), None
+    parts = {part.name for part in cell.parts}
     kept: dict[bytes, Floats] = {}
     seen: set[bytes] = set()
     last = -np.inf
@@ -154,7 +155,7 @@ def of_session(
         stands = [
             (one, T, _key(one.T_world_found))
             for one, T in zip(state.placed, at_rest(state.cell, state.placed), strict=True)
-            if one.score > 0 and one.T_world_found is not None
+            if one.score > 0 and one.T_world_found is not None and one.part in parts
         ]
         fresh = [one for one in stands if one[2] in kept and one[2] not in seen]
         if not fresh and entry.at - last < APART:
