@@ -2,11 +2,14 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 from workbench.cli.main import main
+from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
+from workbench.model.calibration import CalibrationRecord
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 
@@ -34,3 +37,27 @@ def test_a_first_scan_is_written_into_the_cell(tmp_path, capsys):
     written = read_cell(path)
     assert abs(read_scan(cloud, written.scanner).points - scan.points).max() < 1e-9
     assert main(typed) == 0
+
+
+def test_sessions_are_looked_through_for_drift(tmp_path, capsys):
+    shutil.copytree(Path("robots/yumi"), tmp_path / "yumi")
+    path = tmp_path / "yumi" / "cell.toml"
+    typed = ["scanner", "drift", str(path), "sessions/example"]
+    assert main(typed) == 2
+    assert "was never calibrated" in capsys.readouterr().err
+    cell = read_cell(path)
+    record = CalibrationRecord(1.0, "Ada", 8, 2e-4)
+    save_cell(path, replace(cell, scanner=replace(cell.scanner, calibration=record)))
+    assert main([*typed, "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["sessions"], said["scans"], said["left_out"]) == (1, 1, [])
+    assert [one["thing"] for one in said["things"]] == ["bin", "table"]
+    assert main(typed) == 0
+    said = capsys.readouterr().out
+    assert "Where table has the scanner" in said
+    assert "- there are scans of 1 days, 4 are needed to compare them" in said
+    before = path.read_bytes()
+    assert main([*typed, "--save"]) == 2
+    assert main([*typed, "--save", "--by", "Ada"]) == 2
+    assert "nothing recorded says that the scanner hangs elsewhere" in capsys.readouterr().err
+    assert path.read_bytes() == before

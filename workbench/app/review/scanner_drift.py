@@ -74,7 +74,7 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> Recorde
                 began_with = cell_of(journal)
                 if began_with.name != cell.name:
                     continue
-                found = list(_of_session(replay(journal, began_with), cell, record.at))
+                found = list(of_session(replay(journal, began_with), cell, record.at))
         except JournalError as error:
             problems.append(f"{folder.name}: {error}")
             continue
@@ -130,11 +130,18 @@ def _largest(covariance: Floats) -> float:
     return float(np.sqrt(max(np.linalg.eigvalsh(covariance)[-1], 0.0)))
 
 
-def _of_session(
+def of_session(
     states: Iterator[tuple[Entry, State]], cell: Cell, since: float
 ) -> Iterator[list[Sighting]]:
-    """What each scan that counts shows."""
+    """What each scan that counts shows.
+
+    Args:
+        states: of a session, as `replay` gives them.
+        cell: as it is now.
+        since: [s since the epoch] when its scanner was calibrated.
+    """
     layout, before = _layout(cell), None
+    parts = {part.name for part in cell.parts}
     kept: dict[bytes, Floats] = {}
     seen: set[bytes] = set()
     last = -np.inf
@@ -148,7 +155,7 @@ def _of_session(
         stands = [
             (one, T, _key(one.T_world_found))
             for one, T in zip(state.placed, at_rest(state.cell, state.placed), strict=True)
-            if one.score > 0 and one.T_world_found is not None
+            if one.score > 0 and one.T_world_found is not None and one.part in parts
         ]
         fresh = [one for one in stands if one[2] in kept and one[2] not in seen]
         if not fresh and entry.at - last < APART:
