@@ -15,7 +15,7 @@ STAND_INS := apache2-bin aravis-tools
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
 	web test_new_part.py test_new_robot.py test_site.py test_skips.py app/core/test_any_sequence.py \
-	app/emptying app/evidence app/picking/test_calibration.py app/picking/test_first_scan.py \
+	app/emptying app/evidence app/calibration/test_calibration.py app/calibration/test_first_scan.py \
 	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
 	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
 	app/runtime/test_readiness.py devices/abb_egm devices/abb_socket/test_abb_program_link.py \

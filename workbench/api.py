@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pinocchio as pin
 
+from workbench.app.calibration import calibration as calibrations
+from workbench.app.calibration import held_plate
+from workbench.app.calibration.calibration import with_calibration
 from workbench.app.core import rules
 from workbench.app.core.commands import Entry
 from workbench.app.core.state import State
-from workbench.app.picking import calibration as calibrations
-from workbench.app.picking import held_plate
-from workbench.app.picking.calibration import with_calibration
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.records import kept_cases, session_archive

@@ -9,7 +9,7 @@ import time
 import numpy as np
 from drifting import PRIOR, weeks, yumi
 
-from workbench.app.picking.calibration import bin_corners
+from workbench.app.calibration.calibration import bin_corners
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.drift import PARTS
 from workbench.perception.calibration.refinement import drift_of

@@ -25,6 +25,7 @@ SHOWN = ("gui", "web/page", "app/core")
 
 SENTENCES = (
     "app/emptying",
+    "app/calibration",
     "app/picking",
     "app/provenance/inventory.py",
     "app/records/kept_cases.py",

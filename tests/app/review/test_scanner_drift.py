@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 from line import Line
 
+from workbench.app.calibration.drift_words import drift_words
 from workbench.app.core.commands import (
     Approve,
     Entry,
@@ -20,7 +21,6 @@ from workbench.app.core.commands import (
     WatchPlan,
 )
 from workbench.app.core.people import ROBOT_LINK, WORKER
-from workbench.app.picking.drift_words import drift_words
 from workbench.app.picking.facts import with_facts
 from workbench.app.picking.pallets import at_rest
 from workbench.app.picking.pipeline import plan_pick

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.picking.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.model.calibration import BallPlate
 from workbench.model.errors import InputError
 from workbench.model.scan import Scan

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from workbench.app.calibration.held_plate import simulated_sight
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.glance import Glance, changed, glance_at
-from workbench.app.picking.held_plate import simulated_sight
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row

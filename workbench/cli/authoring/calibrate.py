@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.picking.calibration import (
+from workbench.app.calibration.calibration import (
     calibrated,
     corner_errors,
     moved_by,
     with_calibration,
 )
-from workbench.app.picking.held_plate import simulated_sight, suggested_poses
-from workbench.app.picking.next_pose import next_poses
+from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.next_pose import next_poses
+from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS

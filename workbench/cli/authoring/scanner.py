@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.first_scan import FirstScan, first_scan
+from workbench.app.calibration.first_scan import FirstScan, first_scan
 from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json

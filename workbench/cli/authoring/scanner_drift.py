@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.picking.drift_words import at_corners, drift_words
+from workbench.app.calibration.drift_words import at_corners, drift_words
 from workbench.app.review.scanner_drift import RecordedDrift, recorded_drift, refined_cell
 from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import SUCCESS

@@ -70,7 +70,7 @@ class DriftGroup:
 
     def _brought(self, bench: Bench) -> tuple[str, Callable[[float, str], Cell]] | None:
         # Open3D takes a second to load: the page does not wait for it.
-        from workbench.app.picking.drift_words import drift_words
+        from workbench.app.calibration.drift_words import drift_words
         from workbench.app.review.scanner_drift import recorded_drift, refined_cell
 
         cell = bench.state.cell

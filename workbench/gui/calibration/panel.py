@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import viser
 
+from workbench.app.calibration.calibration import calibrated, with_calibration
 from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseObservations
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
-from workbench.app.picking.calibration import calibrated, with_calibration
 from workbench.gui.calibration.drift import DriftGroup
 from workbench.gui.help.groups import group
 from workbench.gui.shared.calibrating import solved
@@ -220,8 +220,8 @@ class CalibrationPanel:
     def _worked_out(self, arm: Arm, found: Calibration | str) -> list[tuple[Floats, str]]:
         """Poses to suggest and the way to each; the best first where there is an answer."""
         # Open3D takes a second to load: the page does not wait for it.
-        from workbench.app.picking import held_plate
-        from workbench.app.picking.next_pose import next_poses
+        from workbench.app.calibration import held_plate
+        from workbench.app.calibration.next_pose import next_poses
 
         cell = self._visitor.cell
         if isinstance(found, str):

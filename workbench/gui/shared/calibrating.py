@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
+from workbench.app.calibration.calibration import calibrated
 from workbench.app.core.state import State
-from workbench.app.picking.calibration import calibrated
 from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
 from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.errors import InputError

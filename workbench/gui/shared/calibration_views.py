@@ -6,8 +6,8 @@ from html import escape
 
 import numpy as np
 
+from workbench.app.calibration.calibration import corner_errors, moved_by
 from workbench.app.core.state import State
-from workbench.app.picking.calibration import corner_errors, moved_by
 from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked

@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
-from workbench.app.core.people import WORKER
-from workbench.app.core.value_checks import MOST_OBSERVATIONS
-from workbench.app.picking.calibration import (
+from workbench.app.calibration.calibration import (
     bin_corners,
     calibrated,
     corner_errors,
     moved_by,
     with_calibration,
 )
-from workbench.app.picking.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
+from workbench.app.core.people import WORKER
+from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.review.recompute import recomputed
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live

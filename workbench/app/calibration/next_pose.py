@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.calibration import bin_corners, flange_pose, poses_of
-from workbench.app.picking.held_plate import suggested_poses
+from workbench.app.calibration.calibration import bin_corners, flange_pose, poses_of
+from workbench.app.calibration.held_plate import suggested_poses
 from workbench.model.calibration import Calibration, NextPose, PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats

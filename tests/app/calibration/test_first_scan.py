@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.picking.first_scan import first_scan
+from workbench.app.calibration.first_scan import first_scan
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import CLOUD_AXES, read_scan, write_cloud
 from workbench.model.calibration import CalibrationRecord

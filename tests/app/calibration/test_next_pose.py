@@ -6,9 +6,9 @@ import pytest
 from held_plates import CENTRES, CORNERS, X, Y, scene
 from shipped import shipped
 
-from workbench.app.picking.calibration import calibrated
-from workbench.app.picking.held_plate import simulated_sight, suggested_poses
-from workbench.app.picking.next_pose import SIDES, next_poses, steps_to
+from workbench.app.calibration.calibration import calibrated
+from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
+from workbench.app.calibration.next_pose import SIDES, next_poses, steps_to
 from workbench.model.calibration import BallPlate
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.balls import sight_plate

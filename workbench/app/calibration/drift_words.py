@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.app.picking.calibration import bin_corners
+from workbench.app.calibration.calibration import bin_corners
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.perception.calibration.drift import FEWEST, PARTS
