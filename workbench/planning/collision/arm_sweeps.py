@@ -14,7 +14,7 @@ import numpy as np
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import RESOLUTION, halved
-from workbench.planning.collision.sweeping.sweep import IS_CLEAR
+from workbench.planning.collision.sweeping.look import IS_CLEAR
 from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
 

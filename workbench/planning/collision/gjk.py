@@ -28,6 +28,7 @@ from workbench.model.geometry import (
     Shape,
     Sphere,
 )
+from workbench.planning.collision.bounds import Drift, nearing
 
 TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
 
@@ -125,8 +126,29 @@ def side(
     Returns:
         `TOUCHES`, `UNCLEAR` (between the limits) or `CLEAR`.
     """
-    swell = cores.swell[a] + cores.swell[b]
-    low, high = low + swell, high + swell
+    more = high - low
+    still = Drift(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, more, more)
+    return side_within(a, b, R, c, c, cores, low, still, W)
+
+
+@njit(cache=True)
+def side_within(
+    a: int,
+    b: int,
+    R: Floats,
+    c: Floats,
+    half: Floats,
+    cores: Cores,
+    low: float,
+    drift: Drift,
+    W: Floats,
+) -> int:
+    """As `side`, its upper limit being what two bodies need that move against each other.
+
+    That is `low` and by how much they can come nearer along the direction in which they are apart;
+    `half` (b, 3) [m] are half the sizes of all bodies' boxes.
+    """
+    low += cores.swell[a] + cores.swell[b]
     x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
     if x * x + y * y + z * z < 1e-18:
         x = 1.0
@@ -138,7 +160,8 @@ def side(
         norm = np.sqrt(x * x + y * y + z * z)
         plane = (x * W[4, 0] + y * W[4, 1] + z * W[4, 2]) / norm
         below = max(below, plane)
-        if below >= high:
+        come = nearing(drift, a, b, x / norm, y / norm, z / norm, R, half)
+        if plane >= low + come:
             return CLEAR
         # Nothing further in this direction: the point found before is the nearest.
         if n > 0 and (norm - below <= CLOSE_ENOUGH or _is_known(W, n)):
@@ -154,7 +177,7 @@ def side(
             return TOUCHES
         if above < low:
             return TOUCHES
-        if below >= low and above < high:
+        if below >= low and above < low + come:
             return UNCLEAR
     return TOUCHES if below < low else UNCLEAR
 

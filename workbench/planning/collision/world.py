@@ -20,7 +20,8 @@ from workbench.planning.collision.pairing import Phase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
-from workbench.planning.collision.sweeping.sweep import Model, swept
+from workbench.planning.collision.sweeping.look import Model
+from workbench.planning.collision.sweeping.sweep import swept
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.robot import Kinematics

@@ -34,18 +34,21 @@ def test_the_distance_of_a_ball_is_that_of_coal(shape):
     shapes = [Sphere(0.05), shape]
     cores = cores_of(shapes, np.zeros((2, 3)))
     half = np.array([extent(one)[1] for one in shapes])
-    apart = 0
+    apart, normal = 0, np.zeros(3)
     for _ in range(500):
         R = np.array([pin.exp3(rng.uniform(-2, 2, 3)) for _ in shapes])
         c = rng.uniform(-0.15, 0.15, (2, 3))
         request, result = coal.DistanceRequest(), coal.DistanceResult()
         first, second = (coal.Transform3s(R[k], c[k]) for k in (0, 1))
         coal.distance(coal_shape(shapes[0]), first, coal_shape(shape), second, request, result)
-        gap = ball_gap(0, 1, R, c, half, cores)
+        sizes = cores.form, cores.swell, cores.radius, cores.length
+        gap = ball_gap(0, 1, R, c, half, *sizes, normal)
         assert (gap <= 1e-6) == (result.min_distance <= 1e-6)
         if gap > 0:
             apart += 1
             assert gap == pytest.approx(result.min_distance, abs=1e-5)
+            if result.min_distance > 1e-3:
+                assert np.abs(np.cross(normal, result.normal)).max() < 1e-2
     assert 50 < apart < 450, "one of the two was hardly looked at"
 
 

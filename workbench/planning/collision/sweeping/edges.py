@@ -14,8 +14,9 @@ from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes
 from workbench.planning.collision.gjk import Cores
 from workbench.planning.collision.sweeping.groups import Groups, groups_of
+from workbench.planning.collision.sweeping.look import IS_CLEAR, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
-from workbench.planning.collision.sweeping.sweep import IS_CLEAR, Model, curve_swept
+from workbench.planning.collision.sweeping.sweep import curve_swept
 from workbench.planning.kinematics.robot import Tree
 
 BLOCKED, CLEAR, ASK = 0, 1, -1

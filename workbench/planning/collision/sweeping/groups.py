@@ -9,8 +9,6 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.bounds import Boxes, ball_to_box
-from workbench.planning.collision.sweeping.scratch import Scratch
 
 
 class Groups(NamedTuple):
@@ -82,17 +80,3 @@ def move_to_front(pair: int, groups: Groups) -> None:
     for before in range(at, 0, -1):
         groups.order[before] = groups.order[before - 1]
     groups.order[0] = g
-
-
-@njit(cache=True)
-def hubs_apart(a: int, b: int, boxes: Boxes, scratch: Scratch) -> float:
-    """How far [m] the hubs of two bodies are apart at least; of what stands, its own box."""
-    u, v = boxes.joint[a], boxes.joint[b]
-    at, radius = scratch.hub_c, scratch.hub[:, 3]
-    if u == 0:
-        u, v, b = v, u, a
-    x, y, z = at[u, 0], at[u, 1], at[u, 2]
-    if v == 0:
-        return ball_to_box(x, y, z, float(radius[u]), b, scratch.R, scratch.c, boxes.half)
-    x, y, z = x - at[v, 0], y - at[v, 1], z - at[v, 2]
-    return float(np.sqrt(x * x + y * y + z * z) - radius[u] - radius[v])

@@ -4,49 +4,15 @@ The same halving as in `motion`, with distances by `gjk` instead of Coal.  The p
 does not use it: what the planner found is measured again with another library.
 """
 
-from typing import NamedTuple
-
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.bounds import Boxes, lower_bound
-from workbench.planning.collision.gjk import CLEAR, TOUCHES, UNCLEAR, Cores, side
-from workbench.planning.collision.sweeping.balls import ball_gap, has_formula
-from workbench.planning.collision.sweeping.groups import (
-    Groups,
-    groups_of,
-    hubs_apart,
-    move_to_front,
-)
-from workbench.planning.collision.sweeping.scratch import (
-    Scratch,
-    place_body,
-    place_joints,
-    scratch_for,
-    walk_body,
-)
-from workbench.planning.kinematics.robot import Tree
-
-LOOSENESS = 0.005
-"""[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
+from workbench.planning.collision.sweeping.groups import Groups, groups_of, move_to_front
+from workbench.planning.collision.sweeping.look import IS_CLEAR, TOO_LONG, Model, look_at
+from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 
 NARROW = 0.03
 """[rad] Curves one after the other, as corners are made of, are looked at together up to here."""
-
-IS_CLEAR, TOO_LONG = -1, -2
-
-
-class Model(NamedTuple):
-    """Kinematics, boxes and cores of all bodies, and the pairs of them.
-
-    `first` and `second` (k,) are indices of bodies: the two of each pair.
-    """
-
-    tree: Tree
-    boxes: Boxes
-    first: Ints
-    second: Ints
-    cores: Cores
 
 
 @njit(cache=True)
@@ -144,7 +110,8 @@ def _is_box_clear(
                 low = min(low, points[curve, k, i])
                 high = max(high, points[curve, k, i])
         scratch.q[columns[i]] = (low + high) / 2
-        scratch.d[columns[i]] = (high - low) / 2
+        scratch.d[columns[i]] = scratch.bent[columns[i]] = (high - low) / 2
+        scratch.ahead[columns[i]] = 0.0
     for k in range(count):
         scratch.open_pairs[k] = -1 - groups.order[k]
     found, kept, _ = look_at(0, count, count, margins, commons, model, groups, scratch, False)
@@ -195,6 +162,8 @@ def curve_swept(
             scratch.middle[i] = m
             scratch.q[columns[i]] = m
             scratch.d[columns[i]] = max(abs(a - m), abs(e - m))
+            scratch.ahead[columns[i]] = (e - a) / 2.0
+            scratch.bent[columns[i]] = abs(a - 2.0 * b + e) / 4.0
         found, kept, furthest = look_at(
             int(begins[at]), int(sizes[at]), used, margins, commons, model, groups, scratch, names
         )
@@ -222,106 +191,3 @@ def _halve(pending: Floats, at: int, last: int) -> None:
         pending[last, 0, i], pending[last, 1, i], pending[last, 2, i] = a, (a + b) / 2, m
         pending[last + 1, 0, i], pending[last + 1, 1, i] = m, (b + e) / 2
         pending[last + 1, 2, i] = e
-
-
-@njit(cache=True)
-def look_at(
-    begin: int,
-    asked: int,
-    used: int,
-    margins: Floats,
-    commons: Ints,
-    model: Model,
-    groups: Groups,
-    scratch: Scratch,
-    names: bool,
-) -> tuple[int, int, float]:
-    """Look at pairs at the state `scratch.q` for a motion of up to `scratch.d` around it.
-
-    Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
-    bring closer than its margin is written behind the first `used`.  A group among them stands as
-    its number below zero, counted from -1 down.  `margins` (p,) [m] and `commons` (p,) are those of
-    all pairs.
-
-    Returns:
-        A pair that touches, `IS_CLEAR` or `TOO_LONG`; how many open pairs are in use; the largest
-        motion bound of those that were kept [m].
-    """
-    tree, boxes, cores, open_pairs = model.tree, model.boxes, model.cores, scratch.open_pairs
-    joint, radius, half = boxes.joint, boxes.radius, boxes.half
-    R, c, hubs, travel, done = scratch.R, scratch.c, scratch.hubs, scratch.travel, scratch.done
-    place_joints(tree, scratch)
-    # Number of this look: what stands in `done` for a body or more is where it is now.
-    scratch.look[0] += 1
-    look = scratch.look[0]
-    touching, kept, furthest = IS_CLEAR, used, 0.0
-    for at in range(begin, begin + asked):
-        entry = open_pairs[at]
-        first, last = 0, 1
-        if entry < 0:
-            first, last = groups.begins[-1 - entry], groups.begins[-entry]
-            if last - first > 1:
-                k = groups.pairs[first]
-                a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
-                move = hubs[joint[a], common] + hubs[joint[b], common]
-                margin = groups.margins[-1 - entry]
-                apart = hubs_apart(a, b, boxes, scratch)
-                if apart >= margin + move:
-                    continue
-                # Nothing touches, and looking closer helps less than going less far.
-                if apart >= margin and move > scratch.hub[joint[a], 3] + scratch.hub[joint[b], 3]:
-                    if kept >= len(open_pairs):
-                        return TOO_LONG, kept, furthest
-                    open_pairs[kept] = entry
-                    kept += 1
-                    furthest = max(furthest, move)
-                    continue
-        for number in range(first, last):
-            k = groups.pairs[number] if entry < 0 else entry
-            a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
-            if done[a, 0] < look:
-                place_body(a, boxes, cores, scratch, look)
-            if done[b, 0] < look:
-                place_body(b, boxes, cores, scratch, look)
-            # By far the most pairs end here: balls around both, and what their links may move.
-            margin, move = margins[k], hubs[joint[a], common] + hubs[joint[b], common]
-            x, y, w = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
-            far, reach = x * x + y * y + w * w, radius[a] + radius[b] + margin + move
-            if reach > 0 and far > reach * reach:
-                continue
-            if done[a, 1] < look:
-                walk_body(a, tree, boxes, scratch, look)
-            if done[b, 1] < look:
-                walk_body(b, tree, boxes, scratch, look)
-            move = travel[a, common] + travel[b, common]
-            reach = radius[a] + radius[b] + margin + move
-            if reach > 0 and far > reach * reach:
-                continue
-            if has_formula(a, b, cores):
-                apart = ball_gap(a, b, R, c, half, cores)
-                answer = UNCLEAR
-                if apart < margin:
-                    answer = TOUCHES
-                elif apart >= margin + move:
-                    answer = CLEAR
-            else:
-                lower = lower_bound(a, b, R, c, half, radius, margin + move)
-                if lower >= margin + move:
-                    continue
-                # Clear now, and too far to go to be cleared by measuring: not worth it.
-                answer = UNCLEAR
-                if not margin <= lower < margin + move / 2 - LOOSENESS:
-                    answer = side(a, b, R, c, cores, float(margin), float(margin + move), scratch.W)
-            if answer == CLEAR:
-                continue
-            if answer == TOUCHES:
-                if not names:
-                    return int(k), kept, furthest
-                touching = int(k) if touching < 0 else min(touching, int(k))
-                continue
-            if kept >= len(open_pairs):
-                return TOO_LONG, kept, furthest
-            open_pairs[kept] = k
-            kept += 1
-            furthest = max(furthest, move)
-    return touching, kept, furthest

@@ -8,7 +8,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import Edges
-from workbench.planning.collision.sweeping.sweep import IS_CLEAR, TOO_LONG, look_at
+from workbench.planning.collision.sweeping.look import IS_CLEAR, TOO_LONG, look_at
 
 
 @njit(cache=True)
@@ -99,6 +99,7 @@ def _put(way: Floats, begin: float, end: float, first: int, edges: Edges) -> tup
         The number of the curve there, and how far any joint may be from there [rad] at most.
     """
     q, d, columns = edges.scratch.q, edges.scratch.d, edges.columns
+    ahead, bent = edges.scratch.ahead, edges.scratch.bent
     middle = _middle(begin, end)
     curve = min(int(middle), len(way) - 1)
     t, most = middle - curve, 0.0
@@ -114,6 +115,8 @@ def _put(way: Floats, begin: float, end: float, first: int, edges: Edges) -> tup
             for s, u in ((low, low), (low, high), (high, high)):
                 span = max(span, abs(_at(way, curve, i, s, u) - m))
         q[columns[first + i]], d[columns[first + i]] = m, span
+        # The two go on at any speeds: how they move against each other is not known.
+        ahead[columns[first + i]], bent[columns[first + i]] = 0.0, span
         most = max(most, span)
     return curve, most
 
