@@ -1,4 +1,4 @@
-"""The work behind the commands: a plan and its proof, rows, stations, a part from a CAD file, facts.
+"""The work behind the commands: a plan and its proof, rows, stations, a part from a CAD file.
 
 Imports `calibration` and `core`.
 """

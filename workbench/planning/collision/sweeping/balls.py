@@ -13,11 +13,7 @@ from workbench.planning.collision.gjk import BALL, BOX, OTHER
 
 @njit(cache=True)
 def has_formula(a: int, b: int, form: Ints) -> bool:
-<<<<<<< HEAD
-    """Whether `ball_gap` knows the distance of bodies a and b."""
-=======
     """Whether `ball_gap` knows the distance of bodies a and b; `form` (b,) has no unit."""
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
     one, other = form[a], form[b]
     return (one == BALL and other != OTHER) or (other == BALL and one != OTHER)
 

@@ -84,18 +84,6 @@ def look_at(
             first, last = groups.begins[-1 - entry], groups.begins[-entry]
             if last - first > 1:
                 k = groups.pairs[first]
-<<<<<<< HEAD
-                a, b, common = model.first[k], model.second[k], commons[k]
-                i, j, margin = joint[a], joint[b], groups.margins[-1 - entry]
-                apart = _hubs_apart(a, b, i, j, hub, hub_c, R, c, half, normal)
-                move = hub_most[i, common] + hub_most[j, common]
-                if apart >= margin + move:
-                    continue
-                if apart >= 0.0:
-                    beside = hub_rest[i, common] + hub_rest[j, common]
-                    drift = drift_of(i, j, i, j, common, True, True, beside, move, hub_c, twist)
-                    x, y, z = normal[0], normal[1], normal[2]
-=======
                 a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
                 i, j, margin = int(joint[a]), int(joint[b]), float(groups.margins[-1 - entry])
                 apart = _hubs_apart(a, b, i, j, hub, hub_c, R, c, half, normal)
@@ -106,7 +94,6 @@ def look_at(
                     beside = float(hub_rest[i, common] + hub_rest[j, common])
                     drift = drift_of(i, j, i, j, common, True, True, beside, move, hub_c, twist)
                     x, y, z = float(normal[0]), float(normal[1]), float(normal[2])
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
                     move = nearing(drift, a, b, x, y, z, R, half)
                     if apart >= margin + move:
                         continue
@@ -116,41 +103,24 @@ def look_at(
                         return TOO_LONG, kept, furthest
                     open_pairs[kept] = entry
                     kept += 1
-<<<<<<< HEAD
-                    furthest = max(furthest, most[i, common] + most[j, common])
-=======
                     furthest = max(furthest, float(most[i, common] + most[j, common]))
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
                     if apart >= margin:
                         continue
         for number in range(first, last):
             k = groups.pairs[number] if entry < 0 else entry
-<<<<<<< HEAD
-            a, b, common = model.first[k], model.second[k], commons[k]
-            i, j, margin = joint[a], joint[b], margins[k]
-=======
             a, b, common = int(model.first[k]), int(model.second[k]), int(commons[k])
             i, j, margin = int(joint[a]), int(joint[b]), float(margins[k])
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
             for g, on in ((a, i), (b, j)):
                 if placed[g] < look:
                     place_body(g, on, form[g] == BALL, R_g, c_g, R_j, p_j, R, c)
                     placed[g] = look
             # By far the most pairs end here: balls around both, and what their links may move.
-<<<<<<< HEAD
-            move = 0.0 if is_wide else most[i, common] + most[j, common]
-=======
             move = 0.0 if is_wide else float(most[i, common] + most[j, common])
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
             x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
             far, reach = x * x + y * y + z * z, radius[a] + radius[b] + margin + move
             if reach > 0 and far > reach * reach:
                 continue
-<<<<<<< HEAD
-            answer, beside = UNCLEAR, min(move, rest[i, common] + rest[j, common])
-=======
             answer, beside = UNCLEAR, min(move, float(rest[i, common] + rest[j, common]))
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
             if has_formula(a, b, form):
                 apart = ball_gap(a, b, R, c, half, form, swell, flat, length, normal)
                 if apart < margin:
@@ -158,11 +128,7 @@ def look_at(
                 elif apart >= margin + beside and not is_wide:
                     turns = form[a] == BALL, form[b] == BALL
                     drift = drift_of(a, b, i, j, common, *turns, beside, move, c, twist)
-<<<<<<< HEAD
-                    x, y, z = normal[0], normal[1], normal[2]
-=======
                     x, y, z = float(normal[0]), float(normal[1]), float(normal[2])
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
                     if apart >= margin + nearing(drift, a, b, x, y, z, R, half):
                         answer = CLEAR
             else:
@@ -176,13 +142,8 @@ def look_at(
                     answer = side_within(a, b, R, c, half, cores, margin, drift, W)
             if answer == TOUCHES:
                 if not names:
-<<<<<<< HEAD
-                    return k, kept, furthest
-                touching = k if touching < 0 else min(touching, k)
-=======
                     return int(k), kept, furthest
                 touching = int(k) if touching < 0 else min(touching, int(k))
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
             elif answer == UNCLEAR and not is_wide:
                 if kept >= len(open_pairs):
                     return TOO_LONG, kept, furthest
@@ -239,12 +200,8 @@ def drift_of(
     """How what is around `c[a]` on joint i moves against what is around `c[b]` on joint j.
 
     Seen from the link of the joint `common`, which carries both.  However a ball turns, it is where
-<<<<<<< HEAD
-    it is.
-=======
     it is.  `rest` and `most` [m] are those of the `Drift`, `c` (b, 3) [m] are centres and `twist`
     (j, 6) [m, rad] is that of `Scratch`.
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
     """
     s, t, u = twist[common, 3], twist[common, 4], twist[common, 5]
     p, q, r = twist[i, 3] - s, twist[i, 4] - t, twist[i, 5] - u

@@ -99,12 +99,7 @@ def _put(way: Floats, begin: float, end: float, first: int, edges: Edges) -> tup
         The number of the curve there, and how far any joint may be from there [rad] at most.
     """
     q, d, columns = edges.scratch.q, edges.scratch.d, edges.columns
-<<<<<<< HEAD
-    # The two go on at any speeds: how they move against each other is not known.
-    bent = edges.scratch.bent
-=======
     ahead, bent = edges.scratch.ahead, edges.scratch.bent
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
     middle = _middle(begin, end)
     curve = min(int(middle), len(way) - 1)
     t, most = middle - curve, 0.0
@@ -120,12 +115,8 @@ def _put(way: Floats, begin: float, end: float, first: int, edges: Edges) -> tup
             for s, u in ((low, low), (low, high), (high, high)):
                 span = max(span, abs(_at(way, curve, i, s, u) - m))
         q[columns[first + i]], d[columns[first + i]] = m, span
-<<<<<<< HEAD
-        bent[columns[first + i]] = span
-=======
         # The two go on at any speeds: how they move against each other is not known.
         ahead[columns[first + i]], bent[columns[first + i]] = 0.0, span
->>>>>>> 95048e5fdce8183724d0a795295c5b60ed43d320
         most = max(most, span)
     return curve, most
 
