@@ -2,14 +2,15 @@
 
 from dataclasses import replace
 
-from workbench.app.core.commands import CellRead, EditPart
+from workbench.app.core.commands import CellRead, EditPart, JobEnded
 from workbench.app.core.effects import KeepDrafts, UseCell
 from workbench.app.core.part_rules import edited_part
 from workbench.app.core.release import without_approval
 from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, stale_by
 from workbench.formats.cells.differences import difference
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import digest_of
+from workbench.model.part import Part
 from workbench.model.part_edits import differ_in_grasps_only, with_part
 
 Changed = tuple[State, tuple[UseCell | KeepDrafts, ...]]
@@ -29,6 +30,32 @@ def edited_cell(state: State, edit: EditPart) -> Changed:
     part = edited_part(state.cell.part(edit.part), edit)
     cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
     return changed_cell(state, cell, edit.says or f"the grasps of {part.name} are changed")
+
+
+def with_made(state: State, ended: JobEnded, made: Part | Tool) -> Changed:
+    """The state with a part or a tool that a task has made, as long as it was still wanted."""
+    job = state.job
+    wanted = "import" if isinstance(made, Part) else "tool"
+    if job is None or job.number != ended.number or job.name != wanted:
+        return state, ()
+    state = replace(state, job=None)
+    if isinstance(made, Part):
+        cell = replace(state.cell, parts=(*state.cell.parts, made))
+        size = made.facts["mm"]
+        says = f"the part {made.name} is in the cell, {size} mm; it has no grasps yet"
+    else:
+        cell = carrying(state.cell, job.arm, made)
+        says = f"the {job.arm} arm carries the tool {made.name}; look at its TCP"
+    return changed_cell(state, cell, says)
+
+
+def carrying(cell: Cell, arm: str, tool: Tool) -> Cell:
+    """The cell with one more tool for an arm, which carries it now."""
+
+    def changed(one: Arm) -> Arm:
+        return replace(one, tool=tool, tools=(*(one.tools or (one.tool,)), tool))
+
+    return replace(cell, arms=tuple(changed(one) if one.name == arm else one for one in cell.arms))
 
 
 def undone(state: State) -> Changed:

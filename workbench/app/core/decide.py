@@ -11,7 +11,14 @@ from dataclasses import replace
 from typing import Any, assert_never
 
 from workbench.app.core import commands
-from workbench.app.core.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
+from workbench.app.core.cell_changes import (
+    cell_read,
+    changed_cell,
+    edited_cell,
+    redone,
+    undone,
+    with_made,
+)
 from workbench.app.core.control import with_control
 from workbench.app.core.effects import (
     Effect,
@@ -61,6 +68,7 @@ from workbench.app.core.state import (
     stale_by,
 )
 from workbench.model.calibration import PlateObservation
+from workbench.model.cell import Tool
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
@@ -135,6 +143,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
             return _begin(state, entry, "import", {"command": command}, says)
+        case commands.AddTool(arm=arm, drawn=drawn):
+            says = f"making the tool {drawn.name} of {drawn.body.file}"
+            return _begin(state, entry, "tool", {"arm": arm, "drawn": drawn}, says, arm=arm)
         case commands.TryEmptying(piles=piles, count=count) as command:
             says = f"emptying {counted(piles, 'pile')} of {counted(count, 'part')} in simulation"
             return _begin(state, entry, "emptying", {"command": command}, says)
@@ -163,8 +174,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return cell_read(state, entry.command)
         case commands.PosesRefused(problem=problem):
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
-        case commands.JobEnded(result=Part() as part) as ended:
-            return _part_made(state, ended, part)
+        case commands.JobEnded(result=Part() | Tool() as made) as ended:
+            return with_made(state, ended, made)
         case commands.JobEnded() as ended:
             return _gone_on(state, _job_ended(state, ended, entry.at), entry)
         case commands.Sent(receipt=receipt):
@@ -372,17 +383,6 @@ def _job_ended(state: State, ended: commands.JobEnded, at: float) -> State:
         case _:
             wrong = type(result).__name__
             return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
-
-
-def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
-    """The cell picks a new part too, as long as it was still wanted."""
-    job = state.job
-    if job is None or job.number != ended.number or job.name != "import":
-        return state, ()
-    cell = replace(state.cell, parts=(*state.cell.parts, part))
-    size = part.facts["mm"]
-    message = f"the part {part.name} is in the cell, {size} mm; it has no grasps yet"
-    return changed_cell(replace(state, job=None), cell, message)
 
 
 def _with_scan(state: State, scan: Scan, at: float) -> State:

@@ -1,11 +1,11 @@
-"""What may be edited about a part: what its files can hold, and nobody has changed meanwhile."""
+"""What may be made and edited: what files can hold, and nobody has changed meanwhile."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import get_args
 
-from workbench.app.core.commands import EditPart, ImportPart, TryEmptying
+from workbench.app.core.commands import AddTool, EditPart, ImportPart, TryEmptying
 from workbench.app.core.value_checks import (
     MOST_PARTS,
     MOST_PILES,
@@ -15,6 +15,7 @@ from workbench.app.core.value_checks import (
     check_number,
     check_text,
 )
+from workbench.formats.cells.drawn_tools import check_drawn
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
@@ -32,6 +33,9 @@ DENSITIES = (10.0, 25_000.0)
 
 MOST_KINDS = 20
 """Parts of one cell: each is searched for in every scan."""
+
+MOST_TOOLS = 20
+"""That one arm can carry."""
 
 MOST_GRASPS = 10_000
 """Of one part, with patterns and symmetry written out."""
@@ -108,6 +112,25 @@ def check_import(cell: Cell, command: ImportPart) -> None:
         )
     check_among("unit", command.unit, ("", *UNITS))
     check_number("density", command.density, *DENSITIES, "kg/m3")
+
+
+def check_tool(cell: Cell, command: AddTool) -> None:
+    """A tool can be meant so, and the arm that shall carry it has room for it.
+
+    Raises:
+        CommandRefused: it cannot, or has none.
+    """
+    name = command.drawn.name
+    check_among("arm", command.arm, tuple(arm.name for arm in cell.arms))
+    try:
+        check_drawn(command.drawn)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    known = {tool.name for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+    if name in known:
+        raise CommandRefused(f"the cell has a tool {name} already; choose another name")
+    if len(cell.arm(command.arm).tools) >= MOST_TOOLS:
+        raise CommandRefused(f"an arm has up to {MOST_TOOLS} tools")
 
 
 def edited_part(part: Part, edit: EditPart) -> Part:

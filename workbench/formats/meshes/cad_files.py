@@ -4,6 +4,7 @@ The readers behind it are large, some of them C++, and a broken or hostile file 
 hang, or take all the memory: then that process ends, and nothing else.
 """
 
+import contextlib
 import ctypes
 import json
 import os
@@ -12,8 +13,9 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Generator
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -31,6 +33,9 @@ WITH_UNIT = (".glb", *STEP)
 
 LARGEST_CAD = LARGEST_MESH
 """[bytes] Of one file."""
+
+LONGEST_NAME = 60
+"""Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
 LONGEST = 120.0
 """[s] That reading may take."""
@@ -93,6 +98,26 @@ def read_cad(path: Path, unit: str | None = None) -> CadMesh:
     return CadMesh(mesh, "" if kind in WITH_UNIT else unit or "m", is_assumed)
 
 
+@contextlib.contextmanager
+def uploaded(name: str, content: bytes) -> Generator[Path]:
+    """A file that somebody has sent, as one in a folder of its own until the block ends.
+
+    A path in its name leads nowhere.  What is wrong with the file is told without that folder.
+
+    Raises:
+        FileError: it is raised in the block, and names the file as it was sent.
+    """
+    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
+        file = Path(folder) / PurePosixPath(name).name[-LONGEST_NAME:]
+        file.write_bytes(content)
+        try:
+            yield file
+        except FileError as error:
+            if error.path != str(file):
+                raise
+            raise FileError(file.name, error.problem) from None
+
+
 def _likely_unit(path: Path, size: float) -> str:
     """The only unit in which the largest side `size` is that of a part."""
     sizes = {unit: size * scale for unit, scale in UNITS.items()}
@@ -100,7 +125,7 @@ def _likely_unit(path: Path, size: float) -> str:
     if len(likely) == 1:
         return likely[0]
     told = ", ".join(f"{length * 1000:.4g} mm in {unit}" for unit, length in sizes.items())
-    raise FileError(path, f"does not say its unit; it would be {told} large: say which with --unit")
+    raise FileError(path, f"does not say its unit; it would be {told} large: say which (--unit)")
 
 
 def _read_apart(path: Path) -> Mesh:

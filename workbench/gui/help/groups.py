@@ -75,6 +75,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "taught as home or as a place.",
         CELL,
     ),
+    "A tool from CAD": (
+        "A file of the tool's body, and fingers or a cup in a few numbers, become a tool that the "
+        "arm carries at once. What the file holds is told before you take it. Then its TCP is "
+        "chosen above, to be moved by the gizmo or by numbers; Undo takes the tool away.",
+        CELL,
+    ),
     "Cell file": (
         "Changes of the cell count at once, and are in its file when they are saved. Comments "
         "in the file stay. The remark is kept beside it, with the time and your name.",
