@@ -7,7 +7,9 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from hands import drag, field, first_look, pause, settle
+from drawn import PALM, stl
+from hands import drag, field, first_look, pause, settle, typed, unfold
+from playwright.sync_api import expect
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -158,4 +160,32 @@ def test_two_clicks_measure_a_distance(screen, bench):
     said = screen.page.get_by_text(" mm: x ").inner_text()
     distance = float(said.split(" mm")[0])
     assert abs(distance - 80.0) < 2.0, said
+    assert screen.errors == []
+
+
+def test_a_tool_from_cad_is_told_before_it_is_taken_and_carried(screen, bench, wait, tmp_path):
+    before = bench.state.cell.digest
+    file = tmp_path / "palm.stl"
+    file.write_bytes(stl(PALM).tobytes())
+    screen.tab("Cell")
+    unfold(screen, "A tool from CAD")
+    with screen.page.expect_file_chooser() as chosen:
+        screen.press("Choose the body")
+    chosen.value.set_files(file)
+    screen.wait_for("80 x 50 x 71.3 mm, taken to be in mm; z from 0 to 71.3 mm; closed")
+    assert field(screen, "Begins at [mm]").input_value() == "71.3"
+    assert bench.state.cell.digest == before, "told, and not taken"
+    typed(screen, "Stroke [mm]", 40)
+    screen.shoot("cell-tool-chosen")
+    screen.press("Add the tool")
+    wait(lambda: bench.state.before != (), "the tool")
+    arm = bench.state.cell.arms[0]
+    assert arm.tool.name == "palm" and arm.tool.stroke == (0.0, 0.04)
+    expect(field(screen, "Thing")).to_have_value("TCP palm")
+    expect(field(screen, f"Tool, {arm.name}")).to_have_value("palm")
+    screen.press("Show gizmo")
+    settle(screen.page, 500)
+    screen.shoot("cell-tool-carried")
+    screen.press("Undo")
+    wait(lambda: bench.state.cell.digest == before, "undo")
     assert screen.errors == []

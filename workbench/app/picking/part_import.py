@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.app.core.commands import ImportPart
-from workbench.formats.meshes.cad_files import uploaded
+from workbench.formats.files.whole_files import uploaded
 from workbench.formats.meshes.repair import joined_corners
 from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.new_part import (

@@ -4,7 +4,6 @@ The readers behind it are large, some of them C++, and a broken or hostile file 
 hang, or take all the memory: then that process ends, and nothing else.
 """
 
-import contextlib
 import ctypes
 import json
 import os
@@ -13,9 +12,8 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 
@@ -33,9 +31,6 @@ WITH_UNIT = (".glb", *STEP)
 
 LARGEST_CAD = LARGEST_MESH
 """[bytes] Of one file."""
-
-LONGEST_NAME = 60
-"""Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
 LONGEST = 120.0
 """[s] That reading may take."""
@@ -96,26 +91,6 @@ def read_cad(path: Path, unit: str | None = None) -> CadMesh:
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
         raise FileError(path, f"would be {size * 1000:.4g} mm large: is it another unit?")
     return CadMesh(mesh, "" if kind in WITH_UNIT else unit or "m", is_assumed)
-
-
-@contextlib.contextmanager
-def uploaded(name: str, content: bytes) -> Generator[Path]:
-    """A file that somebody has sent, as one in a folder of its own until the block ends.
-
-    A path in its name leads nowhere.  What is wrong with the file is told without that folder.
-
-    Raises:
-        FileError: it is raised in the block, and names the file as it was sent.
-    """
-    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-        file = Path(folder) / PurePosixPath(name).name[-LONGEST_NAME:]
-        file.write_bytes(content)
-        try:
-            yield file
-        except FileError as error:
-            if error.path != str(file):
-                raise
-            raise FileError(file.name, error.problem) from None
 
 
 def _likely_unit(path: Path, size: float) -> str:

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.formats.meshes.cad_files import read_cad, uploaded
+from workbench.formats.files.whole_files import uploaded
+from workbench.formats.meshes.cad_files import read_cad
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
 from workbench.model.geometry import Floats
 

@@ -8,7 +8,7 @@ import viser
 
 SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
 GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
-EMPTYING = "empty-a-full-bin-in-simulation"
+BACKUP, EMPTYING = "backup", "empty-a-full-bin-in-simulation"
 
 HELP: Mapping[str, tuple[str, str]] = {
     "1 · Scan": (
@@ -183,6 +183,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "Bring the robot to a pose in which the scanner sees the plate, and scan it. Eight "
         "poses are good, four are the least. They should differ much, in place and in turn.",
         CALIBRATION,
+    ),
+    "Restore a backup": (
+        "A backup that was taken here, or with the command, is read as a whole, and what it would "
+        "change is listed before anything is. Restoring keeps what is there now as a backup "
+        "first. What has changed of the cell is read again at once; sessions that are there stay.",
+        BACKUP,
     ),
     "3 · Look and apply": (
         "From all poses follows where the scanner hangs; green lights are within 1 mm and 0.3 "
