@@ -189,3 +189,39 @@ def test_a_tool_from_cad_is_told_before_it_is_taken_and_carried(screen, bench, w
     screen.press("Undo")
     wait(lambda: bench.state.cell.digest == before, "undo")
     assert screen.errors == []
+
+
+class TestRegion:
+    """A region of interest in the bin, in a window of its own."""
+
+    @pytest.fixture
+    def cell_file(self, cell_file):
+        text = cell_file.read_text()
+        region = (
+            '[[bin.region]]\nname = "middle"\nposition_mm = [0, 0, 40]\nsize_mm = [80, 60, 60]\n'
+        )
+        at = text.index("\n[scanner]")
+        cell_file.write_text(f"{text[:at]}\n{region}{text[at:]}")
+        return cell_file
+
+    def test_it_is_dragged_by_its_gizmo_along_with_nothing_else(self, screen, bench, wait):
+        cell = bench.state.cell
+        screen.tab("Cell")
+        field(screen, "Thing").click()
+        screen.page.get_by_role("option", name="region middle").click()
+        screen.press("Show gizmo")
+        settle(screen.page, 1000)
+        camera = first_look(screen.page, cell)
+        p = (cell.bin.T_world_bin * cell.bin.regions[0].T_bin_region).translation
+        tip = p + [0, 0, 0.9 * GIZMO]
+        drag(screen.page, camera.pixel(tip), camera.pixel(tip + [0, 0, 0.03]))
+        wait(lambda: bench.state.before != (), "the region moved")
+        screen.shoot("cell-region")
+        moved = bench.state.cell.bin
+        T = moved.regions[0].T_bin_region
+        off = T.translation - cell.bin.regions[0].T_bin_region.translation
+        assert 0.015 < off[2] < 0.045 and np.abs(off[:2]).max() < 1e-4, off
+        assert moved.T_world_bin.isApprox(cell.bin.T_world_bin)
+        screen.press("Undo")
+        wait(lambda: bench.state.cell.digest == cell.digest, "undo")
+        assert screen.errors == []
