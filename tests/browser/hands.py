@@ -68,6 +68,12 @@ def drag(page, start, end):
     page.mouse.up()
 
 
+def unfold(screen, title: str) -> None:
+    """Open a group of controls."""
+    screen.page.get_by_text(title, exact=True).click()
+    pause(screen.page, 400)
+
+
 def field(screen, label: str):
     """The input beside a label; viser does not tie texts and sliders to theirs."""
     row = screen.page.locator(

@@ -7,7 +7,9 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from hands import drag, field, first_look, pause, settle
+from drawn import PALM, stl
+from hands import drag, field, first_look, pause, settle, typed, unfold
+from playwright.sync_api import expect
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -159,3 +161,67 @@ def test_two_clicks_measure_a_distance(screen, bench):
     distance = float(said.split(" mm")[0])
     assert abs(distance - 80.0) < 2.0, said
     assert screen.errors == []
+
+
+def test_a_tool_from_cad_is_told_before_it_is_taken_and_carried(screen, bench, wait, tmp_path):
+    before = bench.state.cell.digest
+    file = tmp_path / "palm.stl"
+    file.write_bytes(stl(PALM).tobytes())
+    screen.tab("Cell")
+    unfold(screen, "A tool from CAD")
+    with screen.page.expect_file_chooser() as chosen:
+        screen.press("Choose the body")
+    chosen.value.set_files(file)
+    screen.wait_for("80 x 50 x 71.3 mm, taken to be in mm; z from 0 to 71.3 mm; closed")
+    assert field(screen, "Begins at [mm]").input_value() == "71.3"
+    assert bench.state.cell.digest == before, "told, and not taken"
+    typed(screen, "Stroke [mm]", 40)
+    screen.shoot("cell-tool-chosen")
+    screen.press("Add the tool")
+    wait(lambda: bench.state.before != (), "the tool")
+    arm = bench.state.cell.arms[0]
+    assert arm.tool.name == "palm" and arm.tool.stroke == (0.0, 0.04)
+    expect(field(screen, "Thing")).to_have_value("TCP palm")
+    expect(field(screen, f"Tool, {arm.name}")).to_have_value("palm")
+    screen.press("Show gizmo")
+    settle(screen.page, 500)
+    screen.shoot("cell-tool-carried")
+    screen.press("Undo")
+    wait(lambda: bench.state.cell.digest == before, "undo")
+    assert screen.errors == []
+
+
+class TestRegion:
+    """A region of interest in the bin, in a window of its own."""
+
+    @pytest.fixture
+    def cell_file(self, cell_file):
+        text = cell_file.read_text()
+        region = (
+            '[[bin.region]]\nname = "middle"\nposition_mm = [0, 0, 40]\nsize_mm = [80, 60, 60]\n'
+        )
+        at = text.index("\n[scanner]")
+        cell_file.write_text(f"{text[:at]}\n{region}{text[at:]}")
+        return cell_file
+
+    def test_it_is_dragged_by_its_gizmo_along_with_nothing_else(self, screen, bench, wait):
+        cell = bench.state.cell
+        screen.tab("Cell")
+        field(screen, "Thing").click()
+        screen.page.get_by_role("option", name="region middle").click()
+        screen.press("Show gizmo")
+        settle(screen.page, 1000)
+        camera = first_look(screen.page, cell)
+        p = (cell.bin.T_world_bin * cell.bin.regions[0].T_bin_region).translation
+        tip = p + [0, 0, 0.9 * GIZMO]
+        drag(screen.page, camera.pixel(tip), camera.pixel(tip + [0, 0, 0.03]))
+        wait(lambda: bench.state.before != (), "the region moved")
+        screen.shoot("cell-region")
+        moved = bench.state.cell.bin
+        T = moved.regions[0].T_bin_region
+        off = T.translation - cell.bin.regions[0].T_bin_region.translation
+        assert 0.015 < off[2] < 0.045 and np.abs(off[:2]).max() < 1e-4, off
+        assert moved.T_world_bin.isApprox(cell.bin.T_world_bin)
+        screen.press("Undo")
+        wait(lambda: bench.state.cell.digest == cell.digest, "undo")
+        assert screen.errors == []

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from hands import Camera, drag, field, pause, settle
+from hands import Camera, drag, field, pause, settle, unfold
 
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -61,11 +61,6 @@ def grasp(bench, name: str):
 def stage_camera(screen, bench) -> Camera:
     settle(screen.page, 1500)
     return Camera(screen.page, *view_of(bench.state.cell.part(PART)))
-
-
-def unfold(screen, title: str) -> None:
-    screen.page.get_by_text(title, exact=True).click()
-    pause(screen.page, 400)
 
 
 def fill(screen, label: str, text: str) -> None:
@@ -235,7 +230,10 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     with screen.page.expect_file_chooser() as chooser:
         screen.press("Choose a CAD file")
     chooser.value.set_files(file)
-    screen.wait_for("brick.stl, 1 kB")
+    screen.wait_for(
+        "brick.stl: 40 x 24 x 20 mm, taken to be in mm; z from -10 to 10 mm; closed, 19.2 cm³"
+    )
+    screen.wait_for("It would weigh 23.04 g.")
     screen.press("Make the part")
     wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
     screen.wait_for("No grasps yet")

@@ -30,6 +30,7 @@ SENTENCES = (
     "app/provenance/inventory.py",
     "app/records/kept_cases.py",
     "app/runtime",
+    "formats/cells/drawn_tools.py",
     "model",
     "perception/built_in.py",
     "perception/localization/kinds.py",

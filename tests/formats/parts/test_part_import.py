@@ -62,7 +62,7 @@ def test_a_unit_is_assumed_only_when_no_other_is_likely(box, tmp_path):
     cad = read_cad(path)
     assert (cad.unit, cad.is_assumed) == ("mm", True)
     box.copy().apply_scale(0.25).export(path)
-    with pytest.raises(FileError, match=r"10 mm in mm, .* 254 mm in inch.* --unit"):
+    with pytest.raises(FileError, match=r"10 mm in mm, .* 254 mm in inch.*--unit"):
         read_cad(path)
     assert read_cad(path, "inch").mesh.points.max() == pytest.approx(0.127)
     with pytest.raises(FileError, match="unit 'cm' is not one of mm, m, inch"):
@@ -75,7 +75,7 @@ def test_a_surface_that_is_open_is_refused_and_mended_on_request(tmp_path):
     ball = trimesh.creation.icosphere(2, 10)
     path = tmp_path / "ball.ply"
     trimesh.Trimesh(ball.vertices, ball.faces[1:], process=False).export(path)
-    with pytest.raises(FileError, match="not closed: 3 edges are open; try --repair"):
+    with pytest.raises(FileError, match="not closed: 3 edges are open; have it mended"):
         import_mesh(path, "mm")
     imported = import_mesh(path, "mm", repair=True)
     assert imported.done == ("holes closed with 1 triangles",)

@@ -8,7 +8,14 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import get_args
 
-from workbench.app.core.commands import CellRead, EditPart, ImportPart, TryEmptying
+from workbench.app.core.commands import (
+    AddTool,
+    CellRead,
+    EditPart,
+    ImportPart,
+    JobEnded,
+    TryEmptying,
+)
 from workbench.app.core.effects import KeepDrafts, UseCell
 from workbench.app.core.release import without_approval
 from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, stale_by
@@ -22,12 +29,13 @@ from workbench.app.core.value_checks import (
     check_text,
 )
 from workbench.formats.cells.differences import difference
+from workbench.formats.cells.drawn_tools import check_drawn
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
 from workbench.formats.parts.grasp_files import as_written
 from workbench.formats.parts.new_part import check_name
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part
@@ -46,6 +54,9 @@ DENSITIES = (10.0, 25_000.0)
 MOST_KINDS = 20
 """Parts of one cell: each is searched for in every scan."""
 
+MOST_TOOLS = 20
+"""That one arm can carry."""
+
 MOST_GRASPS = 10_000
 """Of one part, with patterns and symmetry written out."""
 
@@ -61,6 +72,32 @@ def edited_cell(state: State, edit: EditPart) -> Changed:
     part = edited_part(state.cell.part(edit.part), edit)
     cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
     return changed_cell(state, cell, edit.says or f"the grasps of {part.name} are changed")
+
+
+def with_made(state: State, ended: JobEnded, made: Part | Tool) -> Changed:
+    """The state with a part or a tool that a task has made, as long as it was still wanted."""
+    job = state.job
+    wanted = "import" if isinstance(made, Part) else "tool"
+    if job is None or job.number != ended.number or job.name != wanted:
+        return state, ()
+    state = replace(state, job=None)
+    if isinstance(made, Part):
+        cell = replace(state.cell, parts=(*state.cell.parts, made))
+        size = made.facts["mm"]
+        says = f"the part {made.name} is in the cell, {size} mm; it has no grasps yet"
+    else:
+        cell = carrying(state.cell, job.arm, made)
+        says = f"the {job.arm} arm carries the tool {made.name}; look at its TCP"
+    return changed_cell(state, cell, says)
+
+
+def carrying(cell: Cell, arm: str, tool: Tool) -> Cell:
+    """The cell with one more tool for an arm, which carries it now."""
+
+    def changed(one: Arm) -> Arm:
+        return replace(one, tool=tool, tools=(*(one.tools or (one.tool,)), tool))
+
+    return replace(cell, arms=tuple(changed(one) if one.name == arm else one for one in cell.arms))
 
 
 def undone(state: State) -> Changed:
@@ -217,6 +254,25 @@ def check_import(cell: Cell, command: ImportPart) -> None:
         )
     check_among("unit", command.unit, ("", *UNITS))
     check_number("density", command.density, *DENSITIES, "kg/m3")
+
+
+def check_tool(cell: Cell, command: AddTool) -> None:
+    """A tool can be meant so, and the arm that shall carry it has room for it.
+
+    Raises:
+        CommandRefused: it cannot, or has none.
+    """
+    name = command.drawn.name
+    check_among("arm", command.arm, tuple(arm.name for arm in cell.arms))
+    try:
+        check_drawn(command.drawn)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    known = {tool.name for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+    if name in known:
+        raise CommandRefused(f"the cell has a tool {name} already; choose another name")
+    if len(cell.arm(command.arm).tools) >= MOST_TOOLS:
+        raise CommandRefused(f"an arm has up to {MOST_TOOLS} tools")
 
 
 def edited_part(part: Part, edit: EditPart) -> Part:

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from workbench.app.core.people import (
     AskForControl,
@@ -28,6 +27,7 @@ from workbench.app.core.reports import (
     Sent,
     Started,
 )
+from workbench.formats.cells.drawn_tools import Bytes, DrawnTool
 from workbench.model.calibration import BallPlate, PlateObservation
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER, called
@@ -37,8 +37,6 @@ from workbench.model.part import GraspPair
 from workbench.model.prediction import Seen
 from workbench.model.scan import Detection, Scan, SearchOverrides
 from workbench.model.symmetry import Symmetry
-
-Bytes = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -300,6 +298,14 @@ class ImportPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class AddTool:
+    """Make a tool of drawings, and have the arm of that name carry it."""
+
+    arm: str
+    drawn: DrawnTool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class TryEmptying:
     """Empty piles in simulation, in the cell as it is; nothing real has to do with it.
 
@@ -360,6 +366,7 @@ Command = (
     | RedoCell
     | EditPart
     | ImportPart
+    | AddTool
     | TryEmptying
     | DropDraft
     | SaveCell

@@ -17,7 +17,14 @@ from workbench.app.core.ahead import (
     brought_ahead,
     given_up,
 )
-from workbench.app.core.cell_changes import cell_read, changed_cell, edited_cell, redone, undone
+from workbench.app.core.cell_changes import (
+    cell_read,
+    changed_cell,
+    edited_cell,
+    redone,
+    undone,
+    with_made,
+)
 from workbench.app.core.control import with_control
 from workbench.app.core.effects import (
     Effect,
@@ -64,6 +71,7 @@ from workbench.app.core.state import (
     begun,
     counted,
 )
+from workbench.model.cell import Tool
 from workbench.model.errors import CommandRefused
 from workbench.model.part import Part
 from workbench.model.release import Vote, manner_words
@@ -139,6 +147,9 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.ImportPart(name=name) as command:
             says = f"making the part {name} of {command.file}"
             return begin_task(state, entry, "import", {"command": command}, says)
+        case commands.AddTool(arm=arm, drawn=drawn):
+            says = f"making the tool {drawn.name} of {drawn.body.file}"
+            return begin_task(state, entry, "tool", {"arm": arm, "drawn": drawn}, says, arm=arm)
         case commands.TryEmptying(piles=piles, count=count) as command:
             says = f"emptying {counted(piles, 'pile')} of {counted(count, 'part')} in simulation"
             return begin_task(state, entry, "emptying", {"command": command}, says)
@@ -167,8 +178,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
             return cell_read(state, entry.command)
         case commands.PosesRefused(problem=problem):
             return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
-        case commands.JobEnded(result=Part() as part) as ended:
-            return _part_made(state, ended, part)
+        case commands.JobEnded(result=Part() | Tool() as made) as ended:
+            return with_made(state, ended, made)
         case commands.JobEnded() as ended if state.phase is Phase.SENDING:
             return brought_ahead(state, ended, entry)
         case commands.JobEnded() as ended:
@@ -258,14 +269,3 @@ def _cancel(state: State, entry: commands.Entry) -> Outcome:
     # The job leaves the state at once; whatever it still brings is recorded and not used.
     message = f"task {state.job.name!r} cancelled by {entry.actor}"
     return replace(state, job=None, message=message), (StopJob(state.job.number),)
-
-
-def _part_made(state: State, ended: commands.JobEnded, part: Part) -> Outcome:
-    """The cell picks a new part too, as long as it was still wanted."""
-    job = state.job
-    if job is None or job.number != ended.number or job.name != "import":
-        return state, ()
-    cell = replace(state.cell, parts=(*state.cell.parts, part))
-    size = part.facts["mm"]
-    message = f"the part {part.name} is in the cell, {size} mm; it has no grasps yet"
-    return changed_cell(replace(state, job=None), cell, message)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import PlateObservation
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Tool
 from workbench.model.digest import LATER
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import put
@@ -67,8 +67,8 @@ class PosesRefused:
 class JobEnded:
     """The worker finished job `number`.
 
-    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, an
-    `Emptying`, or the error that ended it.
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, a
+    `Tool`, an `Emptying`, or the error that ended it.
     """
 
     number: int
@@ -78,6 +78,7 @@ class JobEnded:
         | PlanResult
         | PlateObservation
         | Part
+        | Tool
         | Emptying
         | WorkbenchError
     )

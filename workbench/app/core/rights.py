@@ -20,6 +20,7 @@ JOBS: Mapping[str, str] = {
     "plan": "the planning",
     "sight": "the scan of the plate",
     "import": "the new part",
+    "tool": "the new tool",
     "emptying": "the emptying",
 }
 """What people call the tasks of the worker."""
@@ -98,6 +99,7 @@ RIGHTS: Mapping[type, Right] = {
     commands.RedoCell: Right("a redo", SAFE, role=Role.ENGINEER),
     commands.EditPart: Right("a change of grasps", SAFE, role=Role.ENGINEER),
     commands.ImportPart: Right("a new part", SAFE, role=Role.ENGINEER),
+    commands.AddTool: Right("a new tool", SAFE, role=Role.ENGINEER),
     # It moves nothing, but it keeps the worker for itself, and is about how the cell is made.
     commands.TryEmptying: Right("emptying piles in simulation", SAFE, role=Role.ENGINEER),
     commands.DropDraft: Right("dropping a draft", SAFE, role=Role.ENGINEER),

@@ -5,7 +5,13 @@ from types import MappingProxyType
 from typing import assert_never
 
 from workbench.app.core import commands
-from workbench.app.core.cell_changes import check_edit, check_emptying, check_import, part_of
+from workbench.app.core.cell_changes import (
+    check_edit,
+    check_emptying,
+    check_import,
+    check_tool,
+    part_of,
+)
 from workbench.app.core.control import control_problem
 from workbench.app.core.outcomes import outcome_problem, step_problem
 from workbench.app.core.people import MACHINES, NOBODY, Role
@@ -178,6 +184,8 @@ def allowed(
             check_edit(state.cell, edit)
         case commands.ImportPart() as command:
             check_import(state.cell, command)
+        case commands.AddTool() as command:
+            check_tool(state.cell, command)
         case commands.TryEmptying() as command:
             check_emptying(state.cell, command)
         case commands.DropDraft(part=part):

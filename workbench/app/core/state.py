@@ -38,6 +38,7 @@ class Job:
     `strategy`, `threshold` [m], `seed`, and as `planning` what it wants otherwise than the cell; a
     search its `seed` and `overrides`, and `is_compared`: what it finds is not taken at once.
     `then`: what it brings is gone on with, as is wanted there; None where a person decides.
+    `arm` is for which a tool is made.
     """
 
     number: int
@@ -50,6 +51,7 @@ class Job:
     planning: PlanOverrides = field(default_factory=PlanOverrides)
     is_compared: bool = False
     then: GoOn | None = field(default_factory=lambda: None, metadata=LATER)
+    arm: str = field(default_factory=str, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,12 +1,12 @@
 """From a CAD file to a part with its folder: the steps that page and command line share."""
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 
 from workbench.app.core.commands import ImportPart
+from workbench.formats.files.whole_files import uploaded
 from workbench.formats.meshes.repair import joined_corners
 from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.new_part import (
@@ -23,8 +23,6 @@ from workbench.model.part import Part
 from workbench.planning.grasps.part_rays import nearest_points, normals_of, samples_of
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
 from workbench.plugins.progress import Cancelled, Report, silent
-
-LONGEST_FILE_NAME = 60
 
 SAMPLES = 4000
 """Points on the pieces at which it is measured how far they stick out of the part."""
@@ -137,11 +135,8 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
         JobCancelled: before anything was written.
         InputError: the file cannot be used, see `make_part`.
     """
-    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-        # Its own name goes into the part's file; a path in it would lead out of the folder, and
-        # file systems take 255 bytes.
-        file = Path(folder) / PurePosixPath(command.file).name[-LONGEST_FILE_NAME:]
-        file.write_bytes(command.content.tobytes())
+    # Its own name goes into the part's file.
+    with uploaded(command.file, command.content.tobytes()) as file:
 
         def go_on(done: float, note: str) -> None:
             if cancelled():

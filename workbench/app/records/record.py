@@ -21,7 +21,7 @@ from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 from workbench.app.records.forms import ReadFile, large_arrays, restored
 from workbench.model.calibration import PlateObservation
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Tool
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
 from workbench.model.part import Part
@@ -30,7 +30,14 @@ from workbench.model.prediction import Emptying
 from workbench.model.scan import Detection, Scan
 
 Result = (
-    Scan | tuple[Detection, ...] | PlanResult | PlateObservation | Part | Emptying | WorkbenchError
+    Scan
+    | tuple[Detection, ...]
+    | PlanResult
+    | PlateObservation
+    | Part
+    | Tool
+    | Emptying
+    | WorkbenchError
 )
 
 SESSION = "Session"
@@ -48,6 +55,7 @@ RESULTS: Mapping[Any, str] = {
     PlanResult: "plan",
     PlateObservation: "sighting",
     Part: "part",
+    Tool: "tool",
     Emptying: "emptying",
 }
 """What a record calls the results of jobs; an error is told by its type and text."""

@@ -56,7 +56,7 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
 def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     if (
         isinstance(kept, WorkbenchError)
-        or job.name == "import"  # it would be written again
+        or job.name in ("import", "tool")  # made of CAD by other programs, and then looked at
         or (job.name in ("scan", "sight") and cell.scanner.source != "simulated")
     ):
         return None

@@ -10,10 +10,11 @@ from workbench.app.picking.glance import Glance, changed, glance_at
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
+from workbench.app.picking.tool_making import tool_for
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
-from workbench.model.cell import Cell
+from workbench.model.cell import Cell, Tool
 from workbench.model.errors import JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
@@ -72,6 +73,13 @@ def import_part(
     return imported_part(arguments["command"], report, cancelled)
 
 
+def make_tool(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> Tool:
+    """The tool that is `drawn`, for the arm of that name."""
+    return tool_for(cell, arguments["arm"], arguments["drawn"], report, cancelled)
+
+
 def plan(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
@@ -127,6 +135,7 @@ JOBS: Mapping[str, JobFunction] = {
     "sight": sight,
     "plan": plan,
     "import": import_part,
+    "tool": make_tool,
     "emptying": emptying,
     "glance": glance,
 }

@@ -9,13 +9,15 @@ import pinocchio as pin
 import tomlkit
 
 from workbench.formats.cells.calibrations import record_table
-from workbench.formats.cells.places import OF_PART, OF_TOOL
+from workbench.formats.cells.places import OF_PART
+from workbench.formats.cells.pose_edits import LOST, edit_pose, millimetres
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.cells.tool_edits import all_as_written, as_written, edit_tools
 from workbench.formats.files.change_log import LOG, add_line, utc
 from workbench.formats.files.toml_documents import read_document, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
-from workbench.model.cell import Arm, Cell, Policy, Tool
+from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -23,17 +25,14 @@ from workbench.model.part import PartPlace
 
 UNWRITABLE = "not written: something was changed that cannot be written into the file"
 
-LOST = 2e-6
-"""[m, rad] That much a number may change by being written with four digits [mm, deg]."""
-
 
 def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
-    calibration, unit and axes, sizes of the bin, homes, places and the tool of the arms, the TCPs
-    of tools, and of the policy the lifts and the margin of straight legs can be written; the file
-    is left as it is when anything else differs.
+    calibration, unit and axes, sizes of the bin, homes, places and the tools of the arms, the TCPs
+    of tools, tools that are new or gone, and of the policy the lifts and the margin of straight
+    legs can be written; the file is left as it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -57,6 +56,7 @@ def written_cell(path: Path, cell: Cell) -> bytes:
         raise FileError(path, UNWRITABLE)
     document: Any = read_document(path)
     _edit(document, old, cell)
+    edit_tools(document, old, cell, path.parent)
     written = tomlkit.dumps(document).encode()
     trial = path.with_name(f".{path.name}.trial")
     try:
@@ -100,8 +100,8 @@ def _is_same(one: Cell, other: Cell) -> bool:
     arms = tuple(
         replace(
             mine,
-            tool=_with_tcp(mine.tool, arm.tool),
-            tools=_with_tcps(mine.tools, arm.tools),
+            tool=as_written(mine.tool, arm.tool),
+            tools=all_as_written(mine.tools, arm.tools),
             home=arm.home,
             Ts_world_place=arm.Ts_world_place,
             part_places=_moved_as(mine.part_places, arm.part_places),
@@ -163,15 +163,15 @@ def _numbers(cell: Cell) -> Floats:
 
 def _edit(document: Any, old: Cell, new: Cell) -> None:
     _edit_parts(document, old, new)
-    _edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
-    _edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
+    edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
+    edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
     if not np.array_equal(old.bin.size, new.bin.size):
-        document["bin"]["size_mm"] = _millimetres(new.bin.size)
+        document["bin"]["size_mm"] = millimetres(new.bin.size)
     for table, one, other in zip(
         document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
     ):
-        _edit_pose(table, one.T_bin_region, other.T_bin_region)
-    _edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+        edit_pose(table, one.T_bin_region, other.T_bin_region)
+    edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)
@@ -184,38 +184,11 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     for table, one, other in zip(
         document.get("fixture", []), old.fixtures, new.fixtures, strict=True
     ):
-        _edit_pose(table, one.T_world_fixture, other.T_world_fixture)
+        edit_pose(table, one.T_world_fixture, other.T_world_fixture)
     for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
-        if one.tool.name != other.tool.name:
-            table["tool"] = other.tool.name
         if not np.array_equal(one.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
         _edit_places(table, one, other)
-    _edit_tools(document.get("tool", []), old, new)
-
-
-def _edit_tools(tables: Any, old: Cell, new: Cell) -> None:
-    """Write TCPs of tools that are told by their solids; the trial tells of those of a kind."""
-    were, are = (
-        {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
-        for cell in (old, new)
-    )
-    for table in tables:
-        name = str(table["name"])
-        if "tcp" in table and name in were and name in are:
-            _edit_pose(table["tcp"], were[name].T_flange_tcp, are[name].T_flange_tcp)
-
-
-def _with_tcps(tools: tuple[Tool, ...], others: tuple[Tool, ...]) -> tuple[Tool, ...]:
-    """The tools, each with the TCP of that of the others, as far as there are as many."""
-    if len(tools) != len(others):
-        return tools
-    return tuple(map(_with_tcp, tools, others))
-
-
-def _with_tcp(tool: Tool, other: Tool) -> Tool:
-    """A tool with the TCP of another one of its name."""
-    return replace(tool, T_flange_tcp=other.T_flange_tcp) if tool.name == other.name else tool
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:
@@ -228,15 +201,15 @@ def _edit_places(table: Any, old: Arm, new: Arm) -> None:
         return  # places of a grid are changed in the file: the trial will tell
     of_part = [place for place in tables if OF_PART[0] in place]
     for place, one, other in zip(of_part, old.part_places, new.part_places, strict=False):
-        _edit_pose(place, one.T_world_part, other.T_world_part, OF_PART)
+        edit_pose(place, one.T_world_part, other.T_world_part, OF_PART)
     if len(old.Ts_world_place) == len(new.Ts_world_place):
         of_tool = [place for place in tables if OF_PART[0] not in place]
         for place, T, U in zip(of_tool, old.Ts_world_place, new.Ts_world_place, strict=True):
-            _edit_pose(place, T, U)
+            edit_pose(place, T, U)
         return
     places = tomlkit.aot()
     for T in new.Ts_world_place:
-        places.append(_edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
+        places.append(edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
     for place in of_part:
         places.append(place)
     table["place"] = places
@@ -276,17 +249,3 @@ def _edit_parts(document: Any, old: Cell, new: Cell) -> None:
     if was != now:
         named = dict(zip(was, document["parts"], strict=True))
         document["parts"] = [str(named.get(name, name)) for name in now]
-
-
-def _edit_pose(table: Any, old: pin.SE3, new: pin.SE3, keys: tuple[str, str] = OF_TOOL) -> Any:
-    """Write a pose into a table if it is another one than before; the table."""
-    if not np.array_equal(old.translation, new.translation):
-        table[keys[0]] = _millimetres(new.translation)
-    if not np.array_equal(old.rotation, new.rotation):
-        rpy = np.rad2deg(pin.rpy.matrixToRpy(new.rotation))
-        table[keys[1]] = shorts(rpy)
-    return table
-
-
-def _millimetres(lengths: Floats) -> list[float | int]:
-    return shorts(np.asarray(lengths) * 1000)

@@ -5,7 +5,7 @@ comments stay (`formats/cells/edits.py`).
 """
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 
@@ -21,6 +21,9 @@ from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
 from workbench.plugins.options import Options
+
+PutMesh = Callable[[str, bytes], str]
+"""Name, content of an STL file [m] -> the file it was put into, beside the cell file."""
 
 
 def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str]) -> Path:
@@ -53,8 +56,14 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     yield 'srdf = "robot.srdf"               # pairs of links that need no check'
     yield from _pose(cell.T_world_robot)
     tools = {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
+
+    def put_mesh(name: str, content: bytes) -> str:
+        file = f"meshes/{file_name(name)}.stl"
+        write_whole(folder / file, content)
+        return file
+
     for tool in tools.values():
-        yield from _tool(folder, tool)
+        yield from tool_lines(tool, put_mesh)
     for arm in cell.arms:
         yield from _arm(arm)
     yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
@@ -82,7 +91,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield from ("", "[detections]", f"path = {text(cell.poses_folder.path)}")
         yield f"part = {text(cell.poses_folder.part)}"
     for fixture in cell.fixtures:
-        yield from _fixture(folder, fixture)
+        yield from _fixture(fixture, put_mesh)
     for station in cell.stations:
         yield from _station(station)
 
@@ -153,7 +162,8 @@ def _scanner(cell: Cell) -> Iterator[str]:
         yield from (f"{key} = {text(value)}" for key, value in record.items())
 
 
-def _tool(folder: Path, tool: Tool) -> Iterator[str]:
+def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
+    """The table `[[tool]]`, line by line."""
     yield from ("", "# In the flange's frame, z out of the flange.", "[[tool]]")
     yield f"name = {text(tool.name)}"
     yield f"stroke_mm = {_mm(np.array(tool.stroke))}             # smallest, largest opening"
@@ -162,12 +172,12 @@ def _tool(folder: Path, tool: Tool) -> Iterator[str]:
         yield f"force_n = {number(tool.force)}"
     yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
-        yield from ("", "[[tool.body]]", *_solid(folder, tool.name, solid.name, solid))
+        yield from ("", "[[tool.body]]", *_solid(tool.name, solid.name, solid, put_mesh))
     for finger in tool.fingers:
         yield from (
             "",
             "[[tool.finger]]",
-            *_solid(folder, tool.name, finger.solid.name, finger.solid),
+            *_solid(tool.name, finger.solid.name, finger.solid, put_mesh),
         )
         yield f"opens_along = {numbers(finger.direction)}"
 
@@ -235,13 +245,13 @@ def _layers(places: Sequence[PartPlace]) -> Iterator[str]:
     yield f"pitch_mm = {_mm(np.array([x, y, up]))}"
 
 
-def _fixture(folder: Path, fixture: Fixture) -> Iterator[str]:
+def _fixture(fixture: Fixture, put_mesh: PutMesh) -> Iterator[str]:
     yield from ("", "[[fixture]]", f"name = {text(fixture.name)}")
     yield from _pose(fixture.T_world_fixture)
     for solid in fixture.solids:
         # Reading puts the name of the fixture before it again.
         name = solid.name.removeprefix(f"{fixture.name}_")
-        yield from ("", "[[fixture.solid]]", *_solid(folder, fixture.name, name, solid))
+        yield from ("", "[[fixture.solid]]", *_solid(fixture.name, name, solid, put_mesh))
 
 
 def _station(station: Station) -> Iterator[str]:
@@ -253,7 +263,7 @@ def _station(station: Station) -> Iterator[str]:
     yield f"size_mm = {_mm(station.size)}"
 
 
-def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:
+def _solid(owner: str, name: str, solid: Solid, put_mesh: PutMesh) -> Iterator[str]:
     yield f"name = {text(name)}"
     yield f"shape = {text(solid.shape.kind)}"
     match solid.shape:
@@ -265,9 +275,8 @@ def _solid(folder: Path, owner: str, name: str, solid: Solid) -> Iterator[str]:
             yield f"radius_mm = {number(radius * 1000)}"
             yield f"length_mm = {number(length * 1000)}"
         case Mesh() as mesh:
-            file = f"meshes/{file_name(f'{owner}_{name}')}.stl"
             as_drawn = Solid(name, mesh, pin.SE3.Identity())
-            write_whole(folder / file, stl_of(surface_of([as_drawn])))
+            file = put_mesh(f"{owner}_{name}", stl_of(surface_of([as_drawn])))
             yield f"file = {text(file)}"
             yield f'unit = "m"\nconvex = {str(mesh.is_convex).lower()}'
     yield from _pose(solid.T_owner_shape)

@@ -7,9 +7,10 @@ import re
 import select
 import shutil
 import stat
+import tempfile
 import threading
-from collections.abc import Collection
-from pathlib import Path
+from collections.abc import Collection, Generator
+from pathlib import Path, PurePosixPath
 
 from workbench.model.errors import FileError
 
@@ -17,6 +18,9 @@ MB = 1024 * 1024
 
 SILENCE = 60.0
 """[s] So long a pipe may be silent: whoever writes to it may have to compute first."""
+
+LONGEST_NAME = 60
+"""Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
 Stamp = tuple[int, int]
 """When a file was written [ns], and its size [bytes]."""
@@ -177,3 +181,24 @@ def file_name(name: str) -> str:
     """A file name for a thing of any name: another one for each, and never a path."""
     plain = re.sub(r"[^A-Za-z0-9_.-]", "_", name)[:100]
     return plain if plain == name else f"{plain}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
+
+
+@contextlib.contextmanager
+def uploaded(name: str, content: bytes) -> Generator[Path]:
+    """A file that somebody has sent, as one in a folder of its own until the block ends.
+
+    A path in its name leads nowhere.  What is wrong with the file is told without that folder.
+
+    Raises:
+        FileError: it is raised in the block, and names the file as it was sent.
+    """
+    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
+        plain = PurePosixPath(name).name[-LONGEST_NAME:]
+        file = Path(folder) / (plain if plain.strip(".") else "file")
+        file.write_bytes(content)
+        try:
+            yield file
+        except FileError as error:
+            if error.path != str(file):
+                raise
+            raise FileError(file.name, error.problem) from None

@@ -100,7 +100,7 @@ def _likely_unit(path: Path, size: float) -> str:
     if len(likely) == 1:
         return likely[0]
     told = ", ".join(f"{length * 1000:.4g} mm in {unit}" for unit, length in sizes.items())
-    raise FileError(path, f"does not say its unit; it would be {told} large: say which with --unit")
+    raise FileError(path, f"does not say its unit; it would be {told} large: say which (--unit)")
 
 
 def _read_apart(path: Path) -> Mesh:

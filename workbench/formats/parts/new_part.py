@@ -82,7 +82,7 @@ def import_mesh(path: Path, unit: str | None = None, *, repair: bool = False) ->
         mesh, mended = repaired(mesh)
         done, surface = (*done, *mended), examined(mesh)
     if surface.problems:
-        help = "it could not be repaired; mend it in CAD" if repair else "try --repair"
+        help = "it could not be repaired; mend it in CAD" if repair else "have it mended (--repair)"
         raise FileError(path, f"its surface is not closed: {', '.join(surface.problems)}; {help}")
     if surface.volume < THINNEST * float(np.prod(surface.size)):
         raise FileError(path, "its surface encloses nothing")

@@ -9,6 +9,7 @@ import viser
 
 from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
 from workbench.gui.cell.jogging import JogControls
+from workbench.gui.cell.tool_upload import ToolUpload
 from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
@@ -16,6 +17,7 @@ from workbench.gui.scene.measure import pointed_at
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import (
     SCANNER,
+    TCP,
     frame_of,
     moved,
     moving,
@@ -92,10 +94,12 @@ class CellPanel:
                     tuple(tool.name for tool in arm.tools),
                     initial_value=arm.tool.name,
                     hint="What the arm carries now: change it here when you have changed it there.",
+                    visible=len(arm.tools) > 1,
                 )
                 for arm in cell.arms
-                if len(arm.tools) > 1
             }
+        with group(gui, "A tool from CAD", expand_by_default=False):
+            self._upload = ToolUpload(visitor)
         with group(gui, "Cell file"):
             self._remark = gui.add_text(
                 "Remark", "", hint="Why the cell was changed; kept in changes.log beside it."
@@ -130,10 +134,12 @@ class CellPanel:
                 control.disabled = bool(lacks)
             self._visitor.allow(self._measure, lacks)
             self._line.content = cell_line(state)
-            for name, dropdown in self._tools.items():
-                dropdown.disabled = bool(cannot)
-                if dropdown.value != cell.arm(name).tool.name:
-                    dropdown.value = cell.arm(name).tool.name
+            self._show_tools(cell, cannot)
+            self._upload.show(state)
+            if tool := self._upload.arrived(state):
+                # Its TCP is what comes next: the gizmo is there.
+                self._thing.value = f"{TCP} {tool}"
+                self._visitor.own.change(thing=self._thing.value)
         for box, value in ((self._shapes, new.look.shapes), (self._frames, new.look.frames)):
             if box.value != value:
                 box.value = value
@@ -145,6 +151,15 @@ class CellPanel:
         if old is None or not is_same_reach or old.reached is not new.reached:
             self._reached.content = reach_line(new.look.reach, new.reached)
         self._jog.show(old, new)
+
+    def _show_tools(self, cell: Cell, cannot: str) -> None:
+        for name, dropdown in self._tools.items():
+            tools = tuple(tool.name for tool in cell.arm(name).tools)
+            dropdown.disabled, dropdown.visible = bool(cannot), len(tools) > 1
+            if dropdown.options != tools:
+                dropdown.options = tools
+            if dropdown.value != cell.arm(name).tool.name:
+                dropdown.value = cell.arm(name).tool.name
 
     def _react(self) -> None:
         visitor, look = self._visitor, self._visitor.look

@@ -82,6 +82,7 @@ class GraspFields:
 
     def show(self, entry: Entry | None, *, problem: str) -> None:
         """The chosen grasp is `entry` now; what was typed for it stays."""
+        self._offer(self._tool.value)
         for button in (self._apply, self._measure, self._revert):
             self._visitor.allow(button, problem or no_grasp(entry))
         is_same_grasp = (
@@ -91,6 +92,12 @@ class GraspFields:
             return
         if entry is not self._seen:
             self._fill(entry)
+
+    def _offer(self, chosen: str) -> None:
+        """The tools there are, and the one chosen, which may be none that this cell has."""
+        tools = tuple(dict.fromkeys((ANY, *self._editing.tools, chosen)))
+        if self._tool.options != tools:
+            self._tool.options = tools
 
     def _is_typed(self) -> bool:
         """Whether something was typed that is not applied."""
@@ -113,11 +120,7 @@ class GraspFields:
         self._priority.value = grasp.priority
         for name, box in self._arms.items():
             box.value = not grasp.arms or name in grasp.arms
-        # It may be for a tool that this cell has not.
-        own = (grasp.tool,) if grasp.tool else ()
-        tools = tuple(dict.fromkeys((ANY, *self._editing.tools, *own)))
-        if self._tool.options != tools:
-            self._tool.options = tools
+        self._offer(grasp.tool or ANY)
         self._tool.value = grasp.tool or ANY
         self._opening.value, self._grip.value = _mm(grasp.opening), _mm(grasp.grip)
         self._approach.value = shown_vector(grasp.approach)

@@ -161,7 +161,7 @@ class GraspsPanel:
             self._has_ended = True
 
     def _draw_all(self) -> None:
-        self._list_parts()  # which may be a choice
+        self._list_things()  # which may be a choice
         state, part, entry = self._visitor.bench.state, self._editing.part, self._editing.entry
         cannot = self._visitor.obstacle(state, EditPart)
         name = entry.name if entry is not None else ""
@@ -194,8 +194,11 @@ class GraspsPanel:
         if copy is not None:
             self._preview(copy)
 
-    def _list_parts(self) -> None:
-        """Follow the cell's parts; the one that was asked for here is taken in hand."""
+    def _list_things(self) -> None:
+        """Follow the cell's parts and tools; the part asked for here is taken in hand."""
+        tools = tuple(self._editing.tools)
+        if self._tool.options != tools:
+            self._tool.options, self._tool.visible = tools, len(tools) > 1
         names = tuple(one.name for one in self._visitor.cell.parts)
         if self._part.options != names:
             is_made = self._upload.asked in set(names) - set(self._part.options)

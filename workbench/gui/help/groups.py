@@ -8,7 +8,7 @@ import viser
 
 SCAN, FIND, PLAN, SEND = "scan", "find-parts", "plan", "send"
 GRASPS, CELL, CALIBRATION = "put-grasps-on-a-part", "change-the-cell", "calibrate-the-scanner"
-EMPTYING = "empty-a-full-bin-in-simulation"
+BACKUP, EMPTYING = "backup", "empty-a-full-bin-in-simulation"
 
 HELP: Mapping[str, tuple[str, str]] = {
     "1 · Scan": (
@@ -73,6 +73,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "The see-through robot is moved here, in your browser alone: the real one stays where "
         "it is. The list says what it would touch, and how near it is. Where it stands can be "
         "taught as home or as a place.",
+        CELL,
+    ),
+    "A tool from CAD": (
+        "A file of the tool's body, and fingers or a cup in a few numbers, become a tool that the "
+        "arm carries at once. What the file holds is told before you take it. Then its TCP is "
+        "chosen above, to be moved by the gizmo or by numbers; Undo takes the tool away.",
         CELL,
     ),
     "Cell file": (
@@ -177,6 +183,12 @@ HELP: Mapping[str, tuple[str, str]] = {
         "Bring the robot to a pose in which the scanner sees the plate, and scan it. Eight "
         "poses are good, four are the least. They should differ much, in place and in turn.",
         CALIBRATION,
+    ),
+    "Restore a backup": (
+        "A backup that was taken here, or with the command, is read as a whole, and what it would "
+        "change is listed before anything is. Restoring keeps what is there now as a backup "
+        "first. What has changed of the cell is read again at once; sessions that are there stay.",
+        BACKUP,
     ),
     "3 · Look and apply": (
         "From all poses follows where the scanner hangs; green lights are within 1 mm and 0.3 "

@@ -350,9 +350,7 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
             (arm.name, arm.joints, cell.robot.limits(arm.joints), arm.axis_order, arm.axis_signs)
             for arm in cell.arms
         ]
-        # In any order: which tool of its own an arm carries changes no control.
-        tools = [sorted({one.name for one in (arm.tool, *arm.tools)}) for arm in cell.arms]
-        return digest_of((arms, tools, cell.policy))
+        return digest_of((arms, cell.policy))
 
     return before is not now and made_for(before) != made_for(now)
 

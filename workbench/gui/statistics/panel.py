@@ -8,11 +8,13 @@ import viser
 from workbench.app.core.people import Role
 from workbench.app.records.statistics import CycleRecord
 from workbench.app.records.statistics_table import csv_text
+from workbench.gui.help.groups import group
 from workbench.gui.shared.colours import JOINTS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.statistics.restoring import RestoreControls
 from workbench.gui.statistics.views import statistics_html
 
 FILE = "workbench-statistics.csv"
@@ -39,12 +41,19 @@ class StatisticsPanel:
         self._cycles = gui.add_html("")
         self._save = gui.add_button("Save as CSV", icon=viser.Icon.DOWNLOAD, color="gray")
         self._save.on_click(lambda _: self._download())
+        self._restore: RestoreControls | None = None
         if not visitor.is_recorded and visitor.person.role.covers(Role.ENGINEER):
             gui.add_html(ALONG)
+            with group(gui, "Restore a backup", expand_by_default=False):
+                self._restore = RestoreControls(visitor)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._shown = new
+        if self._restore is not None and (
+            old is None or old.state is not new.state or old.live is not new.live
+        ):
+            self._restore.show(new)
         counted = new.statistics
         if old is not None and old.statistics is counted:
             return

@@ -1,13 +1,62 @@
 """Statistics as HTML: a few numbers, and bars; see `views` for how."""
 
+from collections.abc import Mapping, Sequence
 from html import escape
 
+from workbench.app.core.state import Phase, State
+from workbench.app.records.restoring import Thing
 from workbench.app.records.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import clock, line, table_html
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
+
+
+def not_restored(state: State, robot: str) -> str:
+    """Why no backup may be restored now; empty when it may.
+
+    Args:
+        state: as it is.
+        robot: what the controller reports, in words; empty: nothing.
+    """
+    if state.phase is Phase.APPROVED:
+        return "a plan is approved: send it, or make another, before something is restored"
+    if robot.startswith("moves"):
+        return "the robot moves: wait until it stands"
+    if state.saved != state.cell.digest:
+        return "the cell has changes that nobody has saved: save or undo them first"
+    return ""
+
+
+def changes_any(things: Sequence[Thing]) -> bool:
+    """Whether restoring changes something."""
+    return any(thing.fate in ("new", "replaced") for thing in things)
+
+
+FATES: Mapping[str, str] = {
+    "new": "is new here",
+    "replaced": "is replaced",
+    "the same": "stays the same",
+    "left as it is": "is left as it is",
+}
+
+
+def things_html(name: str, things: Sequence[Thing]) -> str:
+    """What a backup would change, thing by thing."""
+    return line(f"What {name} would change:") + table_html(
+        [(_named(thing), FATES[thing.fate]) for thing in things]
+    )
+
+
+def _named(thing: Thing) -> str:
+    match thing.kind:
+        case "robots":
+            return f"Cell {thing.name}"
+        case "parts":
+            return f"Part {thing.name} with its grasps"
+        case _:
+            return f"Session {thing.name}"
 
 
 def statistics_html(counted: Statistics) -> str:

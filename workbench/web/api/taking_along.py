@@ -1,6 +1,6 @@
 """What an engineer takes along from the page: the session for whoever helps, and a backup.
 
-Restoring is for a shell, `workbench restore`: it replaces files that a running page works with.
+Restoring is done on the page itself (`gui/statistics/restoring.py`), or by `workbench restore`.
 """
 
 import asyncio

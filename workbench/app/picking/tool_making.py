@@ -1,0 +1,51 @@
+"""From drawings to a tool that an arm can carry: made, and looked at on the arm."""
+
+from workbench.app.core.cell_changes import carrying
+from workbench.formats.cells.drawn_tools import DrawnTool, made_of
+from workbench.model.cell import Cell, Tool
+from workbench.model.errors import InputError, JobCancelled
+from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.world import World
+from workbench.plugins.progress import Cancelled, Report
+
+
+def tool_for(cell: Cell, arm: str, drawn: DrawnTool, report: Report, cancelled: Cancelled) -> Tool:
+    """The tool that is described, for an arm of the cell; nothing is written.
+
+    Raises:
+        JobCancelled: somebody has ended it.
+        InputError: a drawing cannot be used, or the tool reaches into the robot at home.
+    """
+
+    def go_on(done: float, note: str) -> None:
+        if cancelled():
+            raise JobCancelled("the tool was cancelled")
+        report(0.8 * done, note)
+
+    tool = made_of(drawn, go_on)
+    go_on(1.0, "looking whether it meets the robot")
+    if met := met_at_home(carrying(cell, arm, tool), arm):
+        raise InputError(
+            f"{tool.name} reaches into {met} with the arm at home: its drawing is expected in "
+            "the flange's frame, z out of the flange"
+        )
+    return tool
+
+
+def met_at_home(cell: Cell, arm: str) -> str:
+    """The link that an arm's tool reaches into with all arms at home; empty: none.
+
+    With its fingers closed, and as far open as they can be.
+    """
+    tool, world = cell.arm(arm).tool, World(cell, ())
+    solids = (*tool.body, *(finger.solid for finger in tool.fingers))
+    labels = {f"{arm} {solid.name}" for solid in solids}
+    links = {link.name for link in cell.robot.links}
+    at_home = world.configuration({})
+    for opening in tool.stroke:
+        world.enter(Phase(frozenset({arm}), {arm: opening}))
+        for contact in world.contacts(at_home):
+            met = set(contact.pair) & links
+            if contact.distance <= 0.0 and met and labels & set(contact.pair):
+                return met.pop()
+    return ""

@@ -1,0 +1,216 @@
+"""A backup put back: all of it is read first, and then it is there wholly or not at all.
+
+Run as a program it looks into a backup, or restores it, for whoever must not do so: reading what
+comes from outside may end a process, and cells name parts below the working directory.
+"""
+
+import contextlib
+import filecmp
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Generator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from workbench.app.records.keeping import FORMAT, KINDS, MANIFEST, files_of, things_in
+from workbench.app.records.session_archive import check_journal
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.archives import unpacked_beside
+from workbench.formats.files.whole_files import read_whole
+from workbench.formats.parts.reading import read_part
+from workbench.model.errors import FileError, InputError, WorkbenchError
+
+KEPT_USERS = "users.json"
+"""The users in a backup, if it has them."""
+
+LARGEST = 10 * 2**20
+"""[bytes] Of the manifest, and of the users."""
+
+LONGEST = 300.0
+"""[s] That a process of its own may take for a backup."""
+
+Fate = Literal["new", "replaced", "the same", "left as it is"]
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """One cell, part or session in a backup, and what restoring does about it."""
+
+    kind: str
+    name: str
+    fate: Fate
+
+
+@dataclass(frozen=True, slots=True)
+class Unpacked:
+    """A backup that was read as a whole and may be put back: where it lies, and what is in it."""
+
+    place: Path
+    things: tuple[Thing, ...]
+
+    @property
+    def users(self) -> Path | None:
+        """The file of its users, which are no matter of the things; None when it has none."""
+        kept = self.place / KEPT_USERS
+        return kept if kept.is_file() else None
+
+
+@contextlib.contextmanager
+def unpacked(file: Path, root: Path) -> Generator[Unpacked]:
+    """Unpack a backup on the disk of a working directory, and read everything in it.
+
+    It works in that directory meanwhile, so it is for processes with one thread.
+
+    Raises:
+        FileError: it is no backup, or something in it cannot be used.
+        JournalError: a session was changed.
+    """
+    with unpacked_beside(file, root) as place:
+        _check(file, place)
+        things = [
+            Thing(kind, thing.name, _fate(root / kind / thing.name, thing))
+            for kind in KINDS
+            for thing in things_in(place / kind)
+        ]
+        yield Unpacked(place, tuple(things))
+
+
+def _check(path: Path, place: Path) -> None:
+    try:
+        stated = json.loads(read_whole(place / MANIFEST, LARGEST))["format"]
+    except (FileError, KeyError, TypeError, ValueError):
+        raise FileError(path, "is no backup of a workbench") from None
+    if stated != FORMAT:
+        raise FileError(path, f"has format {stated!r}, expected {FORMAT!r}")
+    strange = {one.name for one in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
+    if strange:
+        raise FileError(path, f"holds {sorted(strange)[0]!r}, which no backup does")
+    # Cells name parts, which are looked for below the working directory.
+    with contextlib.chdir(place):
+        for part in sorted(Path("parts").glob("*/part.toml")):
+            read_part(part.parent)
+        for cell in sorted(Path("robots").glob("*/cell.toml")):
+            read_cell(str(cell))
+    for session in things_in(place / "sessions"):
+        check_journal(path, session)
+
+
+def _fate(there: Path, thing: Path) -> Fate:
+    if not there.exists():
+        return "new"
+    # A session is only ever appended to: an older copy never replaces one that is there.
+    if there.parent.name == "sessions":
+        return "left as it is"
+    return "the same" if _is_same(there, thing) else "replaced"
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    """Whether two files, or all files in two folders, have the same names and contents."""
+    names = [file.relative_to(one) for file in files_of(one)]
+    return names == [file.relative_to(other) for file in files_of(other)] and all(
+        filecmp.cmp(one / name, other / name, shallow=False) for name in names
+    )
+
+
+def put_in_place(root: Path, backup: Unpacked) -> None:
+    """Move new things in and old ones out.
+
+    When that fails or is interrupted midway, all is as it was.
+
+    Raises:
+        FileError: something cannot be moved.
+    """
+    moved: list[tuple[Path, Path]] = []
+    place, out = backup.place, backup.place / ".replaced"
+    try:
+        for thing in backup.things:
+            if thing.fate not in ("new", "replaced"):
+                continue
+            target = root / thing.kind / thing.name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if target.exists():
+                old = out / thing.kind / thing.name
+                old.parent.mkdir(parents=True, exist_ok=True)
+                moved.append((old, target))
+                target.rename(old)
+            new = place / thing.kind / thing.name
+            moved.append((target, new))
+            new.rename(target)
+    except BaseException as error:
+        # What was replaced would be gone with the unpacked files, also after Ctrl-C.
+        for now, before in reversed(moved):
+            if now.exists():
+                now.rename(before)
+        if isinstance(error, OSError):
+            raise FileError(error.filename or root, f"not restored: {error.strerror}") from None
+        raise
+
+
+def look_apart(file: Path, root: Path) -> tuple[Thing, ...]:
+    """What restoring a backup would do below a working directory, told by a process of its own.
+
+    Raises:
+        InputError: it cannot be restored.
+    """
+    return _apart(file, root)
+
+
+def restore_apart(file: Path, root: Path) -> tuple[Thing, ...]:
+    """Restore a backup below a working directory, by a process of its own; what that has done.
+
+    Raises:
+        InputError: nothing was restored, and why.
+    """
+    return _apart(file, root, PUT)
+
+
+PUT = "put"
+
+
+def _apart(file: Path, root: Path, *more: str) -> tuple[Thing, ...]:
+    command = [sys.executable, "-m", __name__, str(file.resolve()), str(root.resolve()), *more]
+    # The same packages as here, wherever this process has them from.
+    places = os.pathsep.join(os.path.abspath(place) for place in sys.path)
+    with tempfile.TemporaryFile() as out:
+        try:
+            ended = subprocess.run(
+                command,
+                env={**os.environ, "PYTHONPATH": places},
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.DEVNULL,
+                timeout=LONGEST,
+            )
+        except subprocess.TimeoutExpired:
+            raise InputError(f"the backup could not be read within {LONGEST:g} s") from None
+        out.seek(0)
+        try:
+            told = json.loads(out.read())
+        except ValueError:
+            raise InputError(
+                f"the backup cannot be read: it made its reader end (code {ended.returncode})"
+            ) from None
+    if isinstance(told, str):
+        raise InputError(told)
+    return tuple(Thing(**one) for one in told)
+
+
+def _main(arguments: Sequence[str]) -> None:
+    file, root = Path(arguments[0]), Path(arguments[1])
+    try:
+        with unpacked(file, root) as backup:
+            if backup.users is not None:
+                raise InputError("the backup holds users: restore it from a shell")
+            if PUT in arguments[2:]:
+                put_in_place(root, backup)
+            print(json.dumps([asdict(thing) for thing in backup.things]))
+    except WorkbenchError as error:
+        print(json.dumps(str(error).replace(str(file), file.name)))
+
+
+if __name__ == "__main__":
+    _main(sys.argv[1:])

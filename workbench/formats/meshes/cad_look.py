@@ -1,0 +1,43 @@
+"""What a CAD file holds, before anything is made of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.formats.files.whole_files import uploaded
+from workbench.formats.meshes.cad_files import read_cad
+from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.model.geometry import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CadLook:
+    """The surface in a file; `low` and `high` (3,) [m] are its corners in the file's frame.
+
+    `unit` is that it was read in, empty if the file says it; `is_assumed`: nobody has said so, only
+    this one gives the size of a part or a tool.
+    """
+
+    surface: Surface
+    low: Floats
+    high: Floats
+    unit: str
+    is_assumed: bool
+
+
+def look_at(name: str, content: bytes, unit: str = "") -> CadLook:
+    """Read a CAD file that somebody has sent, and tell what it holds.
+
+    Args:
+        name: of the file.
+        content: its bytes.
+        unit: mm, m or inch; empty when the file says it or it is not known.
+
+    Raises:
+        FileError: it cannot be read (`read_cad`).
+    """
+    with uploaded(name, content) as file:
+        cad = read_cad(file, unit or None)
+    mesh, _ = joined_corners(cad.mesh)
+    points = np.asarray(mesh.points)
+    return CadLook(examined(mesh), points.min(axis=0), points.max(axis=0), cad.unit, cad.is_assumed)

@@ -1,0 +1,164 @@
+"""A backup put back from the page: told what it would change, confirmed, kept on record."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import viser
+
+from workbench.app.core.commands import ChangeCell
+from workbench.app.core.state import State
+from workbench.app.records.keeping import KINDS, write_backup
+from workbench.app.records.restoring import Thing, look_apart, restore_apart
+from workbench.formats.files.change_log import LOG, add_line, utc
+from workbench.formats.files.whole_files import make_folder, uploaded
+from workbench.gui.shared.look import View
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.gui.statistics.views import changes_any, not_restored, things_html
+from workbench.model.errors import CommandRefused, WorkbenchError
+
+log = logging.getLogger(__name__)
+
+BACKUPS = Path("backups")
+"""Below the working directory: what was there before something was restored, and a log."""
+
+NONE: str = "-"
+
+BUSY = threading.Lock()
+"""One restores at a time, from whichever browser."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chosen:
+    """A backup by its name, and how it is had as a file for a while."""
+
+    name: str
+    opened: Callable[[], AbstractContextManager[Path]]
+
+
+class RestoreControls:
+    """A backup from somebody's machine, or one that is kept here; a table, and a button.
+
+    Concurrency: callbacks of viser, the renderer's thread, and a thread for each look and each
+    restoring; what was looked at is replaced as a whole.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add the controls."""
+        self._visitor = visitor
+        self._chosen: Chosen | None = None
+        self._things: tuple[Thing, ...] = ()
+        self._view: View | None = None
+        gui = visitor.gui
+        self._pick = gui.add_upload_button(
+            "Choose a backup", icon=viser.Icon.UPLOAD, color="gray", hint="A zip file, up to 50 MB."
+        )
+        self._kept = gui.add_dropdown(
+            "Or one kept here", (NONE,), hint="What was there before something was restored."
+        )
+        self._told = gui.add_html(line("Nothing chosen yet.", kind="hint"))
+        self._restore = gui.add_button(
+            "Restore it",
+            icon=viser.Icon.HISTORY,
+            hint="What is there now is kept as a backup first.",
+        )
+        self._pick.on_upload(self._uploaded)
+        self._kept.on_update(self._taken)
+        self._restore.on_click(lambda _: self._wanted())
+
+    def show(self, view: View) -> None:
+        """Let it be used while nothing speaks against it."""
+        self._view = view
+        problem = self._problem(view.state)
+        self._visitor.allow(self._pick, self._visitor.lacks(view.state, ChangeCell))
+        self._visitor.allow(self._restore, problem or self._missing())
+        names = (NONE, *sorted((file.name for file in BACKUPS.glob("*.zip")), reverse=True))
+        if self._kept.options != names:
+            self._kept.options = names
+
+    def _problem(self, state: State) -> str:
+        live = self._view.live.robot if self._view is not None else ""
+        return self._visitor.obstacle(state, ChangeCell) or not_restored(state, live)
+
+    def _missing(self) -> str:
+        if self._chosen is None:
+            return "choose a backup first"
+        return "" if changes_any(self._things) else "it would change nothing"
+
+    def _uploaded(self, event: Any) -> None:
+        sent = event.target.value
+        name = PurePosixPath(sent.name).name
+        self._look(Chosen(name, lambda: uploaded(name, sent.content)))
+
+    def _taken(self, event: Any) -> None:
+        if event.client is not None and event.target.value != NONE:
+            name = event.target.value
+            self._look(Chosen(name, lambda: nullcontext(BACKUPS / name)))
+
+    def _look(self, chosen: Chosen) -> None:
+        self._chosen, self._things = None, ()
+        self._told.content = line(f"{chosen.name}: being read …", kind="hint")
+        self._begin(lambda: self._looked(chosen))
+
+    def _looked(self, chosen: Chosen) -> None:
+        with chosen.opened() as file:
+            things = look_apart(file, Path.cwd())
+        self._chosen, self._things = chosen, things
+        self._told.content = things_html(chosen.name, things)
+
+    def _wanted(self) -> None:
+        chosen = self._chosen
+        if chosen is not None and self._visitor.attempt(self._check):
+            self._told.content = line(f"{chosen.name}: being restored …", kind="hint")
+            self._begin(lambda: self._restored(chosen))
+
+    def _check(self) -> None:
+        # A button that is disabled is only a courtesy.
+        if problem := self._problem(self._visitor.bench.state):
+            raise CommandRefused(problem)
+
+    def _restored(self, chosen: Chosen) -> None:
+        if not BUSY.acquire(blocking=False):
+            raise CommandRefused("somebody restores a backup just now")
+        try:
+            self._check()
+            make_folder(BACKUPS)
+            at = time.time()
+            before = BACKUPS / f"before-{utc(at).replace(':', '')}.zip"
+            write_backup(Path.cwd(), before, KINDS[:-1], {})
+            self._check()  # that may have taken a while
+            with chosen.opened() as file:
+                things = restore_apart(file, Path.cwd())
+            changed = [f"{one.kind}/{one.name}" for one in things if changes_any((one,))]
+            said = {"by": self._visitor.person.name, "restored": chosen.name, "before": before.name}
+            add_line(BACKUPS / LOG, {"at": utc(at), **said, "changed": changed})
+        finally:
+            BUSY.release()
+        log.warning("%s has restored %s: %s", said["by"], chosen.name, ", ".join(changed))
+        self._chosen, self._things = None, ()
+        self._told.content = line(
+            f"{chosen.name} is restored; what was there before is kept as {before.name}. The cell "
+            "is read again where its files have changed."
+        )
+
+    def _begin(self, work: Callable[[], None]) -> None:
+        """Have something done in a thread of its own; what goes wrong is told in its place."""
+
+        def told() -> None:
+            try:
+                work()
+            except WorkbenchError as error:
+                self._told.content = line(str(error), kind="bad")
+            except Exception:
+                log.exception("a backup could not be used")
+                self._told.content = line("Internal error, see the log.", kind="bad")
+            if self._view is not None:
+                self.show(self._view)
+
+        threading.Thread(target=told, name="restore", daemon=True).start()

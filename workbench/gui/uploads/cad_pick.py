@@ -1,0 +1,107 @@
+"""A CAD file that somebody chooses on their machine, with what it holds."""
+
+import logging
+from collections.abc import Callable
+from pathlib import PurePosixPath
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import viser
+
+from workbench.app.core.state import State
+from workbench.formats.cells.drawn_tools import Drawing
+from workbench.formats.files.units import UNITS
+from workbench.formats.meshes.cad_files import KINDS
+from workbench.formats.meshes.cad_look import CadLook, look_at
+from workbench.gui.shared.views import line
+from workbench.gui.shared.visitor import Visitor
+from workbench.gui.uploads.views import look_words, size_words
+from workbench.model.errors import WorkbenchError
+
+log = logging.getLogger(__name__)
+
+AS_SAID = "as the file says"
+
+
+class CadPick:
+    """The button, the unit that the file may not say, and size, unit and volume once it is read.
+
+    Concurrency: callbacks of viser, and one thread for each look, whose answer is dropped when
+    another file or unit was chosen meanwhile; `drawing` and `look` are replaced as a whole.
+    """
+
+    def __init__(self, visitor: Visitor, label: str, changed: Callable[[], object]):
+        """Add the controls.
+
+        Args:
+            visitor: whose browser.
+            label: of the button.
+            changed: called when another file is there, and when it was looked at.
+        """
+        self._visitor, self._changed = visitor, changed
+        self.drawing: Drawing | None = None
+        self.look: CadLook | None = None
+        gui = visitor.gui
+        self._pick = gui.add_upload_button(
+            label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(KINDS)
+        )
+        self._line = gui.add_html(line("Nothing chosen yet.", kind="hint"))
+        self._unit = gui.add_dropdown(
+            "Unit", (AS_SAID, *UNITS), hint="STL, OBJ and PLY files do not say it."
+        )
+        self._pick.on_upload(self._chosen)
+        self._unit.on_update(lambda _: self._look())
+
+    @property
+    def unit(self) -> str:
+        """What a person says; empty: as the file says."""
+        return "" if self._unit.value == AS_SAID else self._unit.value
+
+    @property
+    def stem(self) -> str:
+        """The name of the file as that of a thing: letters, digits and _."""
+        stem = PurePosixPath(self.drawing.file).stem if self.drawing is not None else ""
+        return "".join(c if c.isalnum() and c.isascii() else "_" for c in stem)[:60]
+
+    def admit(self, state: State, command: type) -> None:
+        """Let a file be chosen while the command that takes it is in order."""
+        self._visitor.admit(self._pick, state, command)
+
+    def show(self, *, visible: bool) -> None:
+        """Show the controls, or hide them."""
+        for one in (self._pick, self._line, self._unit):
+            one.visible = visible
+
+    def _chosen(self, event: Any) -> None:
+        file = event.target.value
+        name = PurePosixPath(file.name.replace("\\", "/")).name
+        self.drawing = Drawing(name, np.frombuffer(file.content, np.uint8), self.unit)
+        self._look()
+
+    def _look(self) -> None:
+        """Read the file in a thread of its own: a page does not wait for that."""
+        if self.drawing is None:
+            return
+        # Another object for each look: by it an answer that comes too late is told.
+        self.drawing = Drawing(self.drawing.file, self.drawing.content, self.unit)
+        self.look = None
+        told = size_words(self.drawing.file, self.drawing.content.size)
+        self._line.content = line(f"{told}: being read …", kind="hint")
+        self._changed()
+        Thread(target=self._read, args=(self.drawing,), name="look-at-cad", daemon=True).start()
+
+    def _read(self, drawing: Drawing) -> None:
+        try:
+            look = look_at(drawing.file, drawing.content.tobytes(), drawing.unit)
+            says, kind = f"{drawing.file}: {look_words(look)}", "result"
+        except WorkbenchError as error:
+            look, says, kind = None, str(error), "bad"
+        except Exception:
+            # A rim: what cannot be looked at can be tried all the same.
+            log.exception("a CAD file could not be looked at")
+            look, says, kind = None, f"{drawing.file} could not be looked at", "bad"
+        if drawing is self.drawing:
+            self.look = look
+            self._line.content = line(says, kind=kind)
+            self._changed()
