@@ -23,9 +23,9 @@ from workbench.app.core.commands import (
 from workbench.app.core.state import Phase
 from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.records.replay import replay
-from workbench.app.records.statistics import statistics
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
+from workbench.app.statistics.statistics import statistics
 from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal

@@ -27,8 +27,8 @@ from workbench.app.evidence.bundle import write_bundle
 from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.picking.row import plan_row
 from workbench.app.records.replay import replay
-from workbench.app.records.statistics import statistics
 from workbench.app.runtime.bench import Bench
+from workbench.app.statistics.statistics import statistics
 from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal

@@ -1,6 +1,6 @@
 """The statistics on the page, and that names from outside become no HTML."""
 
-from workbench.app.records.statistics import CycleRecord, PickRecord, Statistics
+from workbench.app.statistics.statistics import CycleRecord, PickRecord, Statistics
 from workbench.gui.statistics.views import statistics_html
 
 

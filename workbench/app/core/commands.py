@@ -125,13 +125,10 @@ class GoOn:
     """After a finished cycle: scan, find parts and plan, each as soon as the one before is done.
 
     It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
-    when the one who has asked for it gives control away or has gone.  It approves and sends
-    nothing.
+    when who has asked for it gives control away or has gone.  It approves and sends nothing.
 
-    While something is sent it begins when the last plan has ended, or before: from its step
-    `sees_from` on, counted from 1, the scanner sees past the arms; 0 where it never does.  `placed`
-    are the parts that will lie on pallets at that end.  Nobody has worked these out where they are
-    None.
+    Given while something is sent, it begins with the last plan's step `sees_from`, from 1, where
+    the scanner sees past the arms (0: with its end).  `placed` will lie on pallets by then.
     """
 
     scan: TakeScan = field(default_factory=TakeScan)

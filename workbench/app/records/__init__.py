@@ -1,4 +1,4 @@
 """Sessions as they are kept: entries as bytes, replayed, counted, packed.
 
-Imports `core` and `picking`.
+Imports `core`, `picking` and `statistics`.
 """

@@ -14,8 +14,8 @@ from typing import Any
 from workbench.app.records.certified import certificates
 from workbench.app.records.kept_cases import FOLDER, NAME, case_files
 from workbench.app.records.record import SESSION
-from workbench.app.records.statistics import statistics
-from workbench.app.records.statistics_table import csv_text
+from workbench.app.statistics.statistics import statistics
+from workbench.app.statistics.statistics_table import csv_text
 from workbench.formats.files.archives import unpacked_beside, write_archive
 from workbench.formats.files.whole_files import is_file, plain_name
 from workbench.journal.files import file_path

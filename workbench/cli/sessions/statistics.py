@@ -5,13 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.records.session_archive import opened, sessions_in
-from workbench.app.records.statistics import (
+from workbench.app.statistics.statistics import (
     GROUPS,
     Statistics,
     statistics,
     together,
 )
-from workbench.app.records.statistics_table import csv_text
+from workbench.app.statistics.statistics_table import csv_text
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import milliseconds, print_json, print_table

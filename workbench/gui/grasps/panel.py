@@ -9,7 +9,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.core.commands import EditPart, RedoCell, UndoCell
-from workbench.app.records.grasp_use import NO_USES, Uses
+from workbench.app.statistics.grasp_use import NO_USES, Uses
 from workbench.gui.grasps.copies import GraspCopies
 from workbench.gui.grasps.coverage import CoverageControls
 from workbench.gui.grasps.editing import Editing

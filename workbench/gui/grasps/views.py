@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from workbench.app.records.grasp_use import NO_USES, GraspUse, Uses
+from workbench.app.statistics.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked

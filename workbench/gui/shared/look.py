@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.state import Phase, State
-from workbench.app.records.statistics import Statistics
 from workbench.app.runtime.live import Live
+from workbench.app.statistics.statistics import Statistics
 from workbench.gui.shared.calibrating import Overlay
 from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 from workbench.app.core.state import Phase, State
-from workbench.app.records.statistics import Count, Statistics
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
+from workbench.app.statistics.statistics import Count, Statistics
 
 log = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ import numpy as np
 import viser
 
 from workbench.app.core.people import Role
-from workbench.app.records.statistics import CycleRecord
-from workbench.app.records.statistics_table import csv_text
+from workbench.app.statistics.statistics import CycleRecord
+from workbench.app.statistics.statistics_table import csv_text
 from workbench.gui.help.groups import group
 from workbench.gui.shared.colours import JOINTS
 from workbench.gui.shared.look import View

@@ -5,7 +5,7 @@ from html import escape
 
 from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
-from workbench.app.records.statistics import GROUPS, Rate, Statistics
+from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import clock, line, table_html
 

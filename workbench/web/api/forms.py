@@ -9,8 +9,8 @@ from workbench.app.core.state import State
 from workbench.app.core.value_checks import strategies_of
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked
-from workbench.app.records.statistics import GROUPS, Statistics
 from workbench.app.runtime.live import Live
+from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
 from workbench.model.plan import Proof, Violation, parts_taken

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from workbench.app.core.state import State
-from workbench.app.records.statistics import Count, Statistics
 from workbench.app.runtime.bench import Bench
+from workbench.app.statistics.statistics import Count, Statistics
 from workbench.formats.plans.certificates import certificate_content
 from workbench.formats.plans.plan_files import plan_content
 from workbench.journal.journal import DATABASE

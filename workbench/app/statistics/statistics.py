@@ -23,8 +23,8 @@ from workbench.app.core.commands import (
     UseDetections,
     UseScan,
 )
-from workbench.app.records.grasp_use import NO_USES, Uses, added, judged, taken
-from workbench.app.records.turns import Turns
+from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
+from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.errors import JournalError
 

@@ -23,16 +23,16 @@ from workbench.app.core.commands import (
     UseScan,
     WatchPlan,
 )
-from workbench.app.records.grasp_use import GraspUse
 from workbench.app.records.record import command_form, entry_record
-from workbench.app.records.statistics import (
+from workbench.app.statistics.grasp_use import GraspUse
+from workbench.app.statistics.statistics import (
     GROUPS,
     Count,
     Statistics,
     statistics,
     together,
 )
-from workbench.app.records.statistics_table import csv_text
+from workbench.app.statistics.statistics_table import csv_text
 from workbench.journal.journal import Row
 from workbench.model.errors import JobCancelled, JournalError, LinkError
 from workbench.model.release import PartReport, Receipt

@@ -1,6 +1,6 @@
 """The turns that a symmetry gives a grasp are counted as that grasp."""
 
-from workbench.app.records.grasp_use import GraspUse, added, judged, taken
+from workbench.app.statistics.grasp_use import GraspUse, added, judged, taken
 
 
 def candidate(detection, grasp, reason):

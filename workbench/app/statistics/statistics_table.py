@@ -4,7 +4,7 @@ import csv
 import io
 from datetime import UTC, datetime
 
-from workbench.app.records.statistics import STAGES, Statistics
+from workbench.app.statistics.statistics import STAGES, Statistics
 
 
 def csv_text(value: Statistics) -> str:
