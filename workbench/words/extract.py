@@ -24,8 +24,8 @@ SHOWN = ("gui", "web/page", "app/core")
 """Folders whose every text is for people at the page."""
 
 SENTENCES = (
-    "app/emptying",
     "app/calibration",
+    "app/emptying",
     "app/picking",
     "app/provenance/inventory.py",
     "app/records/kept_cases.py",

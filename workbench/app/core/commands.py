@@ -1,8 +1,7 @@
 """Everything that can be asked of the workbench, by a person or by a machine.
 
 A command is a frozen value; `decide` says what it does to the state.  People's commands come
-from the page, the command line or the HTTP interface; machines' commands come from the worker
-process and the robot link and tell what has happened.
+from page, command line or HTTP; machines' tell what has happened in the worker or on the link.
 """
 
 from collections.abc import Mapping
@@ -63,8 +62,7 @@ class UseScan:
 class FindParts:
     """Localize parts in the current scan.
 
-    `is_compared`: what is found stands beside the parts that were found before, until somebody
-    takes it.
+    `is_compared`: they stand beside those that were found before, until somebody takes them.
     """
 
     seed: int = 0
