@@ -34,8 +34,8 @@ def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> s
     """How many parts were found, and of about how many where more seem to lie in the bin.
 
     A heap takes, as seen from above, about the room of its parts' convex hulls: what is hidden
-    below them and what is hollow in them make up for each other (`docs/benchmarks.md` says how
-    well).
+    below them and what is hollow in them make up for each other (`docs/benchmarks/seeing.md` says
+    how well).
     """
     count = len(found)
     noun = "part" if count == 1 else "parts"
