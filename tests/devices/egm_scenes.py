@@ -13,9 +13,15 @@ from workbench.plugins.robot_link import LinkPatience, controller_by
 PATIENT = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, 1.0)
 
 
-def plan_of_two():
-    """YuMi by this link, a plan in which both arms take a part, and its approval."""
+def plan_of_two(jerk=None):
+    """YuMi by this link, a plan in which both arms take a part, and its approval.
+
+    `jerk` [1/s] times their acceleration limits the arms' jerk, if it is given.
+    """
     cell = workbench.read_cell("yumi")
+    if jerk is not None:
+        arms = tuple(replace(arm, jerk=jerk * arm.acceleration) for arm in cell.arms)
+        cell = replace(cell, arms=arms)
     options = {"silence_ms": 1000}
     cell = replace(cell, controller=controller_by("abb-egm", "127.0.0.1", 6510, 6520, options))
     parts = workbench.drop_parts(cell.parts[:1] * 2, cell.bin, seed=1)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from egm_scenes import PATIENT, twin_of
+from egm_scenes import PATIENT, plan_of_two, twin_of
 from waiting import wait_until
 
 from workbench.devices.abb_egm import twin as abb_twin
@@ -71,6 +71,15 @@ def test_a_plan_is_streamed_once_with_its_grips_between_and_each_arm_ends_where_
         with pytest.raises(LinkError, match="has begun this plan already"):
             list(send(plan, approval, there, patience=PATIENT))
         assert [arm.orders for arm in twin.arms] == before
+
+
+def test_a_plan_with_limits_of_jerk_is_streamed_to_its_end():
+    cell, plan, approval = plan_of_two(jerk=20.0)
+    with twin_of(cell) as (twin, there):
+        list(send(plan, approval, there, patience=PATIENT))
+        for arm in twin.arms:
+            end = plan.arm(arm.arm.name).legs[-1].q[-1]
+            assert np.abs(arm.arm.from_axes(arm.axes) - end).max() < np.deg2rad(0.1)
 
 
 def test_an_approval_that_ran_out_before_anything_was_sent_moves_nothing(planned):

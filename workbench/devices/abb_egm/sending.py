@@ -141,7 +141,7 @@ class Sending:
                 raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
             if told.told[1] == self._score.ticket:
                 raise LinkError("the controller has begun this plan already; nothing runs twice")
-            self._check_stands(name, self._score.start(name).path[0], "the plan begins")
+            self._check_stands(name, self._score.start(name).at(0.0)[0], "the plan begins")
             self._refs[name] = deque([channel.q], maxlen=LAG)
             self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
 
@@ -153,7 +153,7 @@ class Sending:
             wire.VERSION, self._score.ticket, float(number), float(order.command), *words,
         )  # fmt: skip
         began, beside = self._patience.clock(), 0
-        start, goal = self._refs[order.arm][-1], self._score.start(order.arm).path[0]
+        start, goal = self._refs[order.arm][-1], self._score.start(order.arm).at(0.0)[0]
         is_done = False
         while not is_done:
             for name in self._heard():

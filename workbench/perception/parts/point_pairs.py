@@ -27,10 +27,6 @@ TURNS = 30
 
 FEWEST_VOTES = 3.0
 
-MOST_ALIKE = 100
-"""Entries of one feature that get a vote of a pair: of more, as all pairs on a flat face have, some
-vote for the others, each pair of the scene for its own."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PairTable:
@@ -232,12 +228,10 @@ def _counts(
         if feature < 0:
             continue
         turn = _turn(frame, point, points[other])
-        first, end = starts[feature], starts[feature + 1]
-        step = 1 + (end - first) // MOST_ALIKE
-        for entry in range(first + other % step, end, step):
+        for entry in range(starts[feature], starts[feature + 1]):
             place = (turn - turns[entry]) * per_turn
             lower = int(np.floor(place))
             share = place - lower
-            counts[firsts[entry], lower % TURNS] += step * (1.0 - share)
-            counts[firsts[entry], (lower + 1) % TURNS] += step * share
+            counts[firsts[entry], lower % TURNS] += 1.0 - share
+            counts[firsts[entry], (lower + 1) % TURNS] += share
     return counts
