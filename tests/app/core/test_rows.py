@@ -243,6 +243,14 @@ def test_a_persons_word_counts_beside_the_grippers(in_rows):
     assert "it takes part-1, part-2" in refused(line, ReportPick(2, True))
 
 
+def test_a_person_who_saw_the_part_fall_is_believed_when_the_gripper_tells_otherwise(in_rows):
+    line = sending(in_rows)
+    line.do(ReportPick(0, False, "it slipped"), "bob")
+    ends(line)
+    assert line.state.phase is Phase.DONE and len(sent(line)) == 1
+    assert "part-1 was not picked, says bob" in line.state.message
+
+
 def test_each_plan_of_a_row_is_stepped_from_its_first_step(in_rows):
     line = planned(in_rows)
     plan, row = digests(line)

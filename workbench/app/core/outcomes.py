@@ -83,8 +83,9 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     for part in ended.parts:
         if part.is_picked is not None:
             said = ReportPick(_in_row(state, part), part.is_picked, part.why)
-            # What somebody has reported meanwhile is not counted a second time.
-            if not outcome_problem(state, said):
+            # What somebody has reported meanwhile is not counted a second time, and a person who
+            # saw the part fall has seen more than the gripper felt.
+            if not (outcome_problem(state, said) or (said.is_picked and _failed(state, said))):
                 state = with_outcome(state, said, ROBOT_LINK, at)
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
@@ -97,6 +98,11 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
         if part.is_picked is False:
             message += f"; {part.arm} arm failed: {part.why}"
     return escalated(replace(state, phase=Phase.DONE, message=message))
+
+
+def _failed(state: State, said: ReportPick) -> bool:
+    """Whether somebody has said that the pick of the same part has failed."""
+    return any(one.detection == said.detection and not one.is_picked for one in state.outcomes)
 
 
 def _doubted(placed: Detection) -> Detection:
