@@ -1,8 +1,11 @@
 """The look at recorded scans on the calibration's tab, without a browser."""
 
+from threading import Event
+
 import numpy as np
 import pytest
 
+import workbench.app.review.drift_apart
 import workbench.app.review.scanner_drift
 from workbench.app.review.scanner_drift import RecordedDrift
 from workbench.gui.calibration.drift import LOOK, DriftGroup, course_html
@@ -13,14 +16,14 @@ from workbench.perception.calibration.refinement import Drift
 def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch):
     drift = Drift((), ("table",), False, (), np.full(6, 1e-3), np.eye(6) * 1e-8, 0)
     found = RecordedDrift(drift, 3, 20, ("monday: is not whole",))
-    monkeypatch.setattr(workbench.app.review.scanner_drift, "recorded_drift", lambda *args: found)
+    monkeypatch.setattr(workbench.app.review.drift_apart, "drift_apart", lambda *args: found)
     monkeypatch.setattr(
         workbench.app.review.scanner_drift, "refined_cell", lambda cell, drift, at, by: (cell, by)
     )
     group = DriftGroup(visitor, lambda: "Ada")
     with pytest.raises(InputError, match="first"):
         group._taken()
-    group._looked()
+    group._looked(Event())
     assert "20 scans of 3 sessions" in group._says.content
     assert "monday: is not whole" in group._says.content
     assert (group._look.disabled, group._look.label) == (False, LOOK)
@@ -33,9 +36,18 @@ def test_a_scanner_that_was_never_calibrated_is_said(visitor):
     told = []
     visitor.tell = lambda *said: told.append(said)
     group = DriftGroup(visitor, lambda: "Ada")
-    group._looked()
+    group._looked(Event())
     assert "was never calibrated" in told[0][1]
     assert not group._look.disabled
+
+
+def test_a_look_can_be_given_up(visitor):
+    given_up = Event()
+    given_up.set()
+    group = DriftGroup(visitor, lambda: "Ada")
+    group._looked(given_up)
+    assert "The look was cancelled" in group._says.content
+    assert (group._take.visible, group._cancel.visible) == (True, False)
 
 
 def test_days_are_drawn_with_what_they_tell():

@@ -1,5 +1,7 @@
 """Whether the scanner still hangs where it was calibrated: what the recorded sessions say."""
 
+import logging
+import threading
 import time
 from collections.abc import Callable
 from functools import partial
@@ -18,8 +20,10 @@ from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError, WorkbenchError
+from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 from workbench.model.geometry import Floats, Ints
+
+log = logging.getLogger(__name__)
 
 LOOK = "Look at recorded scans"
 
@@ -29,13 +33,15 @@ NOTHING = "Look at the recorded scans first."
 class DriftGroup:
     """A look at the sessions beside this one, what it brought, and its use.
 
-    Concurrency: the look is done in the thread of its callback; `show` is the renderer's.
+    Concurrency: callbacks of viser, the renderer's thread, and a thread for each look, which waits
+    for a process of its own.
     """
 
     def __init__(self, visitor: Visitor, who: Callable[[], str]):
         """Add the controls; `who` names the person, or raises InputError."""
         self._visitor, self._who = visitor, who
         self._found: tuple[str, Callable[[float, str], Cell]] | None = None
+        self._given_up: threading.Event | None = None
         gui = visitor.gui
         with group(gui, "4 · Drift", expand_by_default=False):
             self._says = gui.add_html("")
@@ -43,7 +49,10 @@ class DriftGroup:
             self._look = gui.add_button(LOOK, icon=viser.Icon.HISTORY, color="gray")
             self._look.visible = not visitor.is_recorded
             self._take = gui.add_button("Move the scanner", icon=viser.Icon.CHECK)
-        self._look.on_click(lambda _: self._looked())
+            self._cancel = gui.add_button("Cancel the look", icon=viser.Icon.X, color="gray")
+            self._cancel.visible = False
+        self._look.on_click(lambda _: self._began())
+        self._cancel.on_click(lambda _: self._gave_up())
         visitor.on_press(self._take, self._taken)
 
     def show(self, new: View) -> None:
@@ -54,27 +63,50 @@ class DriftGroup:
         is_of_it = self._found is not None and self._found[0] == state.cell.digest
         self._visitor.admit(self._take, state, ChangeCell, otherwise="" if is_of_it else NOTHING)
 
-    def _looked(self) -> None:
+    def _began(self) -> None:
+        if self._given_up is None:
+            self._given_up = threading.Event()
+            looked = threading.Thread(
+                target=self._looked, args=(self._given_up,), name="drift", daemon=True
+            )
+            looked.start()
+
+    def _gave_up(self) -> None:
+        if self._given_up is not None:
+            self._given_up.set()
+
+    def _looked(self, given_up: threading.Event) -> None:
         """Look through the sessions; that takes some seconds for each week."""
         bench = self._visitor.bench
-        if self._look.disabled or not isinstance(bench, Bench):
+        if not isinstance(bench, Bench):
             return
         self._look.disabled, self._look.label = True, "Looking …"
+        self._take.visible, self._cancel.visible = False, True
         try:
-            self._found = self._brought(bench)
+            self._found = self._brought(bench, given_up)
+        except JobCancelled:
+            self._says.content = line("The look was cancelled.", kind="hint")
         except WorkbenchError as error:
             self._visitor.tell("No look", str(error))
+        except Exception:
+            log.exception("recorded scans could not be looked at")
+            self._visitor.tell("No look", "Internal error, see the log.")
         finally:
+            self._given_up = None
+            self._take.visible, self._cancel.visible = True, False
             self._look.disabled, self._look.label = False, LOOK
             self._admit(bench.state)
 
-    def _brought(self, bench: Bench) -> tuple[str, Callable[[float, str], Cell]] | None:
+    def _brought(
+        self, bench: Bench, given_up: threading.Event
+    ) -> tuple[str, Callable[[float, str], Cell]] | None:
         # Open3D takes a second to load: the page does not wait for it.
         from workbench.app.calibration.drift_words import drift_words
-        from workbench.app.review.scanner_drift import recorded_drift, refined_cell
+        from workbench.app.review.drift_apart import drift_apart
+        from workbench.app.review.scanner_drift import refined_cell
 
         cell = bench.state.cell
-        found = recorded_drift(sessions_in(bench.folder.parent), cell, self._report)
+        found = drift_apart(sessions_in(bench.folder.parent), cell, self._report, given_up)
         said = [
             line(f"{found.scans} scans of {found.sessions} sessions since the calibration."),
             *(line(f"{sentence(one)}.") for one in drift_words(cell, found.drift)),

@@ -1,0 +1,79 @@
+"""The look at recorded scans in a process of its own: it takes seconds, and can be given up.
+
+Imported by that process as well: its `JOBS` are here.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, Queue
+from threading import Event
+from typing import Any
+
+from workbench.app.review.scanner_drift import RecordedDrift, Told, recorded_drift
+from workbench.app.runtime.jobs import Jobs
+from workbench.app.runtime.worker import JobFunction
+from workbench.model.cell import Cell
+from workbench.model.errors import JobCancelled
+from workbench.plugins.progress import Cancelled, Report
+
+NUMBER = 1
+"""Of the only job."""
+
+POLL = 0.2
+"""[s] How soon it is noticed that somebody gives up."""
+
+
+def drift(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> RecordedDrift:
+    """What the sessions in `folders` say of the scanner of a cell."""
+
+    def told(done: float, note: str) -> None:
+        if cancelled():
+            raise JobCancelled("the look at recorded scans was given up")
+        report(done, note)
+
+    return recorded_drift([Path(one) for one in arguments["folders"]], cell, told)
+
+
+JOBS: Mapping[str, JobFunction] = {"drift": drift}
+
+
+def drift_apart(
+    folders: Sequence[Path], cell: Cell, report: Told, given_up: Event
+) -> RecordedDrift:
+    """See `recorded_drift`; until it has come, whoever asks waits in this thread.
+
+    Args:
+        folders: of the sessions.
+        cell: as it is now.
+        report: told from another thread how far it is.
+        given_up: set by who does not want to wait any longer.
+
+    Raises:
+        WorkbenchError: the scanner was never calibrated, a folder holds no session, or the process
+            has ended.
+        JobCancelled: it was given up.
+    """
+    ends: Queue[Any] = Queue()
+    jobs = Jobs(
+        cell,
+        lambda _, result: ends.put(result),
+        lambda _, done, note: report(done, note),
+        module=__name__,
+    )
+    try:
+        jobs.start(NUMBER, "drift", {"folders": [str(one) for one in folders]})
+        is_cancelled, result = False, None
+        while result is None:
+            if given_up.is_set() and not is_cancelled:
+                jobs.cancel(NUMBER)
+                is_cancelled = True
+            with suppress(Empty):
+                result = ends.get(timeout=POLL)
+    finally:
+        jobs.close()
+    if isinstance(result, Exception):
+        raise result
+    return result
