@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from drifting import PRIOR, put_parts, seen, weeks, yumi
 from scipy.optimize import least_squares
+from scipy.stats import chi2
 
 from workbench.model.scan import Detection
 from workbench.perception.calibration.drift import DAY, courses, estimated, known
-from workbench.perception.calibration.refinement import drift_of
+from workbench.perception.calibration.refinement import drift_of, told_by_parts
 from workbench.perception.calibration.things import (
     Sighting,
     motion_at,
@@ -100,6 +101,20 @@ def test_parts_in_scans_tell_the_pose_to_some_hundredths_of_a_millimetre():
     found = estimated(sightings)
     np.testing.assert_allclose(found.moved[:3], MOVED[:3], atol=2e-4)
     np.testing.assert_allclose(found.moved[3:], MOVED[3:], atol=1e-3)
+
+
+def test_parts_that_slip_in_the_hand_say_how_sure_they_are():
+    cell, alone, held = yumi(np.deg2rad(46)), [], []
+    for seed in range(60):
+        sightings = list(exact(cell, put_parts(cell, seed, MOVED, 8, slip=3e-4), MOVED))
+        for told, found in (
+            (alone, estimated(sightings)),
+            (held, told_by_parts(sightings)),
+        ):
+            off = found.moved - MOVED
+            told.append(off @ found.information @ off < chi2.ppf(0.95, 6))
+    assert np.mean(alone) < 0.8, "what a sighting says of itself is too sure"
+    assert np.mean(held) >= 0.95
 
 
 def test_a_drift_is_told_and_the_pose_follows():
