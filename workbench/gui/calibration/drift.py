@@ -64,7 +64,7 @@ class DriftGroup:
         self._visitor.admit(self._take, state, ChangeCell, otherwise="" if is_of_it else NOTHING)
 
     def _began(self) -> None:
-        if self._given_up is None:
+        if self._given_up is None and isinstance(self._visitor.bench, Bench):
             self._given_up = threading.Event()
             looked = threading.Thread(
                 target=self._looked, args=(self._given_up,), name="drift", daemon=True
