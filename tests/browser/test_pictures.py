@@ -46,10 +46,11 @@ ENOUGH = 5
 """So many pictures that differ are told; looking at the others would take long."""
 
 UNSEEN = """
-canvas { visibility: hidden !important; }
+canvas, .mantine-ScrollArea-scrollbar { visibility: hidden !important; }
 * { transition: none !important; animation: none !important; caret-color: transparent !important; }
 """
-"""What WebGL draws is not compared, nor what is on its way to where it will be."""
+"""What WebGL draws is not compared, nor what is on its way to where it will be, nor bars that come
+and go as the mouse does."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -93,9 +94,14 @@ def test_every_tab_looks_as_it_did(screen, shots):
             seen.append(looked_at(page, None if kept is None else kept[number]))
             if kept is None or not (regions := changed(seen[-1], kept[number])):
                 continue
-            x, y = (SMALLER * REGION * place for place in regions[0])
+            left, top, right, bottom = (
+                SMALLER
+                * REGION
+                * np.array([*np.min(regions, axis=0), *np.max(regions, axis=0) + 1])
+            )
             differing.append(
-                f"{tab}, {theme}, {width} x {height}: {len(regions)}, first at {x}, {y}"
+                f"{tab}, {theme}, {width} x {height}: {len(regions)} regions, "
+                f"x {left} to {right}, y {top} to {bottom}"
             )
             Image.fromarray(seen[-1]).save(shots / f"differs-{theme}-{width}-{tab}.png")
             assert len(differing) < ENOUGH, differing

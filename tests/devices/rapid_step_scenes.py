@@ -2,6 +2,7 @@
 
 import numpy as np
 from rapid_stage import FORTH, HOME, LONG, NEAR, step
+from waiting import wait_until
 
 
 def each_step_waits_for_its_word(stage):
@@ -68,6 +69,8 @@ def stop_silence_and_faults_while_a_step_waits(stage):
     stage.restart()
     talk = stage.stepped(*FORTH)
     stage.clock.let_pass(2.5)
+    # Who asks at once is heard, maybe, before the silence is noticed.
+    wait_until(lambda: "silent" in " ".join(one.written[stage.seen :]))
     assert "silent" in talk.until("fault").rest
     talk.link.close()
     stage.stopped()

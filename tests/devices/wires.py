@@ -99,13 +99,15 @@ class Talk:
 
     def until(self, *words):
         """Ping until one of these words comes; what came meanwhile is kept."""
-        while True:
+        until = time.monotonic() + PATIENCE
+        while time.monotonic() < until:
             for k, frame in enumerate(self.others):
                 if frame.word in words:
                     return self.others.pop(k)
             while self.say("ping")[0] != "ok":
                 pass
             time.sleep(0.02)
+        raise AssertionError(f"none of {words} came, but {self.others}")
 
     def closed(self):
         """Whether the controller ends the link now."""

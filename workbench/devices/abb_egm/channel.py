@@ -4,6 +4,7 @@ The controller speaks first: it sends to the address in its configuration, and w
 that came from.
 """
 
+import math
 import socket
 from collections.abc import Callable
 from contextlib import suppress
@@ -14,6 +15,9 @@ from workbench.devices.abb_egm import wire
 from workbench.model.cell import Arm
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
+
+DRIFT = 1e-3
+"""By such a share the controller's clock may be slower than ours: reports are not late for it."""
 
 AT_ONCE = 256
 """So many messages are taken before anything else is done."""
@@ -61,11 +65,11 @@ class Channel:
         Raises:
             LinkError: the port is taken.
         """
-        self.arm, self.last, self.came = arm, None, 0
+        self.arm = arm
+        self.forget()
         self._host, self._silence, self._clock = host, silence, clock
         self._is_paced = is_paced
         self._where = f"{arm.name} at UDP port {port}"
-        self._from: tuple[str, int] | None = None
         self._fresh, self._sent = clock(), 0
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
@@ -78,6 +82,8 @@ class Channel:
     last: wire.Feedback | None
     came: int
     """How many reports came at once, when something was heard last."""
+    late: float
+    """[s] How much longer than the quickest the first of them was under way."""
 
     def fileno(self) -> int:
         """For `select`."""
@@ -89,7 +95,10 @@ class Channel:
 
     def forget(self) -> None:
         """Begin anew: what comes next is the first report."""
-        self.last, self._from, self.came = None, None, 0
+        self.last, self.came, self.late = None, 0, 0.0
+        self._from: tuple[str, int] | None = None
+        # The controller's clock since the first report; by how much ours is ahead of it at least.
+        self._at, self._ahead = 0.0, math.inf
 
     def hear(self) -> wire.Feedback | None:
         """As `hear_first`, and a silence is an error.
@@ -111,7 +120,7 @@ class Channel:
         Raises:
             LinkError: one is out of order, came twice, makes no sense, or others were lost.
         """
-        self.came = 0
+        self.came, first = 0, None
         for _ in range(AT_ONCE):
             try:
                 data, sender = self._socket.recvfrom(wire.LONGEST)
@@ -125,9 +134,12 @@ class Channel:
                 raise LinkError(f"two programs report {self._where}")
             self._from = sender
             self._take(wire.read_feedback(data, len(self.arm.joints)))
-        if not self.came:
+            first = self._at if first is None else first
+        if first is None:
             return None
         self._fresh = self._clock()
+        self._ahead = min(self._ahead + DRIFT * (self._at - first), self._fresh - self._at)
+        self.late = self._fresh - first - self._ahead
         return self.last
 
     def _take(self, told: wire.Feedback) -> None:
@@ -146,6 +158,7 @@ class Channel:
                 )
             if later > self._silence * 1000:
                 raise LinkError(f"{ahead - 1} reports were lost: {self._where}")
+            self._at += later / 1000
         self.last = told
         self.came += 1
 

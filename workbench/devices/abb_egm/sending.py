@@ -245,9 +245,10 @@ class Sending:
 
     def _check_follows(self, name: str, *, has_begun: bool) -> None:
         channel = self._channels[name]
-        late = channel.came * wire.PERIOD_MS / 1000
-        if has_begun and late > self._silence:
-            raise LinkError(f"{channel.came} reports came at once in {self._where}: too late")
+        if has_begun and channel.late > self._silence:
+            raise LinkError(
+                f"a report came {channel.late * 1000:.0f} ms late in {self._where}: too late"
+            )
         off = np.abs(np.array(self._refs[name]) - channel.q).max(axis=1).min()
         if not off <= OFF:
             raise LinkError(
