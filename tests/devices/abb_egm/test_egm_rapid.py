@@ -116,13 +116,14 @@ def test_a_hand_that_fails_ends_the_plan(planned):
         assert stands_at(one, cell, name, plan.arm(name).legs[0].q[0]) < np.deg2rad(0.1)
 
 
-def test_a_stop_brakes_and_ends(planned):
+@pytest.mark.parametrize("done", [1, 6], ids=["before the other arm has begun", "on the way"])
+def test_a_stop_brakes_and_ends(planned, done):
     cell, plan, approval = planned
     with modules_run(cell) as (one, there):
         taken = []
         with pytest.raises(JobCancelled, match="reported that it stands after"):
             for receipt in send(
-                plan, approval, there, cancelled=lambda: len(taken) > 5, patience=PATIENT
+                plan, approval, there, cancelled=lambda: len(taken) >= done, patience=PATIENT
             ):
                 taken.append(receipt)
         assert one.written == [], "the module was told to end"

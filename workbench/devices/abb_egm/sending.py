@@ -322,6 +322,12 @@ class Sending:
         if not self._is_there(name):
             self._answer(name, q)
             return False
+        if self._said[name][3] == wire.NONE:
+            return True
+        if self._said[name][3] == wire.BEGIN and not self._is_done(name, self._count[name]):
+            # A module that has not begun does not know of an end.
+            self._answer(name, q)
+            return False
         if self._said[name][3] != wire.END:
             self._count[name] += 1
             head = (wire.VERSION, self._score.ticket, float(self._count[name]))
