@@ -4,6 +4,7 @@ import functools
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from patient import PATIENT
 from waiting import PATIENCE, wait_until
@@ -30,6 +31,7 @@ from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.perception.simulation.piles import drop_parts
+from workbench.web.api.forms import state_form
 
 CRAWL = 0.002
 """Times real time: nothing ends while a test looks."""
@@ -77,8 +79,19 @@ def ended(made):
 def release(made):
     digest = made.state.plan.digest
     made.do(WatchPlan(digest), "ada")
-    wait_until(lambda: made.live.joints)
+    # What is reported may be older than the end of the motion before.
+    wait_until(lambda: stands_at_start(made))
     made.do(Approve(digest), "ada")
+
+
+def stands_at_start(made):
+    reported = made.live.joints
+    starts = [
+        (made.state.cell.arm(one.arm).joints, one.legs[0].q[0]) for one in made.state.plan.arms
+    ]
+    return reported and all(
+        np.allclose([reported[joint] for joint in joints], q, atol=1e-3) for joints, q in starts
+    )
 
 
 def crawling(made, robot):
@@ -106,6 +119,8 @@ def test_the_next_plan_waits_when_the_motion_ends_and_is_sent(bench, cell):
     state = made.wait(lambda state: state.ahead and len(state.ahead.brought) == 3, PATIENCE)
     assert (state.phase, state.plan.digest, state.job) == (Phase.SENDING, first, None)
     assert LinkEnded.__name__ not in kinds(made), "all of it is done before the motion has ended"
+    told = state_form(state, made.live)
+    assert told["ahead"] == ["scan", "localize", "plan"] and told["plan"] == first
     robot._body.speed = 100.0
     state = end_of(made)
     assert (state.phase, state.ahead) == (Phase.PLANNED, None), state.message

@@ -58,6 +58,7 @@ def state_form(state: State, live: Live) -> Form:
         "approved_speed": None if state.approval is None else state.approval.speed_share,
         "approved_stepped": state.approval is not None and state.approval.is_stepped,
         "step_waits": state.waits,
+        "ahead": None if state.ahead is None else [job.name for job, _, _ in state.ahead.brought],
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [

@@ -109,6 +109,7 @@ STATE = record(
     approved_speed=or_none(NUMBER),
     approved_stepped=FLAG,
     step_waits=WHOLE,
+    ahead=or_none(many(TEXT)),
     approved_until=or_none(NUMBER),
     messages_sent=WHOLE,
     parts_placed=WHOLE,
