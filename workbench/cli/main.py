@@ -107,6 +107,7 @@ HOW: Mapping[type, str] = {
     nested.CellShow: "authoring.cell:show_cell",
     nested.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",
+    part.PartFromScans: "authoring.part_scans:from_scans",
     part.PartCheck: "authoring.part_check:check_part",
     part.PartList: "authoring.part:list_parts",
     top.Grasps: "authoring.grasps:grasps",
