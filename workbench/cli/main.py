@@ -96,6 +96,7 @@ HOW: Mapping[type, str] = {
     nested.BenchPage: "measuring.page_load:page_load",
     nested.BenchShort: "measuring.short:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
+    studies.StudyModels: "measuring.models:study_models",
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyPlacing: "measuring.placing:placing",

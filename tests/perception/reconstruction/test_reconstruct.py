@@ -111,7 +111,7 @@ def test_poses_that_are_wrong_are_improved(made):
 def test_poses_can_be_taken_as_they_are(scans, bounds):
     made = reconstruct(scans, bounds, voxel=0.002, refine=False)
     for scan, T in zip(scans, made.Ts_model_scanner, strict=True):
-        assert T == scan.T_world_scanner
+        assert scan.T_world_scanner == T
     assert made.apart[0] == made.apart[1]
 
 
