@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -11,6 +12,7 @@ import pinocchio as pin
 
 from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.meshes.reading import read_mesh
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
@@ -74,7 +76,8 @@ class Task:
 
     The scanner is not where the cell has it: all that it sees is `raised` [m] and `tilted` [rad]
     about the bin's x axis.  `searched` are the kinds that are looked for, as in `part`; empty:
-    those that lie there.  Their CAD files are `cad_scale` times as large as what lies there.
+    those that lie there.  Their CAD files are `cad_scale` times as large as what lies there, or
+    meshes in the folder `models`, in millimetres, stand in for them.
     """
 
     cell: str
@@ -86,6 +89,7 @@ class Task:
     tilted: float = 0.0
     searched: str = ""
     cad_scale: float = 1.0
+    models: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +130,7 @@ class Scene:
 
 def localized_scene(task: Task) -> Scene:
     """Drop parts, scan them, find them, and compare."""
-    cell = _warm(task.cell, task.searched or task.part, task.build, task.cad_scale)
+    cell = _warm(task.cell, task.searched or task.part, task.build, task.cad_scale, task.models)
     lying = replace(cell, parts=_kinds(task.part))
     fallen = pile_of(lying, ALL_KINDS, task.count, seed=task.seed)
     scan = synthesize(lying, fallen, seed=task.seed, noise=BUILDS[task.build].noise)
@@ -183,9 +187,9 @@ def _kinds(names: str) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=12)
-def _warm(name: str, parts: str, build: str, cad_scale: float) -> Cell:
+def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds = tuple(_scaled(part, cad_scale) for part in _kinds(parts))
+    kinds = tuple(_scaled(_taught(part, models), cad_scale) for part in _kinds(parts))
     deviation = BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
@@ -193,6 +197,13 @@ def _warm(name: str, parts: str, build: str, cad_scale: float) -> Cell:
     scan = synthesize(cell, pile_of(cell, ALL_KINDS, len(kinds), seed=0), seed=0)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     return cell
+
+
+def _taught(part: Part, models: str) -> Part:
+    """The part with the mesh of its name in a folder, if one is given."""
+    return (
+        replace(part, mesh=read_mesh(Path(models, f"{part.name}.ply"), 0.001)) if models else part
+    )
 
 
 def _scaled(part: Part, factor: float) -> Part:

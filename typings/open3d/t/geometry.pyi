@@ -12,3 +12,15 @@ class RaycastingScene:
     ) -> dict[str, Tensor]: ...
     def compute_distance(self, query_points: Tensor, nthreads: int = ...) -> Tensor: ...
     def compute_signed_distance(self, query_points: Tensor, nthreads: int = ...) -> Tensor: ...
+
+class VertexAttributes:
+    positions: Tensor
+
+class TriangleAttributes:
+    indices: Tensor
+
+class TriangleMesh:
+    vertex: VertexAttributes
+    triangle: TriangleAttributes
+    @staticmethod
+    def create_isosurfaces(volume: Tensor, contour_values: list[float]) -> TriangleMesh: ...

@@ -36,6 +36,27 @@ class PartImport:
 
 
 @dataclass(frozen=True, slots=True)
+class PartFromScans:
+    """Merge scans of one part from known poses into a closed model, for `part import`.
+
+    The folder holds the scans and views.toml, which says where each was taken from; see
+    docs/new_part.md.  What no scan shows is closed, and its share of the surface is told.
+    """
+
+    folder: Positional[Path]
+    """Holds views.toml and the scans."""
+    out: Path
+    """PLY or STL file to write, in millimetres, in the frame of the poses."""
+    voxel_mm: Maybe[float] = None
+    """Width of the voxels; that of the scans' pixels when not given."""
+    tolerance_mm: float = 0.2
+    """By so much the surface may change for the sake of fewer triangles."""
+    as_given: bool = False
+    """Take the poses as they are; otherwise they are improved by what several scans show."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class PartCheck:
     """Look whether a part is fit for picking: mesh, pieces, symmetry, grasps, poses covered.
 
@@ -57,10 +78,11 @@ class PartList:
 
 @dataclass(frozen=True, slots=True)
 class PartCommands:
-    """Make parts from CAD files and look whether they are fit for picking."""
+    """Make parts from CAD files or scans and look whether they are fit for picking."""
 
     what: (
         Annotated[PartImport, subcommand("import")]
+        | Annotated[PartFromScans, subcommand("from-scans")]
         | Annotated[PartCheck, subcommand("check")]
         | Annotated[PartList, subcommand("list")]
     )

@@ -46,10 +46,37 @@ class StudyLocalization:
     seed: FirstSeed = 0
     cad_scale: float = 1.0
     """The CAD files are so many times as large as what lies there: is that said?"""
+    models: Maybe[Path] = None
+    """Folder with a PLY file [mm] for each part, searched with in place of its CAD file."""
     cases: Maybe[Path] = None
     """Folder of kept cases, to search in these and in no pile; goes with --json alone."""
     plot: Maybe[Path] = None
     """HTML file to draw it in."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class StudyModels:
+    """Merge simulated scans of parts into models and compare them with the parts' CAD files.
+
+    Beside each stands the convex hull of what its first scan shows.
+    """
+
+    parts: tuple[str, ...] = ("bracket", "keyed_cylinder")
+    """Names under parts/, or paths."""
+    ways: tuple[Literal["turntable", "held"], ...] = ("turntable", "held")
+    """On a turntable under one scanner, or held and seen from all sides."""
+    noise: tuple[Literal["fine", "rough"], ...] = ("fine", "rough")
+    """Builds of scanner."""
+    views: int = 12
+    """Scans of each part."""
+    shift_mm: float = 0.2
+    """By so much poses are wrong (root mean square)."""
+    turn_deg: float = 0.1
+    """And by this, about the turntable's or the flange's frame."""
+    keep: Maybe[Path] = None
+    """Folder for the models, for `study localization --models`; one way and noise only."""
+    seed: FirstSeed = 0
     json: Json = False
 
 
@@ -238,6 +265,7 @@ class Study:
     what: (
         Annotated[StudyThreshold, subcommand("threshold")]
         | Annotated[StudyLocalization, subcommand("localization")]
+        | Annotated[StudyModels, subcommand("models")]
         | Annotated[StudyEmptying, subcommand("emptying")]
         | Annotated[StudyPlacing, subcommand("placing")]
         | Annotated[StudyPallets, subcommand("pallets")]

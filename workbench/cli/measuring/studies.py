@@ -149,7 +149,8 @@ def study_localization(typed: StudyLocalization) -> int:
     check_number("--tilted", typed.tilted, -45.0, 45.0)
     check_number("--cad-scale", typed.cad_scale, 0.5, 2.0)
     tilted = float(np.deg2rad(typed.tilted))
-    off = (typed.raised / 1000, tilted, typed.search, typed.cad_scale)
+    models = "" if typed.models is None else str(typed.models)
+    off = (typed.raised / 1000, tilted, typed.search, typed.cad_scale, models)
     tasks = [
         localization.Task(typed.cell, part, build, count, seed, *off)
         for part in typed.parts

@@ -12,6 +12,7 @@ from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import SeenBin, inside_by
 from workbench.perception.views.camera import Pinhole
+from workbench.perception.views.depth_images import averaged, normals_of
 
 FLOOR_GATE = 0.0015
 """[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
@@ -129,8 +130,8 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
     camera = Pinhole(1.0 / step, -low / step, (int(rows), int(columns)))
     column, row = camera.centre
-    rays, depth = _average(points, camera.rays(), 1.0 / step, column, row, 0.03 * size)
-    normals = _normals(rays, depth, max(2, round(0.03 * size / (step * distance))), 0.03 * size)
+    rays, depth = averaged(points, camera.rays(), 1.0 / step, column, row, 0.03 * size)
+    normals = normals_of(rays, depth, max(2, round(0.03 * size / (step * distance))), 0.03 * size)
     foreground = _inside(
         rays, depth, T_bin_scanner.homogeneous, bin.size, seen.floor, seen.walls,
         max(FLOOR_GATE, FLOOR_GATE_OVER_NOISE * seen.noise), size,
@@ -190,89 +191,3 @@ def _near_bin(points: Floats, T: Floats, reach: Floats) -> Bools:  # pragma: no 
         is_in_bin = abs(x) <= reach[0] and abs(y) <= reach[1] and -BELOW <= z <= reach[2]
         near[k] = is_in_bin and p[2] > 0.0
     return near
-
-
-@njit(cache=True)
-def _average(
-    points: Floats, centres: Floats, focal: float, column: float, row: float, gate: float
-) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
-    """Rays and depths from the points of each pixel that are within `gate` of the nearest."""
-    rows, columns = centres.shape[:2]
-    nearest = np.full((rows, columns), np.inf)
-    for k in range(len(points)):
-        u = int(np.rint(points[k, 0] / points[k, 2] * focal + column))
-        v = int(np.rint(points[k, 1] / points[k, 2] * focal + row))
-        if 0 <= u < columns and 0 <= v < rows:
-            nearest[v, u] = min(nearest[v, u], points[k, 2])
-    total = np.zeros((rows, columns, 4))
-    for k in range(len(points)):
-        x, y, z = points[k]
-        u = int(np.rint(x / z * focal + column))
-        v = int(np.rint(y / z * focal + row))
-        if 0 <= u < columns and 0 <= v < rows and z <= nearest[v, u] + gate:
-            total[v, u, 0] += x
-            total[v, u, 1] += y
-            total[v, u, 2] += z
-            total[v, u, 3] += 1.0
-    rays = centres.copy()
-    depth = np.zeros((rows, columns))
-    for v in range(rows):
-        for u in range(columns):
-            if total[v, u, 3] > 0:
-                depth[v, u] = total[v, u, 2] / total[v, u, 3]
-                rays[v, u, 0] = total[v, u, 0] / total[v, u, 2]
-                rays[v, u, 1] = total[v, u, 1] / total[v, u, 2]
-    return rays, depth
-
-
-@njit(cache=True)
-def _normals(
-    rays: Floats, depth: Floats, half: int, gate: float
-) -> Floats:  # pragma: no cover (compiled)
-    """Normals of planes fitted in windows of `half` pixels to each side.
-
-    Over the image of a plane, 1/z is a linear function a x + b y + c of the ray (x, y, 1),
-    and (a, b, c) is the plane's normal: three unknowns, and no eigenvalue problem.
-    """
-    rows, columns = depth.shape
-    normals = np.zeros((rows, columns, 3))
-    for v in range(rows):
-        for u in range(columns):
-            z0 = depth[v, u]
-            if z0 == 0.0:
-                continue
-            x0, y0 = rays[v, u, 0], rays[v, u, 1]
-            n = sx = sy = sxx = sxy = syy = sd = sxd = syd = 0.0
-            for j in range(max(v - half, 0), min(v + half + 1, rows)):
-                for i in range(max(u - half, 0), min(u + half + 1, columns)):
-                    z = depth[j, i]
-                    if z == 0.0 or abs(z - z0) > gate:
-                        continue
-                    x, y, d = rays[j, i, 0] - x0, rays[j, i, 1] - y0, 1.0 / z - 1.0 / z0
-                    n += 1.0
-                    sx += x
-                    sy += y
-                    sxx += x * x
-                    sxy += x * y
-                    syy += y * y
-                    sd += d
-                    sxd += x * d
-                    syd += y * d
-            if n < 6.0:
-                continue
-            sxx -= sx * sx / n
-            sxy -= sx * sy / n
-            syy -= sy * sy / n
-            sxd -= sx * sd / n
-            syd -= sy * sd / n
-            determinant = sxx * syy - sxy * sxy
-            if determinant < 1e-3 * (sxx + syy) ** 2:  # nearly on one line
-                continue
-            a = (sxd * syy - syd * sxy) / determinant
-            b = (syd * sxx - sxd * sxy) / determinant
-            c = 1.0 / z0 + (sd - a * sx - b * sy) / n - a * x0 - b * y0
-            length = np.sqrt(a * a + b * b + c * c)
-            normals[v, u, 0] = -a / length
-            normals[v, u, 1] = -b / length
-            normals[v, u, 2] = -c / length
-    return normals
