@@ -85,7 +85,9 @@ class Detection(Told):
     symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
     turns about it, along the world's axes; `probability` the chance that it is right; both None
     for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
-    has put where it is now; None where it lies as it was found.
+    has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
+    are those that the colours show, where shape leaves several; False: they should have told it
+    and do not, so that it is by shape alone; None: nothing was left to them.
     """
 
     part: str
@@ -99,6 +101,7 @@ class Detection(Told):
     probability: float | None = field(default_factory=lambda: None, metadata=LATER)
     roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
+    by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -128,6 +131,8 @@ class Detection(Told):
         """What people want to know of it."""
         x, y, z = self.T_world_part.translation * 1000
         turns = {} if self.roll_known else {"roll": "not known"}
+        if self.by_colour is not None:
+            turns["told by"] = "its colours" if self.by_colour else "shape alone"
         place, score = f"({x:.1f}, {y:.1f}, {z:.1f}) mm", f"{self.score:.2f}"
         return {"part": self.part, "place": place, "score": score, **turns}
 
@@ -150,6 +155,7 @@ class Objection(enum.StrEnum):
     UNKNOWN = "something unknown explains it better"
     OUTDONE = "a part of another kind explains it and more"
     GOES_ON = "its surface goes on where the part would end"
+    COLOURS = "its colours are those of another kind"
     NOT_HELD = "a small shift would be explained as well"
     CLAIMED = "surface claimed by"
     TWIN = "a twin with a worse score of"
