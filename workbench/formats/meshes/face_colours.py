@@ -51,7 +51,5 @@ def _loaded(path: Path, kind: str, content: bytes) -> np.ndarray:
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"its colours cannot be read: {shown(str(error))}") from None
     if colours is None:
-        raise FileError(
-            path, "has no colours of faces or corners, by which kinds and turns are told"
-        )
+        raise FileError(path, "has no colours of faces or corners, which use_colours asks for")
     return colours
