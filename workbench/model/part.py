@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import LATER, Told, digest_of
+from workbench.model.errors import InputError
 from workbench.model.geometry import (
     Bools,
     Box,
@@ -303,6 +304,8 @@ class Part(Told):
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
     `friction`, no unit, is that between it and what it is held with; None where nobody has said it.
+    `colours` (m, 3) are red, green and blue of the mesh's triangles, 0 to 255 as sRGB has them: its
+    kind and turn are told by them where shape leaves them open, None where shape alone counts.
     """
 
     name: str
@@ -312,10 +315,18 @@ class Part(Told):
     symmetry: Symmetry
     library: GraspLibrary
     friction: float | None = field(default_factory=lambda: None, metadata=LATER)
+    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:
+        if self.colours is not None:
+            if np.shape(self.colours) != self.mesh.triangles.shape:
+                raise InputError(
+                    f"part {self.name} has {len(self.mesh.triangles)} triangles but colours of "
+                    f"shape {np.shape(self.colours)}"
+                )
+            put(self, colours=frozen(self.colours, np.uint8))
         put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))
 
     @property

@@ -26,7 +26,8 @@ class Scan(Told):
     `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
     (n,) holds each point's place row * columns + column in an image of `resolution`
     (columns, rows), otherwise both are None.  `at` is seconds since the epoch, for people:
-    it is not part of the digest, so the same points are the same scan.
+    it is not part of the digest, so the same points are the same scan.  `colours` (n, 3) are red,
+    green and blue of each point, 0 to 255 as sRGB has them, None where the scanner gives none.
     """
 
     points: Floats
@@ -35,6 +36,7 @@ class Scan(Told):
     pixels: np.ndarray | None = None
     resolution: tuple[int, int] | None = None
     at: float = 0.0
+    colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -45,11 +47,14 @@ class Scan(Told):
             raise InputError("a scan may hold finite points only; drop the empty ones first")
         if self.pixels is not None and len(self.pixels) != len(points):
             raise InputError(f"{len(points)} points but {len(self.pixels)} pixels")
+        if self.colours is not None and np.shape(self.colours) != points.shape:
+            raise InputError(f"{len(points)} points but colours of shape {np.shape(self.colours)}")
         put(
             self,
             points=points,
             T_world_scanner=copied(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
+            colours=None if self.colours is None else frozen(self.colours, np.uint8),
         )
         put(self, digest=digest_of(self, without=frozenset({"at", "source"})))
 
@@ -58,7 +63,8 @@ class Scan(Told):
         """What people want to know of it."""
         of = "" if self.resolution is None else f" of {self.resolution[0]} x {self.resolution[1]}"
         points, source = f"{len(self.points):,}{of}", self.source
-        return {"points": points, "source": source, "digest": self.digest[:12]}
+        colours = {} if self.colours is None else {"colours": "one for each point"}
+        return {"points": points, **colours, "source": source, "digest": self.digest[:12]}
 
     @property
     def points_world(self) -> Floats:
@@ -79,7 +85,9 @@ class Detection(Told):
     symmetry states.  `covariance` (6, 6) [m, rad] is that of shifts of the part's origin, then of
     turns about it, along the world's axes; `probability` the chance that it is right; both None
     for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
-    has put where it is now; None where it lies as it was found.
+    has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
+    are those that the colours show, where shape leaves several; False: they should have told it
+    and do not, so that it is by shape alone; None: nothing was left to them.
     """
 
     part: str
@@ -93,6 +101,7 @@ class Detection(Told):
     probability: float | None = field(default_factory=lambda: None, metadata=LATER)
     roll_axis: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     T_world_found: pin.SE3 | None = field(default_factory=lambda: None, metadata=LATER)
+    by_colour: bool | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
@@ -122,6 +131,8 @@ class Detection(Told):
         """What people want to know of it."""
         x, y, z = self.T_world_part.translation * 1000
         turns = {} if self.roll_known else {"roll": "not known"}
+        if self.by_colour is not None:
+            turns["told by"] = "its colours" if self.by_colour else "shape alone"
         place, score = f"({x:.1f}, {y:.1f}, {z:.1f}) mm", f"{self.score:.2f}"
         return {"part": self.part, "place": place, "score": score, **turns}
 
@@ -144,6 +155,7 @@ class Objection(enum.StrEnum):
     UNKNOWN = "something unknown explains it better"
     OUTDONE = "a part of another kind explains it and more"
     GOES_ON = "its surface goes on where the part would end"
+    COLOURS = "its colours are those of another kind"
     NOT_HELD = "a small shift would be explained as well"
     CLAIMED = "surface claimed by"
     TWIN = "a twin with a worse score of"

@@ -63,6 +63,15 @@ class PointPairs:
         cancelled: Cancelled,
     ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
+        from workbench.perception.colours.telling import told_by_colour
         from workbench.perception.localization.kinds import all_kinds
 
-        return all_kinds(scan, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
+        return all_kinds(
+            scan,
+            cell,
+            seed=seed,
+            detail=detail,
+            report=report,
+            cancelled=cancelled,
+            tell=told_by_colour,
+        )

@@ -68,6 +68,7 @@ def commands(samples):
     return (
         TakeScan(3, 4),
         UseScan(scan),
+        UseScan(replace(scan, colours=np.arange(9000).reshape(3000, 3) % 251)),
         FindParts(5),
         UseDetections(samples.detections()),
         MakePlan("right", 0.25, 6),

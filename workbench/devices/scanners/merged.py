@@ -60,7 +60,7 @@ class MergedScanner:
         """Take a scan of each view; see `Scanner`."""
         for view in self._views:
             _check_calibration(view, time.time())
-        clouds, told = list[Floats](), list[str]()
+        clouds, colours, told = list[Floats](), list[np.ndarray | None](), list[str]()
         for number, view in enumerate(self._views):
 
             def share(done: float, note: str, view: View = view, number: int = number) -> None:
@@ -74,13 +74,21 @@ class MergedScanner:
                 raise JobCancelled("the scan was cancelled")
             T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
             clouds.append(scan.points @ T.rotation.T + T.translation)
+            colours.append(scan.colours)
             told.append(f"{len(scan.points):,} of {view.file.name}")
         points = np.concatenate(clouds)
         if len(points) > MOST_POINTS:
             raise LinkError(
                 f"scanner: {len(points)} points in all, at most {MOST_POINTS} are taken"
             )
-        return Scan(points, self._mount.T_world_scanner, f"merged: {', '.join(told)}")
+        # Where one of the scanners gives no colours, nobody could tell which points have some.
+        painted = [each for each in colours if each is not None]
+        return Scan(
+            points,
+            self._mount.T_world_scanner,
+            f"merged: {', '.join(told)}",
+            colours=np.concatenate(painted) if len(painted) == len(colours) else None,
+        )
 
 
 def _views(cell: Cell, options: MergedOptions) -> tuple[View, ...]:

@@ -1,4 +1,4 @@
-"""Point clouds in PCD files: ascii, binary, and compressed.
+"""Point clouds in PCD files: ascii, binary, and compressed; with the colours of points.
 
 Source: Point Cloud Library, "The PCD (Point Cloud Data) file format", version 0.7; M. Lehmann,
 LibLZF, for how compressed data is packed.
@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from workbench.formats.clouds.colours import PACKED, unpacked
 from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import shown
 from workbench.model.errors import FileError
@@ -39,8 +40,19 @@ class Layout(NamedTuple):
     end: int
 
 
-def read_pcd(path: Path, content: bytes, most: int) -> tuple[Floats, tuple[int, int] | None]:
-    """The points (n, 3) of a PCD file in its own unit, and columns and rows of an organised one.
+class PcdCloud(NamedTuple):
+    """Points (n, 3) in the file's own unit; columns and rows of an organised one.
+
+    `colours` (n, 3), 0 to 255, are None where the file has none.
+    """
+
+    points: Floats
+    resolution: tuple[int, int] | None
+    colours: np.ndarray | None
+
+
+def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
+    """The points of a PCD file.
 
     Raises:
         FileError: not a PCD file, more than `most` points, cut off, or without x, y, z.
@@ -53,15 +65,28 @@ def read_pcd(path: Path, content: bytes, most: int) -> tuple[Floats, tuple[int, 
         many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXES
     ):
         raise FileError(path, f"FIELDS {' '.join(layout.names)[:80]}: x, y and z are expected")
+    packed = _packed(layout)
+    names = AXES if packed is None else (*AXES, packed)
     match layout.encoding:
         case "ascii":
-            points = _ascii(path, content, layout, count)
+            columns = _ascii(path, content, layout, count, names)
         case "binary":
-            points = _binary(path, content[layout.end :], layout, count)
+            columns = _binary(path, content[layout.end :], layout, count, names)
         case _:
-            points = _compressed(path, content[layout.end :], layout, count)
+            columns = _compressed(path, content[layout.end :], layout, count, names)
+    with np.errstate(invalid="ignore"):
+        points = np.column_stack([column.astype(np.float64) for column in columns[:3]])
+    colours = None if packed is None else unpacked(columns[3])
     organised = (layout.width, layout.height) if layout.height > 1 else None
-    return points, organised
+    return PcdCloud(points, organised, colours)
+
+
+def _packed(layout: Layout) -> str | None:
+    """The field that holds colours, if there is one, once, of four bytes."""
+    for name, kind, count in zip(layout.names, layout.kinds, layout.counts, strict=True):
+        if name in PACKED and layout.names.count(name) == 1 and kind[2] == "4" and count == 1:
+            return name
+    return None
 
 
 def _layout(path: Path, content: bytes) -> Layout:
@@ -115,45 +140,52 @@ def _row(layout: Layout) -> np.dtype:
     )
 
 
-def _binary(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
+def _binary(
+    path: Path, data: bytes, layout: Layout, count: int, names: tuple[str, ...]
+) -> list[np.ndarray]:
     row = _row(layout)
     if len(data) < count * row.itemsize:
         raise FileError(path, f"is cut off: {count} points were declared")
     rows = np.frombuffer(data, row, count)
-    with np.errstate(invalid="ignore"):
-        return np.column_stack(
-            [rows[f"{layout.names.index(axis)}"][:, 0].astype(np.float64) for axis in AXES]
-        )
+    return [rows[f"{layout.names.index(name)}"][:, 0] for name in names]
 
 
-def _ascii(path: Path, content: bytes, layout: Layout, count: int) -> Floats:
+def _ascii(
+    path: Path, content: bytes, layout: Layout, count: int, names: tuple[str, ...]
+) -> list[np.ndarray]:
     starts = np.cumsum([0, *layout.counts])
-    columns = [int(starts[layout.names.index(axis)]) for axis in AXES]
-    return read_rows(path, content, layout.end, columns=columns, count=count)
+    columns = [int(starts[layout.names.index(name)]) for name in names]
+    values = read_rows(path, content, layout.end, columns=columns, count=count)
+    kinds = [layout.kinds[layout.names.index(name)] for name in names]
+    with np.errstate(invalid="ignore", over="ignore"):
+        return [
+            column.astype(kind if name in PACKED else np.float64)
+            for name, kind, column in zip(names, kinds, values.T, strict=True)
+        ]
 
 
-def _compressed(path: Path, data: bytes, layout: Layout, count: int) -> Floats:
+def _compressed(
+    path: Path, data: bytes, layout: Layout, count: int, names: tuple[str, ...]
+) -> list[np.ndarray]:
     """Field by field, packed by LZF behind the two sizes."""
     from workbench.formats.clouds.lzf import unpack  # what compiles is large; most are not packed
 
     if len(data) < 8:
         raise FileError(path, "is cut off")
-    packed, size = np.frombuffer(data, "<u4", 2).tolist()
+    length, size = np.frombuffer(data, "<u4", 2).tolist()
     row = _row(layout)
-    if size != count * row.itemsize or len(data) < 8 + packed:
+    if size != count * row.itemsize or len(data) < 8 + length:
         raise FileError(path, "is cut off, or its sizes do not fit its points")
-    unpacked = np.zeros(size, np.uint8)
-    if unpack(np.frombuffer(data, np.uint8, packed, 8), unpacked) != size:
+    fields = np.zeros(size, np.uint8)
+    if unpack(np.frombuffer(data, np.uint8, length, 8), fields) != size:
         raise FileError(path, "its compressed data is broken")
-    points = np.empty((count, 3))
+    columns = dict[str, np.ndarray]()
     start = 0
     for number, (name, kind, values) in enumerate(
         zip(layout.names, layout.kinds, layout.counts, strict=True)
     ):
         length = count * row[f"{number}"].itemsize
-        if name in AXES:
-            column = unpacked[start : start + length].view(kind).reshape(count, values)
-            with np.errstate(invalid="ignore"):
-                points[:, AXES.index(name)] = column[:, 0]
+        if name in names:
+            columns[name] = fields[start : start + length].view(kind).reshape(count, values)[:, 0]
         start += length
-    return points
+    return [columns[name] for name in names]

@@ -11,10 +11,12 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from workbench.formats.clouds.colours import CHANNELS, of_channels, unless_all_alike
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.clouds.photoneo import camera_of
 from workbench.formats.clouds.ply_header import Header, read_header
@@ -40,6 +42,9 @@ NEAREST, FARTHEST = 0.005, 100.0
 BESIDE = 6.0
 """By this factor a scan may lie nearer or further than the scanner measures: less than lies
 between any two units."""
+
+KINDS = {"<f8": "double", "<i4": "int", "u1": "uchar"}
+"""NumPy's types of the properties that are written, and PLY's names of them."""
 
 FEW = 0.05
 """Share of the points that may lie anywhere: stray ones say nothing about the unit."""
@@ -131,7 +136,7 @@ def read_cloud(path: str | Path, T_world_scanner: pin.SE3, *, unit: str = "m") -
 def parse_cloud(
     path: Path, content: bytes, T_world_scanner: pin.SE3, *, unit: str = "m", key: str = ""
 ) -> Scan:
-    """A scan from the content of a PLY or PCD file; only where the points are counts.
+    """A scan from the content of a PLY or PCD file: where the points are, and their colours.
 
     Points that are not finite, and those at exactly (0, 0, 0), where many scanners put pixels
     without a measurement, are dropped.
@@ -148,18 +153,19 @@ def parse_cloud(
     """
     if unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
-    values, resolution = _values(path, content)
+    rows = _rows(path, content)
     with np.errstate(over="ignore", invalid="ignore"):
-        points = values[:, :3] * UNITS[unit]
+        points = rows.points * UNITS[unit]
     measured = _measured(path, points)
     points = points[measured]
     _check_distance(path, points, unit, key)
     pixels = None
-    if resolution is not None:
-        pixels = _pixels(path, values, resolution)[measured]
+    if rows.resolution is not None:
+        pixels = _pixels(path, rows, rows.resolution)[measured]
         if len(np.unique(pixels)) != len(pixels):
             raise FileError(path, "property pixel: two points claim the same pixel")
-    return Scan(points, T_world_scanner, path.name, pixels, resolution)
+    colours = None if rows.colours is None else unless_all_alike(rows.colours[measured])
+    return Scan(points, T_world_scanner, path.name, pixels, rows.resolution, colours=colours)
 
 
 def points_of(path: Path, content: bytes) -> Floats:
@@ -168,7 +174,7 @@ def points_of(path: Path, content: bytes) -> Floats:
     Raises:
         FileError: as `parse_cloud` has it, but for the unit.
     """
-    points = _values(path, content)[0][:, :3]
+    points = _rows(path, content).points
     return np.array(points[_measured(path, points)], dtype=np.float64)
 
 
@@ -180,31 +186,56 @@ def _measured(path: Path, points: Floats) -> Bools:
     return measured
 
 
-def _values(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None]:
-    """Rows of x, y, z and perhaps the pixel, and the image's size where pixels are known."""
+class Rows(NamedTuple):
+    """What a file says of its points.
+
+    `points` (n, 3) in its unit, `pixels` (n,) where it tells them, the image's size where pixels
+    are known, and `colours` (n, 3), 0 to 255, where it has them.
+    """
+
+    points: Floats
+    pixels: Floats | None
+    resolution: tuple[int, int] | None
+    colours: np.ndarray | None
+
+
+def _rows(path: Path, content: bytes) -> Rows:
     if content[:3] == b"ply":
-        values, resolution, has_pixels = _ply(path, content)
-        return values, resolution if has_pixels else None
+        return _ply(path, content)
     if b"FIELDS" not in content[:1024].upper():
         raise FileError(path, "is neither a PLY nor a PCD file")
-    return read_pcd(path, content, MOST_POINTS)
+    points, resolution, colours = read_pcd(path, content, MOST_POINTS)
+    return Rows(points, None, resolution, colours)
 
 
-def _ply(path: Path, content: bytes) -> tuple[Floats, tuple[int, int] | None, bool]:
-    """Rows of x, y, z and perhaps the pixel, the image's size, and whether pixels are known."""
+def _ply(path: Path, content: bytes) -> Rows:
     header = read_header(path, content)
     if header.count > MOST_POINTS:
         raise FileError(path, f"declares {header.count} points, at most {MOST_POINTS} are read")
     if header.count == 0:
         raise FileError(path, "is an empty cloud: it declares 0 points")
-    names = ("x", "y", "z", "pixel") if "pixel" in header.names else ("x", "y", "z")
+    has_pixels = "pixel" in header.names
+    kinds = dict(header.properties)
+    painted = {kinds[name] for name in CHANNELS if name in kinds}
+    has_colours = len(painted) == 1 and set(CHANNELS) <= kinds.keys()
+    names = (
+        *("x", "y", "z"),
+        *(CHANNELS if has_colours else ()),
+        *(("pixel",) if has_pixels else ()),
+    )
     columns = _ascii if header.encoding == "ascii" else _binary
     values, resolution = columns(path, content, header, names), _resolution(path, header.notes)
+    points = values[:, :3]
     camera = camera_of(path, content, header)
     if camera is not None:
-        values[:, :3] = camera.seen(values[:, :3])
+        points = camera.seen(points)
         resolution = resolution or camera.resolution
-    return values, resolution, resolution is not None
+    return Rows(
+        points,
+        values[:, -1] if has_pixels else None,
+        resolution,
+        of_channels(values[:, 3:6], painted.pop()) if has_colours else None,
+    )
 
 
 def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_FORWARD) -> None:
@@ -221,14 +252,19 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
         fields.append(("pixel", "<i4"))
         header.append("obj_info resolution {} {}".format(*scan.resolution))
     header.append(f"element vertex {len(scan.points)}")
-    header += [f"property {'int' if name == 'pixel' else 'double'} {name}" for name, _ in fields]
+    if scan.colours is not None:
+        fields += [(name, "u1") for name in CHANNELS]
+    header += [f"property {KINDS[kind]} {name}" for name, kind in fields]
     header.append("end_header\n")
     points = scan.points @ np.array(CLOUD_AXES[axes], dtype=float)
-    rows = np.empty(len(points), dtype=fields)
+    rows: Any = np.empty(len(points), dtype=fields)
     for column, name in enumerate("xyz"):
         rows[name] = points[:, column] / UNITS[unit]
     if "pixel" in (rows.dtype.names or ()):
         rows["pixel"] = scan.pixels
+    if scan.colours is not None:
+        for name, column in zip(CHANNELS, scan.colours.T, strict=True):
+            rows[name] = column
     write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
 
 
@@ -274,18 +310,19 @@ def _resolution(path: Path, notes: tuple[str, ...]) -> tuple[int, int] | None:
     return None
 
 
-def _pixels(path: Path, values: Floats, resolution: tuple[int, int]) -> Floats:
+def _pixels(path: Path, rows: Rows, resolution: tuple[int, int]) -> Floats:
     """Each point's pixel, shape (n,), whole numbers within the image."""
     size = resolution[0] * resolution[1]
-    if values.shape[1] == 4:
-        pixels = values[:, 3]
-    elif len(values) == size:
+    count = len(rows.points)
+    if rows.pixels is not None:
+        pixels = rows.pixels
+    elif count == size:
         pixels = np.arange(size, dtype=np.float64)
     else:
         raise FileError(
             path,
             f"has a resolution of {resolution[0]} x {resolution[1]}, no property pixel, and "
-            f"{len(values)} points; one point for each pixel is expected then",
+            f"{count} points; one point for each pixel is expected then",
         )
     wrong = ~((pixels >= 0) & (pixels < size) & (np.floor(pixels) == pixels))
     if wrong.any():

@@ -113,7 +113,7 @@ def _bare_collada(content: bytes) -> BytesIO:
 
 
 def _taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
-    points, _ = read_pcd(path, content, MOST_TRIANGLES)
+    points = read_pcd(path, content, MOST_TRIANGLES).points
     # Many scanners put pixels without a measurement at exactly (0, 0, 0).
     points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)] * scale
     if len(points) < 4:

@@ -9,6 +9,7 @@ import pinocchio as pin
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
 from workbench.formats.meshes.convex_pieces import pieces_of
+from workbench.formats.meshes.face_colours import read_face_colours
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
@@ -48,6 +49,9 @@ def read_part(name: str | Path) -> Part:
     friction = table.number("friction", 0.0, low=0.0, high=MOST_FRICTION) or None
     mesh_table = table.table("mesh")
     mesh = read_mesh_entry(mesh_table, convex=False)
+    colours = None
+    if mesh_table.flag("use_colours", False):
+        colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
     mesh_table.finish()
     pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
     tolerance = table.number("tolerance_mm", 1.0, low=0.01, high=100) / 1000
@@ -64,7 +68,7 @@ def read_part(name: str | Path) -> Part:
             f"stands for {count:,} grasps with the symmetry written out; {MOST_GRASPS:,} are "
             "allowed",
         )
-    return Part(part_name, mesh, pieces, mass, symmetry, library, friction)
+    return Part(part_name, mesh, pieces, mass, symmetry, library, friction, colours)
 
 
 def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:

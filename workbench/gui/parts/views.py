@@ -103,8 +103,16 @@ def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
-    roll = "known" if one.roll_known else "unknown"
     return (
         f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
-        f"<td>{escape(one.part)}</td>{numbers}<td>{roll}</td></tr>"
+        f"<td>{escape(one.part)}</td>{numbers}<td>{escape(_roll(one))}</td></tr>"
     )
+
+
+def _roll(one: Detection) -> str:
+    """Whether the turn is known, and by what where it was left to colours."""
+    if one.by_colour is None:
+        return "known" if one.roll_known else "unknown"
+    if one.by_colour:
+        return "known, by colour" if one.roll_known else "unknown, kind by colour"
+    return "known, by shape alone" if one.roll_known else "unknown, by shape alone"

@@ -52,7 +52,8 @@ class Assessment:
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
     turning the part about its axis changes nothing that the scan shows; `is_held` is False when a
     small motion of another kind changes nothing either.  `is_told` is False when it is no better
-    than one the other way round: of a cup that lies nobody sees which end is open.
+    than one the other way round: of a cup that lies nobody sees which end is open.  `by_colour` as
+    that of a `Detection`.
     """
 
     pose: Floats
@@ -61,6 +62,7 @@ class Assessment:
     roll_known: bool
     is_held: bool
     is_told: bool
+    by_colour: bool | None = None
 
     def __post_init__(self) -> None:
         put(self, pose=frozen(self.pose))
@@ -150,14 +152,19 @@ def _is_told(
     seen = closeness(tally(maps, surface, rival, tolerance))[0]
     if seen < (1.0 - FAR_BEHIND) * closeness(own[None])[0]:
         return True
-    steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
-    rival = settled(maps, surface, rival, tolerance, steps)
+    rival = rested(maps, surface, rival, tolerance)
     both = np.concatenate([pose[None], rival])
     is_another = len(_apart(surface, both, np.arange(2))) == 2
-    return not is_another or _is_better(own, tally(maps, surface, rival, tolerance))
+    return not is_another or is_better(own, tally(maps, surface, rival, tolerance))
 
 
-def _is_better(own: Floats, others: Floats) -> bool:
+def rested(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `settled`."""
+    steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
+    return settled(maps, surface, poses, tolerance, steps)
+
+
+def is_better(own: Floats, others: Floats) -> bool:
     """Whether a tally (4,) is clearly better than all others (k, 4)."""
     margin = max(FEWEST_TELLING, TELLING * own[EXPLAINED])
     return bool(closeness(own[None])[0] - closeness(others).max() >= margin)
@@ -173,7 +180,7 @@ def _is_roll_known(
     tolerance: float,
 ) -> bool:
     """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
-    if len(sighting.explained) == 0 or not _is_better(own, turned):
+    if len(sighting.explained) == 0 or not is_better(own, turned):
         return False
     deviation = float(np.sqrt(np.mean(sighting.off**2)))
     return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR

@@ -5,7 +5,7 @@ last.  What something unknown explains better goes, the worst first, since parts
 other; then what does not end where it should.  The rest is asked again, until nothing goes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -95,7 +95,7 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
         objections |= ending
     return [
         Judged(
-            _without(one.choice, {i: why for (j, i), why in objections.items() if j == k}),
+            without(one.choice, {i: why for (j, i), why in objections.items() if j == k}),
             tuple(ratio for (j, _), ratio in ratios.items() if j == k),
         )
         for k, one in enumerate(brought)
@@ -136,8 +136,8 @@ def _areas(brought: Sequence[Sought]) -> dict[tuple[int, int], list[np.ndarray]]
     }
 
 
-def _without(choice: Choice, objections: dict[int, Objection]) -> Choice:
-    """The choice without those of its parts that something is said against."""
+def without(choice: Choice, objections: Mapping[int, Objection]) -> Choice:
+    """The choice without those of its parts, by their number, that something is said against."""
     kept = [i not in objections for i in range(len(choice.chosen))]
     place = np.where(kept, np.cumsum(kept) - 1, -1)
     rejected = [

@@ -64,6 +64,10 @@ class Entry:
         self.gains = np.array([area * gain(each.sighting, claimed) for each in self.left])
 
 
+Tell = Callable[[Scan, Sequence[Sought]], list[Sought]]
+"""Tells kinds and turns apart that shape does not: the searches again, with other choices."""
+
+
 def all_kinds(
     scan: Scan,
     cell: Cell,
@@ -72,6 +76,7 @@ def all_kinds(
     detail: float,
     report: Report,
     cancelled: Cancelled,
+    tell: Tell = lambda _, brought: list(brought),
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
@@ -95,7 +100,10 @@ def all_kinds(
             for one, pixels in zip(found, taken, strict=True)
         ]
         compete(found, proposed, step)
-    return merged(together(scan, brought))
+    told = iter(tell(scan, found))
+    return merged(
+        together(scan, [next(told) if isinstance(one, Sought) else one for one in brought])
+    )
 
 
 def compete(

@@ -241,4 +241,5 @@ def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -
         covariance=axes @ known @ axes.T,
         probability=probability_of(ratio) * (1.0 if assessed.is_told else EITHER),
         roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
+        by_colour=assessed.by_colour,
     )

@@ -10,10 +10,14 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
+from workbench.perception.simulation.colouring import Light, coloured
 from workbench.perception.simulation.noise_models import NoiseModel, noise_of
 from workbench.perception.simulation.scan_noise import noisy
 from workbench.perception.views.camera import Pinhole
 from workbench.perception.views.surfaces import add_solids, add_surface, rays_of, triangles_of
+
+PLAIN = 180
+"""Of 255, each channel of what has no colours."""
 
 LIT = 0.9995
 """Share of the way from projector to surface that must be free, short of the surface itself."""
@@ -25,12 +29,14 @@ def synthesize(
     *,
     seed: int,
     noise: NoiseModel | None = None,
+    light: Light | None = None,
 ) -> Scan:
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
     Rays through all pixels meet parts, bin and fixtures (the robot waits outside the view).  What
     the projector, beside the camera, does not light is not measured: the shadows of stereo.  How
-    the rest is measured is told in `scan_noise`.
+    the rest is measured is told in `scan_noise`.  Where a part of the cell has colours, each point
+    has the one that the camera sees there.
 
     Args:
         cell: bin, fixtures, parts and scanner.
@@ -38,6 +44,7 @@ def synthesize(
         seed: of noise and failures.
         noise: the build of scanner, None for that which the cell names; the mount's `depth_noise`
             says how large the deviation of a pixel by itself is.
+        light: for colours, None for an even white one.
 
     Raises:
         InputError: a part that the cell does not know, or nothing within the scanner's range.
@@ -46,7 +53,7 @@ def synthesize(
     scene = _scene(cell, truth)
     camera = Pinhole.of_scanner(cell.scanner)
     rays = camera.rays().reshape(-1, 3)
-    depth, cosine = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
+    depth, cosine, hits = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
     generator = np.random.default_rng(seed)
     deviation = cell.scanner.depth_noise
     image = (depth.reshape(camera.shape), cosine.reshape(camera.shape))
@@ -64,7 +71,33 @@ def synthesize(
         source="simulated",
         pixels=pixels,
         resolution=cell.scanner.resolution,
+        colours=_colours(cell, truth, hits[pixels], cosine[pixels], light or Light(), seed),
     )
+
+
+def _colours(
+    cell: Cell,
+    truth: Sequence[Detection],
+    hits: np.ndarray,
+    cosine: Floats,
+    light: Light,
+    seed: int,
+) -> np.ndarray | None:
+    """Colours (n, 3) of what was hit (n, 2), see `_cast`; None where no part has any."""
+    if all(part.colours is None for part in cell.parts):
+        return None
+    solids = (*cell.bin.solids, *(solid for one in cell.fixtures for solid in one.solids))
+    # What is seen across an edge, where nothing is hit, is as grey as parts without colours.
+    paints = np.full((len(hits), 3), PLAIN, np.uint8)
+    for number, one in enumerate(truth):
+        colours = cell.part(one.part).colours
+        if colours is not None:
+            of = hits[:, 0] == number
+            paints[of] = colours[hits[of, 1]]
+    for number, solid in enumerate(solids, start=len(truth)):
+        paints[hits[:, 0] == number] = np.round(255.0 * np.array(solid.colour))
+    # Its own generator: the points are those of a scan without colours.
+    return coloured(paints, cosine, light, np.random.default_rng((seed, 1)))
 
 
 def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
@@ -96,8 +129,10 @@ def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingS
 
 def _cast(
     scene: o3d.t.geometry.RaycastingScene, rays: Floats, T_world_scanner: pin.SE3, baseline: float
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, Floats, np.ndarray]:
     """Depth along z (infinite where nothing is hit) and cosine of incidence, each (n,).
+
+    And what is hit (n, 2): the number of the surface in the scene, and of the triangle on it.
 
     The cosine is the smaller one of camera and projector, and zero where the projector's light is
     blocked or falls on the back.
@@ -117,4 +152,5 @@ def _cast(
     is_dark = scene.test_occlusions(rays_of(projector, beams), tfar=LIT).numpy()
     lit = -np.sum(normals[hit] * beams, axis=1) / np.linalg.norm(beams, axis=1)
     cosine[hit] = np.where(is_dark, 0.0, np.clip(lit, 0.0, cosine[hit]))
-    return depth, cosine
+    hit_ids = [hits[name].numpy().astype(np.int64) for name in ("geometry_ids", "primitive_ids")]
+    return depth, cosine, np.stack(hit_ids, axis=1)

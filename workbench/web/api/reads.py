@@ -73,6 +73,8 @@ def _points(source: Source) -> bytes | None:
     values["T_world_scanner"] = scan.T_world_scanner.homogeneous
     if scan.pixels is not None:
         values |= {"pixels": scan.pixels, "resolution": np.array(scan.resolution)}
+    if scan.colours is not None:
+        values["colours"] = scan.colours
     content = io.BytesIO()
     np.savez_compressed(content, **values)
     return content.getvalue()
@@ -142,7 +144,8 @@ READS: tuple[Read, ...] = (
     Read(
         "/scan/points",
         "The scan as a NumPy archive: `points` (n, 3) [m] in the scanner's frame, "
-        "`T_world_scanner`, and `pixels` with `resolution` where the scanner gives them.",
+        "`T_world_scanner`, and `pixels` with `resolution`, and `colours`, where the scanner "
+        "gives them.",
         _points,
         {"type": "string", "format": "binary"},
         "take a scan first",

@@ -1,0 +1,215 @@
+"""Which kind a part is of and how it is turned, told by colour where shape leaves that open.
+
+Shape comes first: what it tells is not asked of colours.  Guesses that are left, other kinds in the
+same place and turns of a part's shape onto itself, are compared in pairs where they would show
+different colours.  One is excluded when under every light that explains the scan as a whole the
+other is clearly nearer to what is seen.  So a scan that is dim, noisy or tinted decides less, and
+one without colours nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.model.geometry import Bools, Floats, frozen, put
+from workbench.model.scan import Objection, Scan
+from workbench.perception.colours.light import SPREAD, UNLIKE, are_unlike, distances, spread
+from workbench.perception.colours.painted import (
+    Painted,
+    is_same_surface,
+    painted,
+    points_on,
+)
+from workbench.perception.colours.rivals import Guess, Shape
+from workbench.perception.localization.assessment import Assessment
+from workbench.perception.localization.choice import Choice
+from workbench.perception.localization.judging import Sought, without
+from workbench.perception.localization.sightings import look
+from workbench.perception.views.srgb import linear
+
+FITS = 8.0
+"""Mean squared distance, in deviations, up to which colours seen are those of a guess at all."""
+
+AS_GOOD = 4.0
+"""By so much more than the best light another one may miss all parts together, and is possible."""
+
+FEWEST, LEAST = 12, 0.03
+"""Points, and share of those seen, by which two guesses must differ to be told apart."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """A part that was chosen, guesses at it by its shape, and how each fits under each light.
+
+    `table` (g, n, l) are squared distances of n points as `light.distances` has them, None of a
+    scan without colours; `paints` (g, n, 3) are those that each guess predicts.
+    """
+
+    kind: int
+    number: int
+    shape: Shape
+    guesses: Sequence[Guess]
+    paints: Floats
+    table: Floats | None
+
+    def __post_init__(self) -> None:
+        put(self, paints=frozen(self.paints))
+
+    def misses(self) -> Floats:
+        """Mean squared distance (g, l) of each guess under each light."""
+        assert self.table is not None
+        return self.table.mean(axis=1)
+
+    def excludes(self, better: int, worse: int, lights: Bools, deviation: Floats) -> bool:
+        """Whether one guess excludes another under all of those lights (l,)."""
+        if self.table is None:
+            return False
+        differ = are_unlike(self.paints[better], self.paints[worse], deviation)
+        if np.count_nonzero(differ) < max(FEWEST, LEAST * len(differ)):
+            return False
+        one, other = (self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse))
+        return bool((one <= FITS).all() and (other - one >= UNLIKE).all())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Told:
+    """What colours say of a part that was chosen: of which kind it is, and how it lies."""
+
+    kind: int
+    number: int
+    guess: Guess
+    assessed: Assessment
+
+
+def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
+    """The searches of all kinds, each part that was chosen as its colours show it.
+
+    Args:
+        scan: with or without colours.
+        brought: what was found by shape, of all kinds.
+    """
+    kinds = [painted(one.part, one.surface) for one in brought]
+    if all(kind is None for kind in kinds):
+        return list(brought)
+    on = {
+        (k, i): points_on(scan, one.surface, chosen.pose, one.tolerance)
+        for k, one in enumerate(brought)
+        if kinds[k] is not None
+        for i, chosen in enumerate(one.choice.chosen)
+    }
+    deviation = _deviation(scan, list(on.values()))
+    seen = [_seen(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
+    total = sum((each.misses().min(axis=0) for each in seen if each.table is not None), np.zeros(1))
+    lights = total <= total.min() + AS_GOOD
+    told = [_told(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen]
+    return _chosen_anew(brought, told)
+
+
+def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
+    points = np.unique(np.concatenate(on)) if on else np.empty(0, np.int64)
+    if scan.colours is None or len(points) < 2:
+        return np.array(SPREAD)
+    return spread(scan.points[points], scan.colours[points])
+
+
+def _seen(
+    scan: Scan,
+    brought: Sequence[Sought],
+    kinds: Sequence[Painted | None],
+    k: int,
+    i: int,
+    on: np.ndarray,
+    deviation: Floats,
+) -> Seen:
+    surfaces = [each.surface for each in brought]
+    shape = Shape(brought[k], surfaces, brought[k].choice.chosen[i].pose)
+    points, some = scan.points[on], shape.guesses(kinds)
+    each = [kinds[one.kind].at(points, one.pose) for one in some]  # type: ignore[union-attr]
+    paints = np.array(each)
+    if scan.colours is None or not len(on):
+        return Seen(k, i, shape, some, paints, None)
+    different, which = np.unique(paints.reshape(-1, 3), axis=0, return_inverse=True)
+    table = distances(linear(scan.colours[on]), different, deviation)
+    rows = np.arange(len(on))
+    found = [table[rows, paint] for paint in which.reshape(len(some), len(on))]
+    return Seen(k, i, shape, some, paints, np.array(found))
+
+
+def _told(
+    brought: Sequence[Sought],
+    kinds: Sequence[Painted | None],
+    seen: Seen,
+    lights: Bools,
+    light: int,
+    deviation: Floats,
+) -> Told:
+    """What stands of the guesses at a part; `light` is the likeliest."""
+    one = brought[seen.kind]
+    own = one.choice.chosen[seen.number]
+    shape = seen.shape
+    every = range(len(seen.guesses))
+    # The pose found comes first, so it stays where nothing is nearer.
+    order = [0] if seen.table is None else np.argsort(seen.misses()[:, light], kind="stable")
+    best = next(int(g) for g in order if shape.allows(seen.guesses[int(g)]) is not None)
+    if best and not seen.excludes(best, 0, lights, deviation):
+        best = 0
+    chosen = seen.guesses[best]
+    rivals = [g for g in every if not _is_alike(chosen, seen.guesses[g])]
+    left = [g for g in rivals if not seen.excludes(best, g, lights, deviation)]
+    bare = [k for k, kind in enumerate(kinds) if kind is None]
+    is_open = any(shape.allows(seen.guesses[g]) is not None for g in left) or any(
+        shape.allows(Guess(k, own.pose, np.empty((0, 3)))) is not None for k in bare
+    )
+    if not is_open and all(shape.allows(seen.guesses[g]) is None for g in rivals):
+        return Told(seen.kind, seen.number, chosen, own)
+    kind = kinds[chosen.kind]
+    assert kind is not None
+    pose = shape.allows(chosen)
+    assert pose is not None
+    target = brought[chosen.kind]
+    assessed = replace(
+        own,
+        pose=pose,
+        sighting=look(target.maps, target.surface, pose, target.tolerance),
+        is_told=own.is_told or (not is_open and _flips_show(kind)),
+        by_colour=not is_open,
+    )
+    return Told(seen.kind, seen.number, chosen, assessed)
+
+
+def _is_alike(first: Guess, second: Guess) -> bool:
+    """Whether two guesses are of one kind and no colour on all of it tells them apart."""
+    return first.kind == second.kind and is_same_surface(first.shown, second.shown)
+
+
+def _flips_show(kind: Painted) -> bool:
+    """Whether a part that lies the other way round shows it by its colours."""
+    symmetry = kind.surface.symmetry
+    flips = symmetry.motions[max(len(symmetry.turns), 1) :]
+    itself = kind.shows(np.eye(4))
+    return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
+
+
+def _chosen_anew(brought: Sequence[Sought], told: Sequence[Told]) -> list[Sought]:
+    """The searches with what was told: parts turned, and those of another kind moved to it."""
+    choices = [
+        Choice(one.choice.claimed.copy(), list(one.choice.chosen), list(one.choice.rejected))
+        for one in brought
+    ]
+    for one in told:
+        if one.guess.kind == one.kind:
+            choices[one.kind].chosen[one.number] = one.assessed
+    lost = [
+        {one.number: Objection.COLOURS for one in told if k == one.kind != one.guess.kind}
+        for k in range(len(brought))
+    ]
+    choices = [without(*each) for each in zip(choices, lost, strict=True)]
+    for one in told:
+        if one.guess.kind != one.kind:
+            choice, explained = choices[one.guess.kind], one.assessed.sighting.explained
+            # Mostly that kind was found there too.
+            if np.count_nonzero(choice.claimed[explained] >= 0) < len(explained) / 2:
+                choice.claimed[explained] = len(choice.chosen)
+                choice.chosen.append(one.assessed)
+    return [replace(one, choice=choice) for one, choice in zip(brought, choices, strict=True)]
