@@ -2,12 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
+import pinocchio as pin
 import pytest
 
+from workbench.app.picking.pipeline import judge
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.digest import digest_of
 from workbench.model.prediction import PileTask
+from workbench.model.scan import Detection
 from workbench.studies.emptying.piles import emptied
 
 both = pytest.mark.parametrize("name", ["yumi", "tx2_90"])
@@ -55,3 +59,13 @@ def test_more_of_a_pile_is_taken_with_it():
     usual, more = (emptied(PileTask(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
     assert more.taken > usual.taken
     assert more.touches == 0 and sum(more.failed) == 0
+
+
+def test_a_cylinder_along_a_wall_is_taken_across_its_collar():
+    cell = read_cell(find("robots", "yumi") / "full_bin.toml")
+    # Tilted onto collar and key, 17 mm off the wall: fingers find no room beside the body.
+    turn = pin.rpy.rpyToMatrix(*np.deg2rad([-84.9, 51.5, 7.2]))
+    T_bin_part = pin.SE3(turn, np.array([0.0828, -0.0552, 0.0172]))
+    lying = (Detection(cell.parts[0].name, cell.bin.T_world_bin * T_bin_part),)
+    taken_by = {one.grasp.name for one in judge(cell, lying) if one.verdict.is_ok}
+    assert taken_by and all(name.startswith("rim-") for name in taken_by)
