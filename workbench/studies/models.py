@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import open3d as o3d
 import pinocchio as pin
 import trimesh
 
@@ -14,8 +13,9 @@ from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection, Scan
 from workbench.perception.reconstruction.depth_views import Bounds, depth_view
 from workbench.perception.reconstruction.reconstruct import Reconstruction, reconstruct
+from workbench.perception.reconstruction.surface import distances
 from workbench.perception.simulation.synthesize import synthesize
-from workbench.perception.views.surfaces import add_surface, triangles_of
+from workbench.perception.views.surfaces import triangles_of
 from workbench.studies.localization import BUILDS
 
 DISTANCE, NEAR, FAR = 0.6, 0.3, 0.9
@@ -138,7 +138,4 @@ def _compared(model: trimesh.Trimesh, true: trimesh.Trimesh) -> dict[str, float]
 
 def _off(one: trimesh.Trimesh, other: trimesh.Trimesh) -> Floats:
     points = trimesh.sample.sample_surface(one, POINTS, seed=0)[0]
-    scene = o3d.t.geometry.RaycastingScene()
-    add_surface(scene, other)
-    query = o3d.core.Tensor(np.ascontiguousarray(points, dtype=np.float32))
-    return scene.compute_distance(query).numpy().astype(np.float64)
+    return distances(points, other)

@@ -83,19 +83,20 @@ def simplified(surface: trimesh.Trimesh, tolerance: float) -> trimesh.Trimesh:
             tried.is_watertight
             and tried.is_winding_consistent
             and tried.body_count == 1
-            and max(_off(surface, tried), _off(tried, surface)) <= tolerance
+            and distances(surface.vertices, tried).max() <= tolerance
+            and distances(tried.vertices, surface).max() <= tolerance
         ):
             return tried
         error /= 4
     return surface
 
 
-def _off(one: trimesh.Trimesh, other: trimesh.Trimesh) -> float:
-    """How far the corners of one surface lie from the other at most [m]."""
+def distances(points: Floats, surface: trimesh.Trimesh) -> Floats:
+    """How far points (n, 3) [m] lie from a surface, (n,) [m], never below zero."""
     scene = o3d.t.geometry.RaycastingScene()
-    add_surface(scene, other)
-    points = np.ascontiguousarray(one.vertices, dtype=np.float32)
-    return float(scene.compute_distance(o3d.core.Tensor(points)).numpy().max())
+    add_surface(scene, surface)
+    query = o3d.core.Tensor(np.ascontiguousarray(points, dtype=np.float32))
+    return scene.compute_distance(query).numpy().astype(np.float64)
 
 
 def unseen_share(surface: trimesh.Trimesh, measured: Floats, gate: float) -> float:
