@@ -10,7 +10,7 @@ PACKED = ("rgb", "rgba")
 
 
 def of_channels(values: np.ndarray, kind: str) -> np.ndarray:
-    """Colours (n, 3), 0 to 255, from rows of red, green and blue (n, 3), no unit.
+    """Colours (n, 3), 0..255, from rows of red, green and blue (n, 3), no unit.
 
     Args:
         values: whole numbers of one or two bytes, or shares of 1.
@@ -22,13 +22,13 @@ def of_channels(values: np.ndarray, kind: str) -> np.ndarray:
 
 
 def unpacked(values: np.ndarray) -> np.ndarray:
-    """Colours (n, 3), 0 to 255, from numbers (n,) of four bytes that hold them."""
+    """Colours (n, 3), 0..255, from numbers (n,) of four bytes that hold them."""
     bits = np.ascontiguousarray(values).view(np.uint32)
     return np.stack([bits >> shift & 255 for shift in (16, 8, 0)], axis=1).astype(np.uint8)
 
 
 def unless_all_alike(colours: np.ndarray | None) -> np.ndarray | None:
-    """The colours (n, 3), None where all are one: many programs write a field they cannot fill."""
+    """The colours (n, 3), 0..255, None where all are one: many programs write a field they cannot fill."""
     if colours is None or bool((colours == colours[0]).all()):
         return None
     return colours

@@ -190,7 +190,7 @@ class Rows(NamedTuple):
     """What a file says of its points.
 
     `points` (n, 3) in its unit, `pixels` (n,) where it tells them, the image's size where pixels
-    are known, and `colours` (n, 3), 0 to 255, where it has them.
+    are known, and `colours` (n, 3), 0..255, where it has them.
     """
 
     points: Floats

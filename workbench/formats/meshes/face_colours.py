@@ -17,7 +17,7 @@ KINDS = (".ply", ".obj", ".off")
 
 
 def read_face_colours(path: Path, count: int) -> np.ndarray:
-    """Colours (m, 3) of the triangles, red, green and blue from 0 to 255 as sRGB has them.
+    """Colours (m, 3) of the triangles, red, green and blue, 0..255, as sRGB has them.
 
     Those of corners are averaged.  Materials and textures are not read.
 

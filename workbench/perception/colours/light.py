@@ -36,7 +36,7 @@ UNLIKE = 6.0
 
 
 def features(shares: Floats) -> Floats:
-    """Logarithms (..., 3) of red over green, blue over green, and brightness, of light (..., 3)."""
+    """Logarithms (..., 3) of red over green, blue over green, and brightness, of light (..., 3); no unit."""
     red, green, blue = np.moveaxis(shares + DARK, -1, 0)
     return np.log(np.stack([red / green, blue / green, (red + green + blue) / 3.0], axis=-1))
 
@@ -58,7 +58,7 @@ def spread(points: Floats, colours: np.ndarray) -> Floats:
 
 
 def are_unlike(first: Floats, second: Floats, deviation: Floats) -> Bools:
-    """Which paints (n, 3), as shares of light, have different colours, by deviations (3,)."""
+    """Which paints (n, 3), shares of light 0..1, have different colours, by deviations (3,)."""
     off = (features(first) - features(second)) / deviation
     return np.asarray(np.sum(off**2, axis=1) >= UNLIKE)
 
@@ -67,7 +67,7 @@ def distances(seen: Floats, paints: Floats, deviation: Floats) -> Floats:
     """Squared distances (n, p, t * e) of light that is seen from paints under each light.
 
     Args:
-        seen: (n, 3) shares of light.
+        seen: (n, 3) shares of light, 0..1.
         paints: (p, 3) shares of white light that they send back.
         deviation: (3,) of features, the unit of the distances, which are `FARTHEST` at most.
     """

@@ -69,7 +69,7 @@ def painted(part: Part, surface: PartSurface) -> Painted | None:
 
 
 def is_same_surface(first: Floats, second: Floats) -> bool:
-    """Whether a surface has the same paints (c, 3) after two motions."""
+    """Whether a surface has the same paints (c, 3), 0..1, after two motions."""
     return float(np.mean(are_unlike(first, second, np.array(SPREAD)))) < SAME_SURFACE
 
 

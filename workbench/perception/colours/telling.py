@@ -43,7 +43,7 @@ class Seen:
     """A part that was chosen, guesses at it by its shape, and how each fits under each light.
 
     `table` (g, n, l) are squared distances of n points as `light.distances` has them, None of a
-    scan without colours; `paints` (g, n, 3) are those that each guess predicts.
+    scan without colours; `paints` (g, n, 3), 0..1, are those that each guess predicts.
     """
 
     kind: int

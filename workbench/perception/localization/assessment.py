@@ -165,7 +165,7 @@ def rested(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
 
 
 def is_better(own: Floats, others: Floats) -> bool:
-    """Whether a tally (4,) is clearly better than all others (k, 4)."""
+    """Whether a tally (4,) is clearly better than all others (k, 4), no unit."""
     margin = max(FEWEST_TELLING, TELLING * own[EXPLAINED])
     return bool(closeness(own[None])[0] - closeness(others).max() >= margin)
 

@@ -12,7 +12,7 @@ from workbench.perception.views.srgb import encoded, linear
 class Light:
     """A light, and how a camera takes it.
 
-    `gains` (3,) multiply red, green and blue, exposure included; `ambient` is the share of light
+    `gains` (3,), no unit, multiply red, green and blue, exposure included; `ambient` is the share of light
     that comes from everywhere.  Noise has a deviation of `noise`, the brightest being 1, and of
     `uneven` over what is seen.
     """
@@ -29,10 +29,10 @@ class Light:
 def coloured(
     paints: np.ndarray, cosine: Floats, light: Light, generator: np.random.Generator
 ) -> np.ndarray:
-    """Colours (n, 3) in sRGB, 0 to 255, of dull surfaces.
+    """Colours (n, 3) in sRGB, 0..255, of dull surfaces.
 
     Args:
-        paints: (n, 3) in sRGB, 0 to 255, under white light met head-on.
+        paints: (n, 3) in sRGB, 0..255, under white light met head-on.
         cosine: (n,) of incidence.
         light: what shines.
         generator: of the noise.

@@ -6,7 +6,7 @@ from workbench.model.geometry import Floats
 
 
 def linear(colours: np.ndarray) -> Floats:
-    """Shares of light (n, 3), 0 to 1, from sRGB (n, 3), 0 to 255."""
+    """Shares of light (n, 3), 0..1, from sRGB (n, 3), 0..255."""
     shares = np.asarray(colours, float) / 255.0
     return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
 
