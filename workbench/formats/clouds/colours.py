@@ -28,7 +28,10 @@ def unpacked(values: np.ndarray) -> np.ndarray:
 
 
 def unless_all_alike(colours: np.ndarray | None) -> np.ndarray | None:
-    """The colours (n, 3), 0..255, None where all are one: many programs write a field they cannot fill."""
+    """The colours (n, 3), 0..255, None where all are one.
+
+    Many programs write a field that they cannot fill.
+    """
     if colours is None or bool((colours == colours[0]).all()):
         return None
     return colours

@@ -36,7 +36,7 @@ UNLIKE = 6.0
 
 
 def features(shares: Floats) -> Floats:
-    """Logarithms (..., 3) of red over green, blue over green, and brightness, of light (..., 3); no unit."""
+    """Logarithms (..., 3), no unit, of red and blue over green and of brightness, of light (..., 3)."""
     red, green, blue = np.moveaxis(shares + DARK, -1, 0)
     return np.log(np.stack([red / green, blue / green, (red + green + blue) / 3.0], axis=-1))
 
