@@ -36,7 +36,7 @@ UNLIKE = 6.0
 
 
 def features(shares: Floats) -> Floats:
-    """Logarithms (..., 3), no unit, of red and blue over green and of brightness, of light (..., 3)."""
+    """Logarithms (..., 3), no unit, of red and blue over green and of brightness of light."""
     red, green, blue = np.moveaxis(shares + DARK, -1, 0)
     return np.log(np.stack([red / green, blue / green, (red + green + blue) / 3.0], axis=-1))
 

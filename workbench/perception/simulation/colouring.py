@@ -13,8 +13,8 @@ class Light:
     """A light, and how a camera takes it.
 
     `gains` (3,), no unit, multiply red, green and blue, exposure included; `ambient` is the share
-    of light that comes from everywhere.  Noise has a deviation of `noise`, the brightest being 1, and of
-    `uneven` over what is seen.
+    of light that comes from everywhere.  Noise has a deviation of `noise`, the brightest being 1,
+    and of `uneven` over what is seen.
     """
 
     gains: Floats = field(default_factory=lambda: np.ones(3))
