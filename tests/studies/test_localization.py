@@ -30,8 +30,15 @@ def turned(T: pin.SE3, degrees: float) -> pin.SE3:
 
 def test_rows_count_what_the_scenes_hold():
     scenes = [
-        Scene(TASK, (RIGHT, RIGHT, WRONG), (0.9, 0.8, 0.5), (True, True, False), 0.3),
-        Scene(TASK, (WRONG,), (0.7, 0.59, 0.2), (False, False, False), 0.5),
+        Scene(
+            TASK,
+            (RIGHT, RIGHT, WRONG),
+            (0.9, 0.8, 0.5),
+            (True, True, False),
+            0.3,
+            processor_seconds=0.1,
+        ),
+        Scene(TASK, (WRONG,), (0.7, 0.59, 0.2), (False, False, False), 0.5, processor_seconds=0.3),
     ]
     (row,) = summary(scenes)
     assert (row["part"], row["build"], row["count"], row["scenes"]) == ("bolt", "fine", 2, 2)
@@ -40,6 +47,7 @@ def test_rows_count_what_the_scenes_hold():
     assert row["precision"] == pytest.approx(2 / 4)
     assert row["recall"] == pytest.approx(2 / 3)
     assert row["seconds"]["median"] == pytest.approx(0.4)
+    assert row["processor_seconds"]["worst"] == pytest.approx(0.3)
 
 
 def test_nothing_found_gives_no_shares():
@@ -97,6 +105,7 @@ def test_a_scene_is_the_same_again_and_its_parts_are_found(part):
     assert (first.found, first.visible) == (again.found, again.visible)
     assert all(one.is_right for one in first.found)
     assert first.is_found == (True, True)
+    assert first.processor_seconds > 0.0
 
 
 def test_a_scanner_that_is_off_moves_the_truth_with_what_it_sees():

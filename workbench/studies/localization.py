@@ -23,7 +23,7 @@ from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseMode
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.perception.views.camera import Pinhole
-from workbench.planning.planners.clock import working_time
+from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import never, silent
 from workbench.studies.bop.pose_errors import errors_by_name, pose_errors, shape_of
 from workbench.studies.bop.precision import Estimate, Judged, detection_figures
@@ -116,7 +116,9 @@ class Found:
 class Scene:
     """What came of a task: `visible` and `is_found` of each true part, and the time [s].
 
-    `bop` is what BOP goes by, `scales` what the search says of the size of the CAD files.
+    `processor_seconds` are those of the search's own thread, so all of them only where numba has
+    one (`NUMBA_NUM_THREADS=1`).  `bop` is what BOP goes by, `scales` what the
+    search says of the size of the CAD files.
     """
 
     task: Task
@@ -126,6 +128,7 @@ class Scene:
     seconds: float
     bop: Judged = field(default_factory=lambda: Judged((), ()))
     scales: tuple[ScaleCheck, ...] = ()
+    processor_seconds: float = 0.0
 
 
 def localized_scene(task: Task) -> Scene:
@@ -139,9 +142,9 @@ def localized_scene(task: Task) -> Scene:
     off = off * T_world_bin.inverse()
     truth = tuple(replace(one, T_world_part=off * one.T_world_part) for one in fallen)
     scan = replace(scan, T_world_scanner=off * scan.T_world_scanner)
-    began = working_time()
+    began, processor_began = working_time(), processor_time()
     result = find_parts(cell, {"scan": scan, "seed": task.seed}, silent, never)
-    seconds = working_time() - began
+    seconds, processor_seconds = working_time() - began, processor_time() - processor_began
     detections = result.detections
     names = {part.name for part in cell.parts}
     is_searched = [one.part in names for one in truth]
@@ -157,7 +160,7 @@ def localized_scene(task: Task) -> Scene:
         ),
         tuple((one.part, share) for one, share in zip(there, visible, strict=True)),
     )
-    return Scene(task, found, visible, is_found, seconds, bop, result.scales)
+    return Scene(task, found, visible, is_found, seconds, bop, result.scales, processor_seconds)
 
 
 def _errors(
@@ -321,6 +324,7 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
         "turn": _percentiles([one.turn for one in right if one.turn is not None]),
         "mssd": _percentiles([one.mssd for one in right if one.mssd and one.roll_known]),
         "seconds": _percentiles([scene.seconds for scene in scenes]),
+        "processor_seconds": _percentiles([scene.processor_seconds for scene in scenes]),
         "bop": detection_figures([scene.bop for scene in scenes]),
         "size": _size([scene.scales for scene in scenes]),
     }
