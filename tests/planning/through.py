@@ -62,3 +62,29 @@ def _distance(shape, T, other, T_other) -> float:
     poses = (coal.Transform3s(p.rotation, p.translation) for p in (T, T_other))
     first, second = poses
     return coal.distance(coal_shape(shape), first, coal_shape(other), second, request, result)
+
+
+def on_its_lift(cell: Cell, plan: Plan, one: ArmPlan, other: int) -> list[tuple[float, float]]:
+    """How near [m] pieces of the part that `one` lifts are to pieces of another: first, and at all.
+
+    Args:
+        cell: that the plan is for.
+        plan: whose parts lie.
+        one: the arm that lifts.
+        other: number of the part that stays.
+    """
+    lying, chain = plan.detections[other], World(cell, ()).chains[one.arm]
+    kinds = [cell.part(plan.detections[k].part).pieces for k in (one.detection, other)]
+    path = np.asarray(one.leg("extract").q)
+    states = [a + s * (b - a) for a, b in pairwise(path) for s in np.linspace(0, 1, STATES)]
+    Ts_world_part = [chain.pose(q) * one.T_tcp_part for q in states]
+    found: list[tuple[float, float]] = []
+    for piece in kinds[0]:
+        for bed in kinds[1]:
+            T_bed = lying.T_world_part * bed.T_owner_shape
+            gaps = [
+                _distance(piece.shape, T * piece.T_owner_shape, bed.shape, T_bed)
+                for T in Ts_world_part
+            ]
+            found.append((gaps[0], min(gaps)))
+    return found

@@ -14,6 +14,7 @@ from judged_files import Files, pose_of
 from judged_motion import (
     ALIKE,
     BEYOND,
+    CLEAR,
     ROOM,
     SLACK,
     Asked,
@@ -314,7 +315,9 @@ class _Run:
                     way, asked, deepest, begin[deepest], 0.0, "lies too deep: "
                 )
         count = len(way.leg.q) - 1
-        before = asked.keeping(np.minimum(near, begin - SLACK))
+        # What touches comes off leaning; what is clear stays so.
+        kept = np.where(begin > CLEAR, np.maximum(begin / 2, begin - SLACK), begin - SLACK)
+        before = asked.keeping(np.minimum(near, kept))
         if extract:
             release = self.files.policy("release_mm")
             start = self._tcp(way.arm, way.leg.q[0])[:3, 3]

@@ -16,6 +16,9 @@ BEYOND = 0.0006
 SLACK, ROOM = 0.0005, 0.0005
 """[m] What comes off its bed may come so much nearer to it; a hand that has left is so far away."""
 
+CLEAR = 1e-6
+"""[m] What is so far apart does not touch."""
+
 ALIKE = 0.0001
 """[m] How far two libraries measure the same distance apart, where nothing moves."""
 

@@ -14,7 +14,7 @@
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 
-"Not nearer than at the start" allows `SLACK`, and is `near_margin` where there is more room.
+"Not nearer than at the start" is as `kept` says, and `near_margin` where there is more room.
 """
 
 from collections.abc import Mapping
@@ -30,6 +30,17 @@ from workbench.proof.robot import Tree
 
 SLACK = 0.0005
 """[m] A lift that leans, and rounding, bring a part this much nearer to what it lies on."""
+
+TOUCH = 1e-6
+"""[m] What touches may seem this far apart by rounding."""
+
+
+def kept(begins: float) -> float:
+    """The distance [m] below which two bodies may not come that begin a leg so far apart [m].
+
+    Where they touch they may come nearer by `SLACK`; where they do not they never do.
+    """
+    return begins - SLACK if begins <= TOUCH else max(begins - SLACK, begins / 2)
 
 
 @dataclass(frozen=True, slots=True)

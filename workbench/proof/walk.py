@@ -28,7 +28,7 @@ from workbench.proof.stages import (
     steps_of,
     waiting_fingers,
 )
-from workbench.proof.table import SLACK, Pairs, Situation, Table
+from workbench.proof.table import Pairs, Situation, Table, kept
 
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
@@ -155,7 +155,7 @@ class Walk:
         self._space.look(self._with(step, one, one.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
-            margins[k] = min(margins[k], near, distance - SLACK)
+            margins[k] = min(margins[k], near, kept(distance))
             if (
                 stage.comes_off
                 and distance < -sink

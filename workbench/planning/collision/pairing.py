@@ -15,8 +15,20 @@ from workbench.planning.kinematics.robot import Kinematics
 SLACK = 0.0005
 """[m] What is in touch where a lift begins may come nearer by this: the lift leans."""
 
+CLEAR = 1e-6
+"""[m] Bodies farther apart than this are not in touch; what touches exactly is rounded."""
+
 MOST_PAIRINGS = 16
 """Kept for cells and numbers of parts that come again."""
+
+
+def kept(begins: Floats) -> Floats:
+    """The distances [m] that are kept by what is so far apart (k,) [m] where a leg begins.
+
+    What is in touch may come nearer by `SLACK`.  What is clear stays so, by half at least: the rest
+    is for what states are looked at apart, and measured otherwise.
+    """
+    return np.where(begins > CLEAR, np.maximum(begins / 2, begins - SLACK), begins - SLACK)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,17 +90,17 @@ class Checks:
         first, second = self.carriers.T
         return (self.lifts | self.leaves) & ((first < 0) | (second < 0) | (first == second))
 
-    def at_start(self, pairs: Ints, distances: Floats, near: float, slack: float) -> Floats:
+    def at_start(self, pairs: Ints, distances: Floats, near: float) -> Floats:
         """The margins [m] of a leg for which pairs are as close as `distances` where it begins.
 
         A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
-        margin to these is the distance there, less `slack`.  A hand that has let go of a part is
+        margin to these is what `kept` says.  A hand that has let go of a part is
         around it or on it: on its way out it keeps `near` to it as on any straight way, and where
         it is closer already it may not come nearer.  `picking.leaving` says what follows.
         """
         # The margins of the phase serve others too; these are for this leg alone.
         margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)
-        margins[pairs] = np.minimum(margins[pairs], distances - slack)
+        margins[pairs] = np.minimum(margins[pairs], kept(distances))
         return margins
 
     def alone(self, arm: str) -> Ints:

@@ -18,7 +18,7 @@ from workbench.model.geometry import Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
 from workbench.planning.collision.bodies import coal_shape, extent, part_label
 from workbench.planning.collision.hands import NOTHING
-from workbench.planning.collision.pairing import SLACK
+from workbench.planning.collision.pairing import kept
 from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings
 
@@ -91,7 +91,7 @@ class PartWays:
         self._known: dict[tuple[int, bytes], tuple[str, float] | None] = {}
         self._caught: dict[tuple[int, bytes], Caught | None] = {}
         self._against: dict[int, list[Against]] = {}
-        self._gained: dict[tuple[int, bytes], float] = {}
+        self._first: dict[tuple[int, bytes], tuple[float, bool]] = {}
         self._off: dict[int, tuple[Floats, ...]] = {}
 
     def blocked(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
@@ -136,16 +136,32 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world, straight, from where it lies.
         """
+        return self._begun(number, way)[0]
+
+    def is_pushed(self, number: int, way: Floats) -> bool:
+        """Whether a part comes nearer than is `kept` to something in the first mm of its way.
+
+        Args:
+            number: of the detection.
+            way: as of `gain`.
+        """
+        return self._begun(number, way)[1]
+
+    def _begun(self, number: int, way: Floats) -> tuple[float, bool]:
+        """What a part gains [m] on the first mm of a way (3,) [m], and whether it is pushed."""
         key = (number, way.tobytes())
-        if key not in self._gained:
+        if key not in self._first:
             if number not in self._against:
                 self._against[number] = self._lying_against(number)
             most = float(np.linalg.norm(way))
             first = min(FIRST, most)
             step = way * (first / most) if most > 0 else way
-            gains = [_apart(a, b, step) - begins for a, b, begins in self._against[number]]
-            self._gained[key] = min([first, *gains])
-        return self._gained[key]
+            against = self._against[number]
+            begins = np.array([one for _, _, one in against])
+            comes = np.array([_apart(a, b, step) for a, b, _ in against])
+            gain = float(np.min(comes - begins, initial=first))
+            self._first[key] = gain, bool((comes < kept(begins)).any())
+        return self._first[key]
 
     def ways_off(self, number: int) -> tuple[Floats, ...]:
         """The ways (3,) [m] in the world on which a part comes off and then meets nothing.
@@ -163,10 +179,10 @@ class PartWays:
             ways: list[Floats] = list(length * _half_sphere() @ R.T) if length > 0 else []
             met = self.blocked(number, ways)
             free = [way for way, what in zip(ways, met, strict=True) if what is None]
+            off = [way for way in free if not self.is_pushed(number, way)]
             # Gains that are equal but for rounding keep the order of the leans.
-            gains = {k: round(self.gain(number, way), 4) for k, way in enumerate(free)}
-            best = sorted((k for k in gains if gains[k] >= -SLACK), key=lambda k: -gains[k])
-            self._off[number] = tuple(free[k] for k in best[:MOST_OFF])
+            off.sort(key=lambda way: -round(self.gain(number, way), 4))
+            self._off[number] = tuple(off[:MOST_OFF])
         return self._off[number]
 
     def _lying_against(self, number: int) -> list[Against]:

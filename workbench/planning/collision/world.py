@@ -16,7 +16,7 @@ from workbench.planning.collision import bodies
 from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
-from workbench.planning.collision.pairing import SLACK, Phase, pairing_of
+from workbench.planning.collision.pairing import Phase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
@@ -317,7 +317,7 @@ class World:
         pairs, _, _ = self._close(q, self._still, 0.0, None)
         pairs = pairs[self.pairs.may_begin_close[pairs]]
         distances = np.array([self._distance(k) for k in pairs.tolist()])
-        self._use(self.pairs.at_start(pairs, distances, self.policy.near_margin, SLACK))
+        self._use(self.pairs.at_start(pairs, distances, self.policy.near_margin))
         lies = (self.pairs.carriers[pairs] < 0).any(axis=1) & ~self._is_rolled[pairs]
         depths = np.where(self.pairs.lifts[pairs] & lies, -distances, -np.inf)
         if not len(pairs) or depths.max() <= self.policy.sink:

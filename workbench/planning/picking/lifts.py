@@ -23,7 +23,7 @@ from workbench.model.cell import LiftName
 from workbench.model.geometry import Floats
 from workbench.model.part import Bin
 from workbench.planning.collision.bodies import part_label
-from workbench.planning.collision.pairing import SLACK
+from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.world import World
 
 AUTHORED = "as authored"
@@ -62,14 +62,14 @@ def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[
     kept = _unlike(np.array([direction for _, direction in named]).reshape(-1, 3))
     ways = [(named[k][0], policy.lift_length * named[k][1]) for k in kept]
     if len(ways) > 1:
-        gain, number = world.part_ways.gain, candidate.detection
-        ways.sort(key=lambda way: _how_bad(gain(number, way[1])))
+        part_ways, number = world.part_ways, candidate.detection
+        ways.sort(key=lambda way: _how_bad(part_ways, number, way[1]))
     yield from ways
 
 
-def _how_bad(gain: float) -> int:
-    """Whether a way with a gain [m] leads away (0), rubs along something (1), or into it (2)."""
-    return (gain < RUBS) + (gain < -SLACK)
+def _how_bad(part_ways: PartWays, number: int, way: Floats) -> int:
+    """Whether a part's way (3,) [m] leads away (0), rubs along something (1), or into it (2)."""
+    return 2 if part_ways.is_pushed(number, way) else int(part_ways.gain(number, way) < RUBS)
 
 
 def _unlike(directions: Floats) -> list[int]:
