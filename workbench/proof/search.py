@@ -36,6 +36,9 @@ RUN = 16
 HALVES = 4096
 """Sets that are looked at together: what is worked out of them takes some kB for each."""
 
+FINEST = 0.00005
+"""[m] The resolution where what is to be kept is still less."""
+
 TIGHT = 0.0002
 """[m] How well the smallest distance of all is wanted."""
 
@@ -152,6 +155,9 @@ class _Search:
         self._wanted, self._halves = wanted, 0
         first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
         self._asked = Asked(first, second, pairs.commons, pairs.margins, pairs.shown)
+        # Where little is to be kept, it must not be lost between two looks.
+        finer = np.where(pairs.margins > 0.0, pairs.margins.clip(min=FINEST), resolution)
+        self._fine = np.minimum(resolution, finer)
         self.found, self._sight = Found(np.array(wanted.nearest)), wanted.nearest[0]
 
     def is_over(self) -> bool:
@@ -258,7 +264,7 @@ class _Search:
             compiled = space.normals, space.chain, space.arrays, world, spreads
             told[n] = np.fmax(told[n], planes(close.items[n], way, asked, *compiled))
         # What is no number is not far enough, here and below.
-        is_left = ~(told >= self._needs(which, at)) & (close.moves > self._resolution)
+        is_left = ~(told >= self._needs(which, at)) & (close.moves > self._fine[which])
         is_told = asked.shown[which] & ~is_left
         np.minimum.at(self.found.bounds, at[is_told], told[is_told])
         return close.items[is_left]
