@@ -9,6 +9,7 @@ import pytest
 from workbench.app.picking.pipeline import judge
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
+from workbench.formats.parts.reading import read_part
 from workbench.model.digest import digest_of
 from workbench.model.prediction import PileTask
 from workbench.model.scan import Detection
@@ -67,5 +68,16 @@ def test_a_cylinder_along_a_wall_is_taken_across_its_collar():
     turn = pin.rpy.rpyToMatrix(*np.deg2rad([-84.9, 51.5, 7.2]))
     T_bin_part = pin.SE3(turn, np.array([0.0828, -0.0552, 0.0172]))
     lying = (Detection(cell.parts[0].name, cell.bin.T_world_bin * T_bin_part),)
+    taken_by = {one.grasp.name for one in judge(cell, lying) if one.verdict.is_ok}
+    assert taken_by and all(name.startswith("rim-") for name in taken_by)
+
+
+def test_a_bolt_with_its_head_off_the_wall_is_taken_across_the_rim_of_the_head():
+    """As one stayed in a pile: there is no room for fingers beside the shank, nor for the palm."""
+    bolt = read_part(find("parts", "bolt") / "full_bin")
+    cell = replace(read_cell(find("robots", "yumi") / "full_bin.toml"), parts=(bolt,))
+    turn = pin.rpy.rpyToMatrix(*np.deg2rad([95.0, 21.8, -82.7]))
+    T_bin_part = pin.SE3(turn, np.array([-0.0186, -0.1387, 0.0108]))
+    lying = (Detection("bolt", cell.bin.T_world_bin * T_bin_part),)
     taken_by = {one.grasp.name for one in judge(cell, lying) if one.verdict.is_ok}
     assert taken_by and all(name.startswith("rim-") for name in taken_by)

@@ -12,7 +12,6 @@ from workbench.model.cell import LIFT_NAMES, Cell, LiftName
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.collision.pairing import SLACK
 from workbench.planning.collision.world import World
 from workbench.planning.picking import resolve
 from workbench.planning.picking.lifts import AUTHORED, lifts
@@ -255,4 +254,5 @@ def test_ways_on_which_a_part_is_pushed_into_something_come_last(cell):
     found = [way for _, way in lifts(world, candidate, candidate.T_world_tcp)]
     pushed = [part_ways.is_pushed(0, way) for way in found]
     assert True in pushed and pushed == sorted(pushed)
-    assert [part_ways.gain(0, way) < -SLACK for way in found] == pushed
+    # The collar of 19 mm is 0.5 mm off the wall, of which half is kept.
+    assert [part_ways.gain(0, way) < -0.00025 for way in found] == pushed
