@@ -143,7 +143,7 @@ class PartWays:
 
         Args:
             number: of the detection.
-            way: as of `gain`.
+            way: (3,) [m] in the world, as of `gain`.
         """
         return self._begun(number, way)[1]
 
