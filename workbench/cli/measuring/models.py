@@ -26,6 +26,8 @@ def study_models(typed: StudyModels) -> int:
     if typed.keep is not None and len(typed.ways) * len(typed.noise) != 1:
         raise InputError("--keep goes with one of --ways and one of --noise")
     parts = [read_part(name) for name in typed.parts]
+    if typed.keep is not None:
+        make_folder(typed.keep)
     cases = [(part, way, build) for part in parts for way in typed.ways for build in typed.noise]
     rows: list[dict[str, Any]] = []
     with progress("models") as report:
@@ -36,7 +38,6 @@ def study_models(typed: StudyModels) -> int:
             made = made_model(part, task)
             rows.append(made.row)
             if typed.keep is not None:
-                make_folder(typed.keep)
                 surface = triangles_of(made.reconstruction.mesh).apply_scale(1000)
                 write_whole(typed.keep / f"{part.name}.ply", export_ply(surface))
     if typed.json:

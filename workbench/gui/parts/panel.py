@@ -66,7 +66,7 @@ class PartsPanel:
             hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
         )
         self._scan_colours = gui.add_checkbox(
-            "Colours of the scan",
+            "Scan colours",
             False,
             visible=False,
             hint="As the scanner gives them, for everybody; otherwise by height and by part.",
