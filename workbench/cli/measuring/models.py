@@ -43,19 +43,19 @@ def study_models(typed: StudyModels) -> int:
     if typed.json:
         print_json({"models": rows})
         return SUCCESS
-    columns = ("unseen", "median mm", "95 % mm", "largest mm", "volume", "of a hull: median mm")
     print_table(
-        f"Models from {typed.views} scans beside the CAD files",
-        ("part", "way", "noise", *columns, "95 % mm", "largest mm", "volume"),
+        f"Models from {typed.views} scans, and hulls of one: distances from the CAD files, median / "
+        "95 % / largest, and volumes over theirs",
+        ("part", "way", "noise", "unseen", "model mm", "volume", "hull mm", "volume"),
         [_words(row) for row in rows],
     )
     return SUCCESS
 
 
 def _words(row: dict[str, Any]) -> tuple[str, ...]:
-    def distances(of: dict[str, float]) -> tuple[str, ...]:
+    def distances(of: dict[str, float]) -> tuple[str, str]:
         lengths = (f"{of[key] * 1000:.2f}" for key in ("median", "p95", "hausdorff"))
-        return (*lengths, f"{of['volume']:.3f}")
+        return " / ".join(lengths), f"{of['volume']:.3f}"
 
     return (
         row["part"],
