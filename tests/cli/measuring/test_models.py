@@ -53,6 +53,7 @@ def test_a_table_is_printed(say):
         (("--views", 0), "--views"),
         (("--shift-mm", "nan"), "--shift-mm"),
         (("--turn-deg", 90), "--turn-deg"),
+        (("--off-mm", 1000), "--off-mm"),
         (("--seed", -1), "--seed"),
         (("--parts", "nothing"), "nothing: no such path, and no such name under parts/"),
         (("--ways", "held", "turntable", "--keep", "kept"), "--keep goes with one of --ways"),
@@ -64,8 +65,12 @@ def test_what_makes_no_sense_is_refused_in_one_sentence(say, typed, sentence):
     assert said.code == 2 and sentence in said.problem
 
 
-def test_poses_that_are_far_too_wrong_are_said_to_be_wrong(say):
-    said = say("study", "models", *ONE, "--shift-mm", 10)
+def test_a_pose_that_is_wrong_is_said_to_be_wrong(say, tmp_path):
+    said = say("study", "models", *ONE, "--off-mm", 10, "--json")
+    (row,) = json.loads(said.out)["models"]
+    assert said.code == 0 and "scan 2: where it shows the part other scans" in row["refused"]
+    assert "refused: scan 2" in say("study", "models", *ONE, "--off-mm", 10).out
+    said = say("study", "models", *ONE, "--off-mm", 10, "--keep", tmp_path / "kept")
     assert said.code == 2 and "is its pose right" in said.problem
 
 
