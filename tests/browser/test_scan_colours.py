@@ -25,6 +25,12 @@ def are_filled():
     return True
 
 
+@pytest.fixture
+def sharpness():
+    """Points are hardly larger than a pixel."""
+    return 1.0
+
+
 def test_a_scan_with_colours_is_shown_in_them(screen, bench, reaches, wait, tmp_path):
     cell = read_cell("yumi")
     scan = synthesize(cell, drop_parts(cell.parts[:1] * 3, cell.bin, seed=2), seed=2)
