@@ -197,7 +197,9 @@ def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> C
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
     cell = replace(cell, parts=kinds, scanner=scanner)
-    scan = synthesize(cell, pile_of(cell, ALL_KINDS, len(kinds), seed=0), seed=0)
+    # What falls are the parts as they are: pieces would not fit another mesh.
+    lying = replace(cell, parts=_kinds(parts))
+    scan = synthesize(lying, pile_of(lying, ALL_KINDS, len(kinds), seed=0), seed=0)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     return cell
 

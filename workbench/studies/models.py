@@ -37,7 +37,7 @@ class ModelTask:
     """One model: how the part is scanned, by which build, from how many poses, how wrong they are.
 
     `shift` [m] and `turn` [rad] are the root mean squares of the errors of poses, in and about the
-    model's frame: of turntable or flange.
+    model's frame: of turntable or flange.  The second scan's is `off` [m] along x besides.
     """
 
     way: str
@@ -46,6 +46,7 @@ class ModelTask:
     shift: float
     turn: float
     seed: int
+    off: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +61,11 @@ class MadeModel:
 
 
 def made_model(part: Part, task: ModelTask) -> MadeModel:
-    """Scan a part that stands as in its own frame, merge the scans, and compare with its mesh."""
+    """Scan a part that stands as in its own frame, merge the scans, and compare with its mesh.
+
+    Raises:
+        InputError: the scans are not merged, as `reconstruct` has it.
+    """
     true = triangles_of(part.mesh)
     low, high = (np.array(corner) for corner in true.bounds)
     bounds = Bounds(low - AROUND, high + AROUND)
@@ -111,6 +116,8 @@ def _scans(part: Part, task: ModelTask, low: Floats, high: Floats) -> tuple[Scan
         scan = synthesize(seen, there, seed=seed, noise=build.noise)
         shift, turn = generator.normal(size=(2, 3)) / np.sqrt(3)
         error = pin.SE3(pin.exp3(turn * task.turn), shift * task.shift)
+        if number == 1:
+            error = pose_from_rpy((task.off, 0, 0)) * error
         scans.append(
             replace(scan, T_world_scanner=error * T_part_scanner, source=f"scan {number + 1}")
         )

@@ -1,5 +1,7 @@
 """The tab with the parts found: what is chosen stays chosen when others change the list."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -101,3 +103,18 @@ def test_what_is_refused_changes_no_choice(panel, visitor, bench, draw):
     assert not panel._correct(pose_from_rpy((0.4, 0.1, 0.1), (0.0, 0.0, 0.0)))
     draw()
     assert marked(panel) == [False, True, False]
+
+
+def test_colours_can_be_chosen_where_the_scan_has_some(panel, visitor, bench, draw, scan):
+    assert not panel._scan_colours.visible
+    colours = np.arange(scan.points.size).reshape(-1, 3) % 251
+    bench.do(UseScan(replace(scan, colours=colours)), "Ada")
+    draw()
+    assert panel._scan_colours.visible and not panel._scan_colours.disabled
+    assert not panel._scan_colours.value
+    visitor.look.change(scan_colours=True)
+    draw()
+    assert panel._scan_colours.value, "somebody else has chosen them for all"
+    bench.do(UseScan(scan), "Ada")
+    draw()
+    assert not panel._scan_colours.visible

@@ -9,6 +9,7 @@ import pytest
 from workbench.gui.scene.cloud import GRID, avoided_red, height_colours, in_short, painted_cloud
 from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.colours import AVOIDED, part_colour, rgb_of
+from workbench.gui.shared.look import Look
 from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Obstacle, Scan
@@ -100,6 +101,43 @@ def test_the_picture_turns_red_with_the_plan_and_back_without_it(
     assert away.max() < GRID
     scene.draw(planned, found)
     assert len(red()) == 0
+
+
+def test_a_scan_is_drawn_in_its_own_colours_where_somebody_wants_that(
+    server, cell, states, view_of, box, points
+):
+    T = cell.scanner.T_world_scanner.inverse()
+    # As the scanner saw it what lies in the box is green, and all else has a colour of its own.
+    own = np.column_stack([np.arange(len(points)) % 200, np.full(len(points), 7), points[:, 0] > 0])
+    own[:202] = (0, 180, 0)
+    scan = Scan(
+        points @ T.rotation.T + T.translation, cell.scanner.T_world_scanner, "drawn", colours=own
+    )
+    bare = replace(states.planned, scan=replace(scan, colours=None), obstacles=(box,))
+    seen = replace(bare, scan=scan)
+    # Fewer are drawn than there are, each with the colour that it has.
+    scene = Scene(server, cell, most_points=1500)
+
+    def drawn() -> np.ndarray:
+        names = ["/scan", *(f"/parts/part-{k + 1}/points" for k in range(len(seen.detections)))]
+        clouds = [server.scene.get_handle_by_name(name) for name in names]
+        colours = np.vstack([np.asarray(one.colors) for one in clouds])
+        assert len(colours) == 1500
+        return colours
+
+    ours, as_scanned = Look(), Look(scan_colours=True)
+    scene.draw(None, view_of(seen, ours))
+    by_height = drawn()
+    assert is_red(by_height).any()
+    scene.draw(view_of(seen, ours), view_of(seen, as_scanned))
+    chosen = np.random.default_rng(0).choice(len(points), 1500, replace=False, shuffle=False)
+    owners = painted_cloud(cell, scan.points_world[chosen], seen.detections).owners
+    order = np.argsort(np.where(owners < 0, -1, owners), kind="stable")
+    np.testing.assert_array_equal(drawn(), own[chosen][order])
+    scene.draw(view_of(seen, as_scanned), view_of(seen, ours))
+    np.testing.assert_array_equal(drawn(), by_height)
+    scene.draw(view_of(seen, ours), view_of(bare, as_scanned))
+    np.testing.assert_array_equal(drawn(), by_height, "a scan without colours")
 
 
 def test_points_go_out_short_and_are_drawn_where_they_are():

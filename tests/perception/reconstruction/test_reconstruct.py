@@ -16,7 +16,8 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.part import Bin
 from workbench.model.scan import Detection
-from workbench.perception.reconstruction.depth_views import Bounds
+from workbench.perception.reconstruction.alignment import aligned
+from workbench.perception.reconstruction.depth_views import Bounds, depth_view
 from workbench.perception.reconstruction.reconstruct import reconstruct
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.views.surfaces import add_surface
@@ -144,6 +145,16 @@ def test_what_cannot_be_merged_is_said(scans, bounds):
 
 def test_the_farthest_a_pose_goes_is_bounded(scans, bounds):
     far = replace(scans[3], T_world_scanner=pose_from_rpy((0, 0, 0.006)) * scans[3].T_world_scanner)
-    made = reconstruct([*scans[:3], far, *scans[4:]], bounds, voxel=0.002)
-    moved = made.Ts_model_scanner[3].translation - far.T_world_scanner.translation
+    fit = aligned([depth_view(scan, bounds) for scan in (*scans[:3], far, *scans[4:])])
+    moved = fit.Ts_model_camera[3].translation - far.T_world_scanner.translation
     assert np.linalg.norm(moved) < 0.013  # 2 mm at the part, and 1 degree over 0.6 m
+
+
+def test_a_pose_that_is_far_off_is_named_unless_it_is_to_be_taken_as_it_is(scans, bounds):
+    off = pose_from_rpy((0, 0, 0.006)) * scans[3].T_world_scanner
+    wrong = [*scans[:3], replace(scans[3], T_world_scanner=off, source="the fourth"), *scans[4:]]
+    with pytest.raises(InputError, match="the fourth: where it shows the part other scans look"):
+        reconstruct(wrong, bounds, voxel=0.002)
+    made = reconstruct(wrong, bounds, voxel=0.002, refine=False)
+    # The others have nearly all in common, and it is told that one has not.
+    assert made.shared < 0.5 < reconstruct(scans, bounds, voxel=0.002).shared

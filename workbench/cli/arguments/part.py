@@ -52,7 +52,8 @@ class PartFromScans:
     tolerance_mm: float = 0.2
     """By so much the surface may change for the sake of fewer triangles."""
     as_given: bool = False
-    """Take the poses as they are; otherwise they are improved by what several scans show."""
+    """Take the poses as they are; otherwise they are improved by what several scans show, and a
+    scan that does not fit the others is refused."""
     json: Json = False
 
 

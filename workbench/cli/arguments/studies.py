@@ -74,6 +74,8 @@ class StudyModels:
     """By so much poses are wrong (root mean square)."""
     turn_deg: float = 0.1
     """And by this, about the turntable's or the flange's frame."""
+    off_mm: float = 0.0
+    """The pose of the second scan is wrong by this besides, along x: is that said?"""
     keep: Maybe[Path] = None
     """Folder for the models, for `study localization --models`; one way and noise only."""
     seed: FirstSeed = 0

@@ -27,6 +27,8 @@ def from_scans(typed: PartFromScans) -> int:
         raise FileError(typed.out, f"is to be written as one of {', '.join(KINDS)}")
     if typed.out.exists():
         raise FileError(typed.out, "is there already; choose another name")
+    if not typed.out.parent.is_dir():
+        raise FileError(typed.out, f"there is no folder {typed.out.parent}")
     check_number("--tolerance-mm", typed.tolerance_mm, 0.01, 5)
     if typed.voxel_mm is not None:
         check_number("--voxel-mm", typed.voxel_mm, 0.05, 20)
@@ -62,6 +64,7 @@ def _form(typed: PartFromScans, made: Reconstruction, look: Surface) -> dict[str
         "triangles": look.triangles,
         "unseen": round(made.unseen, 4),
         "voxel_mm": round(made.voxel * 1000, 4),
+        "shared": round(made.shared, 4),
         "apart_mm": {"given": round(given * 1000, 4), "used": round(used * 1000, 4)},
     }
 
@@ -71,6 +74,7 @@ def _print(typed: PartFromScans, made: Reconstruction, look: Surface, count: int
     print(f"{count} scans, voxels of {made.voxel * 1000:.2f} mm")
     said = f"{given * 1000:.2f} mm apart in the median with the poses as given"
     print(f"scans {said}" if used == given else f"scans {said}, {used * 1000:.2f} mm as used")
+    print(f"each has {made.shared:.0%} or more of what it shows of the part in common with others")
     print(
         f"size {millimetres(look.size)} mm, {look.volume * 1e6:.4g} cm3, "
         f"{look.triangles} triangles, closed"

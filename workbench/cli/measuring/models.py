@@ -22,39 +22,50 @@ def study_models(typed: StudyModels) -> int:
     check_whole("--views", typed.views, FEWEST, MOST)
     check_number("--shift-mm", typed.shift_mm, 0, 10)
     check_number("--turn-deg", typed.turn_deg, 0, 5)
+    check_number("--off-mm", typed.off_mm, -100, 100)
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if typed.keep is not None and len(typed.ways) * len(typed.noise) != 1:
         raise InputError("--keep goes with one of --ways and one of --noise")
     parts = [read_part(name) for name in typed.parts]
+    if typed.keep is not None:
+        make_folder(typed.keep)
     cases = [(part, way, build) for part in parts for way in typed.ways for build in typed.noise]
     rows: list[dict[str, Any]] = []
     with progress("models") as report:
         for number, (part, way, build) in enumerate(cases):
             report(number / len(cases), f"{part.name}, {way}, {build}")
             shift, turn = typed.shift_mm / 1000, float(np.deg2rad(typed.turn_deg))
-            task = ModelTask(way, build, typed.views, shift, turn, typed.seed)
-            made = made_model(part, task)
+            task = ModelTask(way, build, typed.views, shift, turn, typed.seed, typed.off_mm / 1000)
+            try:
+                made = made_model(part, task)
+            except InputError as error:
+                if typed.keep is not None:
+                    raise
+                rows.append({"part": part.name, "way": way, "build": build, "refused": str(error)})
+                continue
             rows.append(made.row)
             if typed.keep is not None:
-                make_folder(typed.keep)
                 surface = triangles_of(made.reconstruction.mesh).apply_scale(1000)
                 write_whole(typed.keep / f"{part.name}.ply", export_ply(surface))
     if typed.json:
         print_json({"models": rows})
         return SUCCESS
-    columns = ("unseen", "median mm", "95 % mm", "largest mm", "volume", "of a hull: median mm")
+    for row in rows:
+        if "refused" in row:
+            print(f"{row['part']}, {row['way']}, {row['build']}, refused: {row['refused']}")
     print_table(
-        f"Models from {typed.views} scans beside the CAD files",
-        ("part", "way", "noise", *columns, "95 % mm", "largest mm", "volume"),
-        [_words(row) for row in rows],
+        f"Models from {typed.views} scans, and hulls of one: distances from the CAD files "
+        "(median / 95 % / largest), and volumes over theirs",
+        ("part", "way", "noise", "unseen", "model mm", "volume", "hull mm", "volume"),
+        [_words(row) for row in rows if "refused" not in row],
     )
     return SUCCESS
 
 
 def _words(row: dict[str, Any]) -> tuple[str, ...]:
-    def distances(of: dict[str, float]) -> tuple[str, ...]:
+    def distances(of: dict[str, float]) -> tuple[str, str]:
         lengths = (f"{of[key] * 1000:.2f}" for key in ("median", "p95", "hausdorff"))
-        return (*lengths, f"{of['volume']:.3f}")
+        return " / ".join(lengths), f"{of['volume']:.3f}"
 
     return (
         row["part"],

@@ -11,7 +11,7 @@ from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import is_file
 from workbench.model.cell import Z_FORWARD
-from workbench.model.errors import InputError
+from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, frozen, pose_from_matrix, put
 from workbench.model.scan import Scan
 
@@ -52,6 +52,8 @@ def read_views(folder: Path) -> PartViews:
     Raises:
         FileError: names file, key, value and what was expected.
     """
+    if not is_file(folder / FILE):
+        raise FileError(folder, f"holds no {FILE}, which says where each scan was taken from")
     table = read_toml(folder / FILE)
     table.text("format", among=(VIEWS_FORMAT,))
     unit = table.text("unit", "m", among=tuple(UNITS))
@@ -64,6 +66,10 @@ def read_views(folder: Path) -> PartViews:
     if not FEWEST <= len(listed) <= MOST:
         raise table.error("scan", f"{FEWEST} to {MOST} scans are expected, {len(listed)} are given")
     placed = [_placed(one, T_scanner_table) for one in listed]
+    paths = [path for path, _ in placed]
+    for path in paths:
+        if paths.count(path) > 1:
+            raise table.error("scan", f"{path.name!r} is listed more than once")
     table.finish()
     scans = tuple(
         replace(turned_to_camera(read_cloud(path, T, unit=unit), axes), source=path.name)

@@ -65,6 +65,12 @@ class PartsPanel:
             color="gray",
             hint="Our JSON, or a HALCON tuple file: rows of [R|t] in the world frame, mm.",
         )
+        self._scan_colours = gui.add_checkbox(
+            "Scan colours",
+            False,
+            visible=False,
+            hint="As the scanner gives them, for everybody; otherwise by height and by part.",
+        )
         self._table = gui.add_html("")
         self._rejected = gui.add_html("", visible=False)
         self._show_rejected = gui.add_checkbox(
@@ -108,10 +114,15 @@ class PartsPanel:
         visitor.by_hand(
             self._show_rejected, lambda shown: visitor.look.change(rejected=bool(shown))
         )
+        visitor.by_hand(
+            self._scan_colours, lambda shown: visitor.look.change(scan_colours=bool(shown))
+        )
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._draw_discarded(old, new)
+        if self._scan_colours.value != new.look.scan_colours:
+            self._scan_colours.value = new.look.scan_colours
         self._inputs.tell(old, new)
         state = new.state
         found = state.detections or ()
@@ -134,7 +145,9 @@ class PartsPanel:
         self._visitor.admit(self._veto, state, UseDetections, otherwise=missing)
         missing = "" if state.parts_before else NOT_DONE
         self._visitor.admit(self._undo, state, UseDetections, otherwise=missing)
-        self._show_rejected.disabled = bool(self._visitor.lacks(state, TakeScan))
+        may_look = not self._visitor.lacks(state, TakeScan)
+        self._show_rejected.disabled = self._scan_colours.disabled = not may_look
+        self._scan_colours.visible = state.scan is not None and state.scan.colours is not None
         self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
         self._draw(found)
 

@@ -1,4 +1,4 @@
-"""The colours of a scan's points: by height, of parts found, and red where a plan keeps clear."""
+"""The colours of a scan: by height, of parts found, red where a plan keeps clear; or its own."""
 
 from dataclasses import dataclass
 
@@ -20,16 +20,26 @@ GRID = 2.0**-12
 class PaintedCloud:
     """Points (n, 3) [m] in the world, a colour (n, 3) 0..255 for each, and whose they are.
 
-    `owners` (n,) are indices of parts found, -1 where a point is of none.
+    `owners` (n,) are indices of parts found, -1 where a point is of none; `own` (n, 3) 0..255 are
+    the colours that the scanner gave, None where it gave none.
     """
 
     points: Floats
     colours: np.ndarray
     owners: np.ndarray
+    own: np.ndarray | None = None
 
 
-def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...]) -> PaintedCloud:
-    """World points (n, 3) [m] by height, those of a part found in the part's colour."""
+def painted_cloud(
+    cell: Cell,
+    points: Floats,
+    detections: tuple[Detection, ...],
+    own: np.ndarray | None = None,
+) -> PaintedCloud:
+    """World points (n, 3) [m] by height, those of a part found in the part's colour.
+
+    With them go their `own` colours (n, 3) 0..255, where the scanner gave some.
+    """
     colours = height_colours(cell, points)
     owners = np.full(len(points), -1)
     if detections:
@@ -39,7 +49,20 @@ def painted_cloud(cell: Cell, points: Floats, detections: tuple[Detection, ...])
         owners = explained_by(cell, detections, points)
         for number in range(len(detections)):
             colours[owners == number] = rgb_of(part_colour(number))
-    return PaintedCloud(points, colours, owners)
+    return PaintedCloud(points, colours, owners, own)
+
+
+def shown_colours(
+    cloud: PaintedCloud, obstacles: tuple[Obstacle, ...], *, as_scanned: bool
+) -> np.ndarray:
+    """Colours (n, 3) 0..255 in which a cloud is drawn: its own, if wanted and there, or ours.
+
+    In its own nothing is painted over: what is red there need not be kept clear of, and the boxes
+    say what is.
+    """
+    if as_scanned and cloud.own is not None:
+        return cloud.own
+    return avoided_red(cloud, obstacles)
 
 
 def avoided_red(cloud: PaintedCloud, obstacles: tuple[Obstacle, ...]) -> np.ndarray:

@@ -8,7 +8,7 @@ import viser
 
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
-from workbench.gui.scene.cloud import PaintedCloud, avoided_red, in_short, painted_cloud
+from workbench.gui.scene.cloud import PaintedCloud, in_short, painted_cloud, shown_colours
 from workbench.gui.scene.held import DrawnHeld
 from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
@@ -133,8 +133,9 @@ class Scene:
         are_other_parts = before is None or before.detections is not state.detections
         if are_other_parts:
             self._add_parts(state.detections or ())
-        if is_other_scan or are_other_obstacles:
-            self._draw_scan(state.obstacles, state.detections or ())
+        are_other_colours = old is None or old.look.scan_colours != new.look.scan_colours
+        if is_other_scan or are_other_obstacles or are_other_colours:
+            self._draw_scan(new)
         if are_other_obstacles:
             self._draw_obstacles(state.obstacles)
         if is_other_plan:
@@ -175,23 +176,21 @@ class Scene:
         """What is drawn of a scan."""
         if scan is None:
             return None
-        points = scan.points_world
+        points, own = scan.points_world, scan.colours
         if len(points) > self._most_points:
             chosen = np.random.default_rng(0).choice(
                 len(points), self._most_points, replace=False, shuffle=False
             )
-            points = points[chosen]
-        return painted_cloud(self._cell, points, detections or ())
+            points, own = points[chosen], None if own is None else own[chosen]
+        return painted_cloud(self._cell, points, detections or (), own)
 
-    def _draw_scan(
-        self, obstacles: tuple[Obstacle, ...], detections: tuple[Detection, ...]
-    ) -> None:
+    def _draw_scan(self, view: View) -> None:
         """The points of a part belong to its node: they go where it goes."""
-        cloud = self._cloud
+        cloud, detections = self._cloud, view.state.detections or ()
         if cloud is None:
             self._scene.remove_by_name("/scan")
             return
-        colours = avoided_red(cloud, obstacles)
+        colours = shown_colours(cloud, view.state.obstacles, as_scanned=view.look.scan_colours)
         rest = cloud.owners < 0
         self._add_points("/scan", cloud.points[rest], colours[rest])
         for number, detection in enumerate(detections):

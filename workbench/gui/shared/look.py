@@ -53,8 +53,9 @@ class Look:
     no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
     found, by its number; `rejected` says whether the poses that the last search rejected are
-    shown; `held` is what somebody drags at this moment; `fixed` is
-    the digest of the cell that the fix has made which was applied last.
+    shown, `scan_colours` whether a scan is in its own colours, if it has some; `held` is what
+    somebody drags at this moment; `fixed` is the digest of the cell that the fix has made which was
+    applied last.
     """
 
     time: float = 0.0
@@ -70,6 +71,7 @@ class Look:
     reach: str = ""
     search: int | None = None
     rejected: bool = False
+    scan_colours: bool = False
     held: Held | None = None
     fixed: str = ""
 

@@ -43,12 +43,14 @@ class Aligned:
     """The poses `Ts_model_camera` of views, and how well the views agree.
 
     How far points of one lie from the surface that the others show, in the median [m]: with the
-    poses as they were `given`, and as they are `now`.
+    poses as they were `given`, and as they are `now`.  `shared` (n,), 0..1, is how much of what
+    each view shows of the part the others show too, with the poses as they are now.
     """
 
     Ts_model_camera: tuple[pin.SE3, ...]
     given: float
     now: float
+    shared: Floats
 
 
 def aligned(views: Sequence[DepthView]) -> Aligned:
@@ -65,17 +67,17 @@ def aligned(views: Sequence[DepthView]) -> Aligned:
             shift, turn = shift_and_turn(_way(clouds[k], given[k], fitted))
             if shift <= FARTHEST and turn <= MOST_TURNED:
                 poses[k] = fitted
-    before, after = _apart(clouds, given), _apart(clouds, poses)
+    (before, shared), (after, shared_after) = _apart(clouds, given), _apart(clouds, poses)
     if not after < before:
-        return Aligned(tuple(given), before, before)
-    return Aligned(tuple(poses), before, after)
+        return Aligned(tuple(given), before, before, shared)
+    return Aligned(tuple(poses), before, after, shared_after)
 
 
 def as_given(views: Sequence[DepthView]) -> Aligned:
     """The poses as they are, and how far apart the views are with them."""
     given = [view.T_model_camera for view in views]
-    apart = _apart([_thinned(view) for view in views], given)
-    return Aligned(tuple(given), apart, apart)
+    apart, shared = _apart([_thinned(view) for view in views], given)
+    return Aligned(tuple(given), apart, apart, shared)
 
 
 def _thinned(view: DepthView) -> tuple[Floats, Floats]:
@@ -133,7 +135,11 @@ def _fitted(
     return pin.SE3(turned, middle + step[:3] - turned @ middle) * poses[k]
 
 
-def _apart(clouds: Sequence[tuple[Floats, Floats]], poses: Sequence[pin.SE3]) -> float:
+def _apart(
+    clouds: Sequence[tuple[Floats, Floats]], poses: Sequence[pin.SE3]
+) -> tuple[float, Floats]:
+    """The median distance [m] where views show the same, and each view's share (n,) of that."""
     off = [_pairs(k, clouds, poses) for k in range(len(clouds))]
     each = np.concatenate([np.abs(np.einsum("nk,nk->n", p - q, n)) for p, q, n in off])
-    return float(np.median(each)) if len(each) else np.inf
+    shared = [len(p) / len(cloud[0]) for (p, _, _), cloud in zip(off, clouds, strict=True)]
+    return float(np.median(each)) if len(each) else np.inf, np.array(shared)

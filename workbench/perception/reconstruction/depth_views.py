@@ -119,7 +119,12 @@ def _window(scan: Scan, bounds: Bounds) -> tuple[Floats, Floats, float, float]:
     low, high = image.min(axis=0), image.max(axis=0)
     inside = bounds.holds(scan.points_world)
     if not inside.any():
-        raise InputError(f"{scan.source}: no point of it lies in the region")
+        near, far = np.percentile(scan.points_world * 1000, (1, 99), axis=0)
+        reach = "; ".join(f"{a:.0f} to {b:.0f}" for a, b in zip(near, far, strict=True))
+        raise InputError(
+            f"{scan.source}: no point of it lies in the region; in the model's frame its points "
+            f"are at x, y, z of {reach} mm. Are pose, axes and region right?"
+        )
     seen = scan.points[scan.points[:, 2] > 0]
     seen = seen[:, :2] / seen[:, 2:]
     in_window = ((seen >= low) & (seen <= high)).all(axis=1)
