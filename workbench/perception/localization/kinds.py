@@ -27,7 +27,11 @@ from workbench.perception.localization.choice import (
     take,
 )
 from workbench.perception.localization.hypotheses import EFFORTS
-from workbench.perception.localization.judging import Sought, taken_by_others
+from workbench.perception.localization.judging import (
+    Sought,
+    doubted_apart,
+    taken_by_others,
+)
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
@@ -93,11 +97,14 @@ def all_kinds(
         brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
     found = [one for one in brought if isinstance(one, Sought)]
     for number in range(len(EFFORTS)):
+        # What is in doubt competes once more with what a greater effort finds in its place.
+        apart = [doubted_apart(one) for one in found]
+        found = [one for one, _ in apart]
         # At first nothing is taken, and each kind looks everywhere.
         taken = taken_by_others(found)
         proposed = [
-            proposals(one, number, pixels, seed=seed, step=step)
-            for one, pixels in zip(found, taken, strict=True)
+            doubted + proposals(one, number, pixels, seed=seed, step=step)
+            for (one, doubted), pixels in zip(apart, taken, strict=True)
         ]
         compete(found, proposed, step)
     told = iter(tell(scan, found))
