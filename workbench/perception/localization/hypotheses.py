@@ -70,7 +70,7 @@ def at_a_glance(
     *,
     seed: int,
 ) -> Floats:
-    """The best poses (k, 4, 4) that a few points vote for, fitted once; see `hypotheses`."""
+    """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
     voted = _voted(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
     return _fitted(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 
