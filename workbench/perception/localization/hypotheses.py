@@ -57,8 +57,8 @@ class Effort(NamedTuple):
 EFFORTS = (Effort(0.1, 80, 6), Effort(0.5, 150, 24), Effort(1.0, 300, 80))
 """At first, and for what is then left: clear parts are found at once, hidden ones with patience."""
 
-FEW = Effort(0.0, 30, 4)
-FEW_VOTED, FEW_FITTED = 15, 6
+FEW = Effort(0.0, 80, 6)
+FEW_VOTED, FEW_FITTED = 30, 12
 """What is enough to tell which of many kinds may lie there, and the poses that are followed."""
 
 
