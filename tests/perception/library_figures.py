@@ -1,7 +1,8 @@
-"""How parts of three kinds are found by libraries of many: `library_figures.py [SCENES] [FIRST]`.
+"""How parts of three kinds are found by libraries of many: `library_figures.py SCENES FIRST KINDS`.
 
-With `PYTHONPATH=.:tests/perception`.  Keyed cylinders, brackets and bolts lie there, eight in a
-pile; the other kinds of a library are drawn shapes, stretched otherwise each time.
+With `PYTHONPATH=.:tests/perception`; all three may be left out, and several numbers of kinds be
+given.  Keyed cylinders, brackets and bolts lie there, eight in a pile; the other kinds of a library
+are drawn shapes, stretched otherwise each time.
 """
 
 import sys
@@ -46,6 +47,8 @@ def library(size: int) -> tuple[Part, ...]:
 
 def searched(cell: Cell, build: str, seed: int) -> tuple[float, float, int, int, int, int]:
     """Seconds by the clock and of the processor; parts found, wrong, clear, clear and missed."""
+    deviation = BUILDS[build].deviation or cell.scanner.depth_noise
+    cell = replace(cell, scanner=replace(cell.scanner, depth_noise=deviation))
     lying = replace(cell, parts=cell.parts[: len(LYING)])
     truth = pile_of(lying, ALL_KINDS, COUNT, seed=seed)
     scan = synthesize(lying, truth, seed=seed, noise=BUILDS[build].noise)
@@ -62,11 +65,11 @@ def searched(cell: Cell, build: str, seed: int) -> tuple[float, float, int, int,
     return *spent, len(found), wrong, len(clear), clear.count(False)
 
 
-def main(scenes: int, first: int) -> None:
+def main(scenes: int = 5, first: int = 51000, *sizes: int) -> None:
     """Print a table of the documentation."""
     print("| kinds | to prepare them, s | noise | found | wrong | clear missed | s | s processor |")
     print("|---|---|---|---|---|---|---|---|")
-    for size in SIZES:
+    for size in sizes or SIZES:
         cell = replace(read_cell("yumi"), parts=library(size))
         began = time.process_time()
         for part in cell.parts:
@@ -85,4 +88,4 @@ def main(scenes: int, first: int) -> None:
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in (*sys.argv[1:], "5", "51000")[:2]))
+    main(*map(int, sys.argv[1:]))

@@ -6,20 +6,53 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import trimesh
+from scipy.ndimage import gaussian_filter
 from searching import localize
 
+from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.certainty import probability_of
+from workbench.perception.localization.certainty import probability_of, shared
 from workbench.perception.localization.pose_error import squared_error
+from workbench.perception.localization.sightings import Sighting
+from workbench.perception.simulation.noise_models import NOISE_MODELS
+from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.studies.localization import DEVIATIONS
 
 
 def test_chances_rise_with_the_ratio_and_are_never_sure():
     chances = [probability_of(ratio) for ratio in np.linspace(0.0, 0.5, 11)]
     assert chances == sorted(chances)
     assert 0.5 < chances[0] < 0.95 < chances[-1] < 1.0
+
+
+def seen_with(errors):
+    """A sighting whose points are all explained, off by errors (h, w) [m]."""
+    none = np.arange(0)
+    return Sighting(np.arange(errors.size), errors.ravel(), none, none > 0, none, np.zeros(0))
+
+
+def test_points_whose_errors_are_alike_count_as_fewer():
+    noise = np.random.default_rng(0).normal(0.0, 0.001, (60, 80))
+    assert 1.0 <= shared(seen_with(noise), 80) < 1.3
+    assert 6.0 < shared(seen_with(gaussian_filter(noise, 1.0)), 80) < 13.0
+    assert shared(seen_with(np.full((60, 80), 0.001)), 80) > 20.0
+
+
+def test_where_errors_are_shared_the_roll_of_a_hexagon_is_not_known(cell):
+    """Averaged over neighbours, six faces of a bolt's head tell its turn to some degrees."""
+    bolt = read_part("bolt")
+    known = {}
+    for name in ("rough", "time_of_flight"):
+        scanner = replace(cell.scanner, depth_noise=DEVIATIONS[name])
+        there = replace(cell, parts=(bolt,), scanner=scanner)
+        truth = drop_parts((bolt,) * 4, cell.bin, seed=3)
+        scan = synthesize(there, truth, seed=3, noise=NOISE_MODELS[name])
+        known[name] = [one.roll_known for one in localize(scan, bolt, there, seed=0)]
+    assert known["rough"].count(True) >= 3
+    assert known["time_of_flight"].count(False) >= 3
 
 
 @pytest.fixture(scope="module")

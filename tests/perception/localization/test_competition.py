@@ -1,6 +1,7 @@
 """Hypotheses of several kinds compete before anybody looks closely."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.scan import Objection
 from workbench.perception.localization import kinds
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.kinds import compete
+from workbench.perception.localization.kinds import compete, look_closely
 from workbench.perception.localization.localize import mapped, proposals
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import drop_parts
@@ -34,6 +35,10 @@ def proposed(cell):
     ]
 
 
+closely = partial(look_closely, lambda _: None)
+"""Nobody is told."""
+
+
 def afresh(sought):
     return [replace(one, choice=Choice(np.full(one.maps.depth.size, -1), [], [])) for one in sought]
 
@@ -53,10 +58,10 @@ def test_what_a_larger_part_explains_as_well_needs_no_close_look(proposed, monke
     looks = looked_at(monkeypatch)
     sought, found = proposed
     alone, together = afresh(sought[:1]), afresh(sought)
-    compete(alone, found[:1], lambda _: None)
+    compete(alone, found[:1], closely)
     beside_none = len(looks)
     looks.clear()
-    compete(together, found, lambda _: None)
+    compete(together, found, closely)
     bolts, cylinders = (one.choice for one in together)
     assert len(cylinders.chosen) == 4 and len(bolts.chosen) == 1
     assert sum(surface is together[0].surface for surface in looks) < beside_none / 2
@@ -67,8 +72,8 @@ def test_what_a_larger_part_explains_as_well_needs_no_close_look(proposed, monke
 def test_the_order_of_the_kinds_changes_nothing(proposed):
     sought, found = proposed
     one, other = afresh(sought), afresh(sought)[::-1]
-    compete(one, found, lambda _: None)
-    compete(other, found[::-1], lambda _: None)
+    compete(one, found, closely)
+    compete(other, found[::-1], closely)
     for first, second in zip(one, other[::-1], strict=True):
         pairs = zip(first.choice.chosen, second.choice.chosen, strict=True)
         assert all(np.array_equal(a.pose, b.pose) for a, b in pairs)
@@ -77,6 +82,6 @@ def test_the_order_of_the_kinds_changes_nothing(proposed):
 def test_hypotheses_of_a_single_kind_are_all_its_own(proposed):
     sought, found = proposed
     (one,) = afresh(sought[1:])
-    compete([one], found[1:], lambda _: None)
+    compete([one], found[1:], closely)
     poses = len(one.choice.chosen) + len(one.choice.rejected)
     assert poses == len(found[1]) and isinstance(found[1][0], Hypothesis)

@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from drawn_shapes import cross, ell, hex_nut
+from trimesh import Trimesh
 
 from workbench.formats.parts.reading import read_part
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis
+from workbench.model.symmetry import Symmetry
 from workbench.perception.localization import localize
 from workbench.perception.localization.hypotheses import hypotheses
 from workbench.perception.localization.kinds import merged
@@ -20,6 +23,12 @@ from workbench.studies.localization import compare
 
 KINDS = tuple(read_part(name) for name in ("keyed_cylinder", "bracket", "bolt"))
 CYLINDER, BRACKET, BOLT = KINDS
+
+
+def drawn(name: str, shape: Trimesh):
+    """A part of such a shape [m], otherwise like a bracket."""
+    mesh = Mesh(np.asarray(shape.vertices), np.asarray(shape.faces))
+    return replace(BRACKET, name=name, mesh=mesh, symmetry=Symmetry(fold=1))
 
 
 def at(x: float, y: float = 0.0):
@@ -60,6 +69,26 @@ def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch
     first = {diameter: count for (diameter, number), count in left.items() if number == 0}
     assert len(first) == 3
     assert all(count < 0.05 * first[of] for (of, number), count in left.items() if number)
+
+
+def test_of_many_kinds_those_that_lie_there_are_looked_for_first(mixed, monkeypatch):
+    """The others are looked for in what they leave, and not found."""
+    left: dict[float, int] = {}
+
+    def counted(maps, glance, surface, *rest, seed):
+        left.setdefault(surface.diameter, np.count_nonzero(maps.foreground))
+        return hypotheses(maps, glance, surface, *rest, seed=seed)
+
+    monkeypatch.setattr(localize, "hypotheses", counted)
+    others = (drawn("cross", cross()), drawn("ell", ell()), drawn("nut", hex_nut()))
+    truth = drop_parts(KINDS * 2, mixed.bin, seed=3)
+    many = replace(mixed, parts=(*others, *KINDS))
+    judged, is_found = compare(
+        many.parts, truth, find_parts(synthesize(mixed, truth, seed=3), many, seed=0).detections
+    )
+    assert all(one.is_right for one in judged) and all(is_found)
+    first = [left.get(prepare(part).diameter, 0) for part in many.parts]
+    assert max(first[:3]) < 0.5 * min(first[3:])
 
 
 def searched(kind, *found, gains, rejected=()):

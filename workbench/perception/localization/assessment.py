@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats, frozen, put
+from workbench.perception.localization.certainty import shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.maps import DepthMap
 from workbench.perception.localization.poses import distinct
@@ -182,7 +183,8 @@ def _is_roll_known(
     """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
     if len(sighting.explained) == 0 or not is_better(own, turned):
         return False
-    deviation = float(np.sqrt(np.mean(sighting.off**2)))
+    alike = shared(sighting, maps.depth.shape[1])
+    deviation = float(np.sqrt(alike * np.mean(sighting.off**2)))
     return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR
 
 

@@ -7,6 +7,7 @@ nothing holds is known no better than that the part was found there.
 """
 
 import numpy as np
+from scipy.ndimage import uniform_filter
 
 from workbench.model.geometry import Floats
 from workbench.perception.localization.maps import DepthMap
@@ -16,6 +17,9 @@ from workbench.perception.parts.part_surface import PartSurface
 
 SHARED = 16.0
 """Points that share their errors: so many count as one."""
+
+REACH = 2
+"""[pixels] Up to which neighbours are asked how alike their errors are."""
 
 BIAS = 0.35
 """All points of a face are off together by this share of their own deviation."""
@@ -41,6 +45,23 @@ of scanner see them, 423 were within 2 mm and 3 degrees, the others at any ratio
 def probability_of(ratio: float) -> float:
     """The chance that a detection is right, 0..1, by its log likelihood ratio [nat]."""
     return TURNED_RIGHT / (1.0 + float(np.exp(-(CERTAIN + STEEPNESS * ratio))))
+
+
+def shared(sighting: Sighting, columns: int) -> float:
+    """How many explained points count as one, since errors of neighbours are alike; at least 1.
+
+    Cameras average over neighbours, and a shape that is not quite right is off by whole faces.
+
+    Args:
+        sighting: what the scan says of a part.
+        columns: of the maps that its pixels are in.
+    """
+    v, u = np.divmod(sighting.explained, columns)
+    side = 2 * REACH + 1
+    off = np.zeros((int(np.ptp(v)) + side, int(np.ptp(u)) + side))
+    off[v - v.min() + REACH, u - u.min() + REACH] = sighting.off
+    around = uniform_filter(off, side, mode="constant") * side**2
+    return max(1.0, float((off * around).sum() / max((off**2).sum(), 1e-30)))
 
 
 def covariance(

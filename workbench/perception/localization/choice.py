@@ -117,7 +117,7 @@ def take(
     choice: Choice,
     surface: PartSurface,
     hypothesis: Hypothesis,
-    assess: Callable[[Floats], Assessment],
+    assess: Callable[[Hypothesis], Assessment],
     spread: float,
     tolerance: float,
 ) -> Assessment | None:
@@ -129,7 +129,7 @@ def take(
         choice: what was taken before; the hypothesis is added to it, or to what was rejected.
         surface: the part.
         hypothesis: a possible pose, fitted roughly.
-        assess: looks closely at a pose (4, 4) [m] and returns a better one.
+        assess: looks closely at a hypothesis and returns a better one.
         spread: [m] deviation of a part's points from its surface.
         tolerance: [m] see `sightings.look`.
 
@@ -138,7 +138,7 @@ def take(
     """
     rejected = _objection(choice, surface, hypothesis)
     if rejected is None:
-        one = assess(hypothesis.pose)
+        one = assess(hypothesis)
         rejected = _objection(choice, surface, one) or _overlap(choice, surface, one)
         if rejected is None and not one.is_held:
             rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)

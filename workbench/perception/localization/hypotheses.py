@@ -57,6 +57,23 @@ class Effort(NamedTuple):
 EFFORTS = (Effort(0.1, 80, 6), Effort(0.5, 150, 24), Effort(1.0, 300, 80))
 """At first, and for what is then left: clear parts are found at once, hidden ones with patience."""
 
+FEW = Effort(0.0, 80, 6)
+FEW_VOTED, FEW_FITTED = 30, 12
+"""What is enough to tell which of many kinds may lie there, and the poses that are followed."""
+
+
+def at_a_glance(
+    glance: DepthMap,
+    surface: PartSurface,
+    tolerance: float,
+    is_possible: Callable[[Floats], np.ndarray],
+    *,
+    seed: int,
+) -> Floats:
+    """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
+    voted = _voted(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
+    return _fitted(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
+
 
 def hypotheses(
     maps: DepthMap,

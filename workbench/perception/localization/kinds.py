@@ -6,8 +6,9 @@ fall when all are held together (`judging`), its surface is searched again with 
 What two kinds are thought to explain in the end is one of them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import count
 
 import numpy as np
@@ -19,6 +20,7 @@ from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.assessment import Assessment, assess
 from workbench.perception.localization.choice import (
+    Choice,
     Hypothesis,
     Rejection,
     enough,
@@ -26,8 +28,12 @@ from workbench.perception.localization.choice import (
     reaches_into,
     take,
 )
-from workbench.perception.localization.hypotheses import EFFORTS
-from workbench.perception.localization.judging import Sought, taken_by_others
+from workbench.perception.localization.hypotheses import EFFORTS, at_a_glance
+from workbench.perception.localization.judging import (
+    Sought,
+    doubted_apart,
+    taken_by_others,
+)
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
@@ -43,6 +49,9 @@ from workbench.plugins.progress import Cancelled, Report
 OUTDONE = 1.5
 """A part speaks for so much more area than one of another kind that lies in it: what it leaves is
 all that counts of the other."""
+
+FEW_KINDS = 5
+"""So many are all looked for at once; to glance at more before costs less than it saves."""
 
 
 @dataclass(slots=True, eq=False)
@@ -92,29 +101,89 @@ def all_kinds(
         step(f"prepare {part.name} and map the scan")
         brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
     found = [one for one in brought if isinstance(one, Sought)]
-    for number in range(len(EFFORTS)):
+    for number, turns in _rounds(found, seed, step):
+        # What is in doubt competes once more with what a greater effort finds in its place.
+        apart = [doubted_apart(one) for one in found]
+        found = [one for one, _ in apart]
         # At first nothing is taken, and each kind looks everywhere.
         taken = taken_by_others(found)
         proposed = [
-            proposals(one, number, pixels, seed=seed, step=step)
-            for one, pixels in zip(found, taken, strict=True)
+            doubted + (proposals(one, number, pixels, seed=seed, step=step) if is_its_turn else [])
+            for (one, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
-        compete(found, proposed, step)
+        compete(found, proposed, partial(look_closely, step))
     told = iter(tell(scan, found))
     return merged(
         together(scan, [next(told) if isinstance(one, Sought) else one for one in brought])
     )
 
 
-def compete(
-    brought: Sequence[Sought], found: Sequence[list[Hypothesis]], step: Callable[[str], None]
-) -> None:
+def _rounds(
+    found: Sequence[Sought], seed: int, step: Callable[[str], None]
+) -> Iterator[tuple[int, Sequence[bool]]]:
+    """The number of the effort of each round, and for each kind whether it is its turn.
+
+    Of many kinds those come first of which a glance shows some: the others are looked for in what
+    these leave, which is little if they are not there.
+    """
+    everyone = [True] * len(found)
+    rounds = [(number, everyone) for number in range(len(EFFORTS))]
+    if len(found) > FEW_KINDS:
+        likely = _likely(found, seed, step)
+        rounds[:1] = [(0, likely), (0, [not one for one in likely])]
+    yield from rounds
+
+
+def _likely(found: Sequence[Sought], seed: int, step: Callable[[str], None]) -> list[bool]:
+    """For each kind whether poses of it stand that a few votes propose, among those of all kinds.
+
+    Nothing is looked at closely, so twice as much is tolerated.
+    """
+    glances = [
+        replace(
+            one,
+            maps=one.glance,
+            tolerance=2 * one.tolerance,
+            spread=2 * one.spread,
+            choice=Choice(np.full(one.glance.depth.size, -1), [], []),
+        )
+        for one in found
+    ]
+    proposed: list[list[Hypothesis]] = []
+    for one, glance in zip(found, glances, strict=True):
+        step("glance")
+        poses = at_a_glance(one.glance, one.surface, one.tolerance, one.are_possible, seed=seed)
+        proposed.append(
+            [Hypothesis(p, look(glance.maps, one.surface, p, glance.tolerance)) for p in poses]
+        )
+    compete(glances, proposed, _as_it_is)
+    return [bool(one.choice.chosen) for one in glances]
+
+
+Closely = Callable[[Sought, Hypothesis], Assessment]
+"""Looks closely at a hypothesis of a kind, and returns a better pose."""
+
+
+def look_closely(step: Callable[[str], None], one: Sought, hypothesis: Hypothesis) -> Assessment:
+    """The best pose near one that was fitted roughly."""
+    step("look closely")
+    return assess(one.maps, one.glance, one.surface, hypothesis.pose, one.tolerance)
+
+
+def _as_it_is(one: Sought, hypothesis: Hypothesis) -> Assessment:
+    """What is not looked at closely passes for what it seems to be."""
+    return Assessment(
+        hypothesis.pose, hypothesis.sighting, None, roll_known=True, is_held=True, is_told=True
+    )
+
+
+def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closely: Closely) -> None:
     """Take the hypotheses that hold together after a close look, those that gain most first.
 
     Args:
         brought: the kinds; what is taken and what is not is added to their choices.
         found: the possible poses of each, fitted roughly.
-        step: told what is being done; it may raise to give up.
+        closely: see there.
     """
     entries = [
         Entry(one, list(poses), np.empty(0), np.zeros(one.maps.depth.size))
@@ -128,7 +197,7 @@ def compete(
         best = int(entry.gains.argmax())
         hypothesis = entry.left.pop(best)
         entry.gains = np.delete(entry.gains, best)
-        taken = _taken(entry, hypothesis, step)
+        taken = _taken(entry, hypothesis, closely)
         if taken is None:
             continue
         entry.weigh()
@@ -137,19 +206,16 @@ def compete(
                 _cover(other, entry.one, taken)
 
 
-def _taken(entry: Entry, hypothesis: Hypothesis, step: Callable[[str], None]) -> Assessment | None:
+def _taken(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
     one = entry.one
-
-    def closely(pose: Floats) -> Assessment:
-        step("look closely")
-        return assess(one.maps, one.glance, one.surface, pose, one.tolerance)
-
     if _is_outdone(entry, hypothesis):
         one.choice.rejected.append(
             Rejection(hypothesis.pose, hypothesis.sighting, Objection.OUTDONE)
         )
         return None
-    return take(one.choice, one.surface, hypothesis, closely, one.spread, one.tolerance)
+    return take(
+        one.choice, one.surface, hypothesis, partial(closely, one), one.spread, one.tolerance
+    )
 
 
 def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:

@@ -50,8 +50,7 @@ def log_likelihood_ratio(
         return -np.inf
     exact = np.exp(-((off / spread) ** 2) / 2) * 2 * tolerance / (spread * np.sqrt(2 * np.pi))
     fit = float(np.log((1.0 - STRAY) * exact + STRAY).mean())
-    rim = int(np.count_nonzero(sighting.is_rim))
-    against = THROUGH * (len(sighting.violated) - rim) + THROUGH_RIM * rim
+    against = looked_through(sighting)
     if is_all_known:
         ahead = sighting.ahead[~is_other[sighting.hidden]]
         close = int(np.count_nonzero((ahead > tolerance) & (ahead <= CLOSE * tolerance)))
@@ -59,3 +58,9 @@ def log_likelihood_ratio(
         odd = int(np.count_nonzero(ahead <= tolerance))
         against += CLOSE_AHEAD * close + AHEAD * far + ODD * odd
     return min(fit, MOST) - against / len(off)
+
+
+def looked_through(sighting: Sighting) -> float:
+    """What speaks against a part [nat], all pixels together, where the scan looks through it."""
+    rim = int(np.count_nonzero(sighting.is_rim))
+    return THROUGH * (len(sighting.violated) - rim) + THROUGH_RIM * rim

@@ -238,7 +238,7 @@ def roll_error(
         surface: one that has such an axis.
         pose: (4, 4).
         tolerance: [m] see `sightings.look`.
-        deviation: [m] of the points from the surface.
+        deviation: [m] of the points from the surface, as if each had an error of its own.
     """
     A, _ = pull(maps, surface, pose, tolerance)
     turn = _turn(surface, pose)

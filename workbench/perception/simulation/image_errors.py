@@ -9,14 +9,18 @@ REACH = 6
 """[pixels] From how far around light is thrown into concave corners."""
 
 
-def fattened(depth: Floats, by: int) -> Floats:
+def fattened(depth: Floats, by: int, step: float) -> Floats:
     """Near things grown over far ones by so many pixels, as windows that are compared make them.
+
+    A slope stays where it is: a window that sees it has half of it nearer and half further away.
 
     Args:
         depth: (rows, columns) [m], infinite where nothing is hit.
         by: [pixels].
+        step: [m] what is further behind lies on the other side of an edge.
     """
-    return np.where(np.isfinite(depth), ndimage.minimum_filter(depth, 2 * by + 1), depth)
+    near = ndimage.minimum_filter(depth, 2 * by + 1)
+    return np.where(np.isfinite(depth) & (depth > near + step), near, depth)
 
 
 def lengthened(depth: Floats, share: float) -> Floats:

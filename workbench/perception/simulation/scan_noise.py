@@ -46,7 +46,7 @@ def noisy(
     if model.drifted:
         depth, cosine = sheared(depth, model.drifted), sheared(cosine, model.drifted)
     if model.fattened:
-        depth = fattened(depth, model.fattened)
+        depth = fattened(depth, model.fattened, EDGE)
     if model.corners:
         depth = lengthened(depth, model.corners)
     if model.wave:
