@@ -7,7 +7,7 @@ INSTALL := $(PIP) --no-build-isolation --editable
 
 # Shared libraries that Open3D and Pinocchio expect from the system.
 LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
-BROWSER := chromium fonts-dejavu-core
+BROWSER := chromium-headless-shell fonts-dejavu-core
 
 # What stands for devices in the tests: a web server, and a camera of GenICam.
 STAND_INS := apache2-bin aravis-tools
@@ -39,7 +39,7 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs everything installed bench pictures words bundle constraints clean
+.PHONY: help run test test-fast test-portable lint docs everything installed packages bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
@@ -98,6 +98,10 @@ installed: $(VENV)/.venv pyproject.toml constraints.txt
 	@$(INSTALL) ".[test,lint,docs]"
 	@touch $(VENV)/.run $(VENV)/.test $(VENV)/.lint $(VENV)/.docs
 
+# What pip does not bring, beside what it does; behind what may need packages for Python itself.
+packages: $(VENV)/.venv
+	@bash setup/debian.sh $(LIBRARIES) $(BROWSER) $(STAND_INS)
+
 bench: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/workbench bench short $(ARGS)
 
@@ -123,8 +127,10 @@ clean:
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # Stamps: what is installed is installed again only when one of these files has changed.
+# The pip that comes with Python 3.11 takes six times as long to find out what fits together.
 $(VENV)/.venv: setup/venv.sh
 	@bash setup/venv.sh $(VENV)
+	@$(PIP) "pip>=25.1" || true
 	@touch $@
 
 $(VENV)/.run: $(VENV)/.venv pyproject.toml constraints.txt

@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from chromium import find_chromium
 from conftest import FLAGS, PATIENCE, Screen
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
@@ -65,9 +66,9 @@ class Desk:
 @contextmanager
 def browser() -> Iterator[Browser]:
     """Headless Chromium, WebGL drawn by the processor."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    chromium = find_chromium()
     if chromium is None:
-        raise SystemExit("no chromium here; on Debian: apt-get install chromium")
+        raise SystemExit("no chromium here; on Debian: apt-get install chromium-headless-shell")
     with sync_playwright() as playwright:
         made = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
         yield made

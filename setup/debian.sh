@@ -11,7 +11,8 @@ is_there() {
         libegl1) has_library libEGL.so.1 ;;
         libx11-6) has_library libX11.so.6 ;;
         libgomp1) has_library libgomp.so.1 ;;
-        chromium) command -v chromium >/dev/null ;;
+        # Without windows, tabs and menus that nobody sees; the one with them does it as well.
+        chromium-headless-shell) command -v chromium-headless-shell chromium >/dev/null ;;
         fonts-dejavu-core) [ -e /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf ] ;;
         *) dpkg-query --show --showformat='${Status}' "$1" 2>/dev/null | grep -q 'ok installed' ;;
     esac

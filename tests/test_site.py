@@ -2,11 +2,11 @@
 
 import importlib.util
 import re
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
+from chromium import find_chromium
 from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -88,9 +88,9 @@ def test_nothing_is_loaded_from_elsewhere(site):
 
 
 def test_a_browser_asks_nobody_else(site):
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    chromium = find_chromium()
     if chromium is None:
-        pytest.skip("no chromium here; on Debian: apt-get install chromium")
+        pytest.skip("no chromium here; on Debian: apt-get install chromium-headless-shell")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         page = browser.new_page()

@@ -3,7 +3,6 @@
 import functools
 import json
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -11,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
+from chromium import find_chromium
 from forking import fork_workers
 from hands import pause
 from patient import PATIENT
@@ -158,9 +158,9 @@ def shots(tmp_path_factory: pytest.TempPathFactory) -> Path:
 # As long as it lives, an event loop runs in this thread: tests of other files have their own.
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    chromium = find_chromium()
     if chromium is None:
-        pytest.skip("no chromium here; on Debian: apt-get install chromium")
+        pytest.skip("no chromium here; on Debian: apt-get install chromium-headless-shell")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
         yield browser

@@ -57,11 +57,12 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
     screen.shoot("emptying")
 
     screen.press("Play film")
+    # Looked at before anything that takes a browser on a busy machine as long as the first pick.
+    wait(lambda: len(places(page)) == 4, "the pile as it fell")
+    began = places(page)
     screen.page.locator('.wb-mode[data-mode="film"]').wait_for()
     expect(screen.page.locator(".wb-mode")).to_contain_text("Simulation")
     expect(screen.page.locator(".wb-mode")).to_contain_text("nothing is sent")
-    wait(lambda: len(places(page)) == 4, "the pile as it fell")
-    began = places(page)
     wait(
         lambda: any(
             name not in places(page) or np.linalg.norm(places(page)[name] - at) > 0.05

@@ -97,7 +97,7 @@ def test_a_proof_without_clearances_has_an_empty_curve(result, runs):
     ("time", "share"), [(-1.0, "0.00%"), (0.0, "0.00%"), (5.0, "50.00%"), (99.0, "100.00%")]
 )
 def test_the_cursor_stays_within_its_track(time, share):
-    assert f"--wb-at:{share}" in cursor_style(time, 10.0)
+    assert f"left:{share}" in cursor_style(time, 10.0)
 
 
 def test_what_goes_on_is_said(cell, result, runs):

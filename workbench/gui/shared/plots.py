@@ -111,7 +111,8 @@ def legend_html(plot: Plot, time: float | None = None) -> str:
 def cursor_style(time: float, seconds: float) -> str:
     """The style that puts the cursors of all plots at a time [s]."""
     share = _share(time, 0.0, seconds) if seconds > 0 else 0.0
-    return f'<style class="wb-style">:root{{--wb-at:{share:.2f}%}}</style>'
+    # Not a variable of the whole page: then all of it would be styled anew for each picture.
+    return f'<style class="wb-style">i.wb-at{{left:{share:.2f}%}}</style>'
 
 
 def _line(
