@@ -20,8 +20,8 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.scan import Detection, Obstacle, SearchOverrides
-from workbench.perception.scene.unexplained import unexplained
+from workbench.model.scan import Detection, SearchOverrides, Unexplained
+from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
@@ -196,14 +196,14 @@ def _look_and_plan(
 ) -> PlanResult | None:
     """A plan for what is seen; None when nothing is."""
     detections, digest = tuple(lying), "study"
-    obstacles: tuple[Obstacle, ...] = ()
+    around = Unexplained()
     if task.seen == "scan":
         scan = synthesize(cell, lying, seed=seed)
         began = working_time()
         usual = SearchOverrides().detail
         found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
         detections = found.detections
-        obstacles = unexplained(cell, scan, detections)
+        around = look_around(cell, scan, detections)
         tally.finding += working_time() - began
         tally.seen = detections
         digest = scan.digest
@@ -216,7 +216,8 @@ def _look_and_plan(
         digest,
         picks=task.picks,
         strategy=task.strategy,
-        obstacles=obstacles,
+        obstacles=around.seen,
+        unseen=around.unseen,
         avoided=_left_alone(detections, [one for one, _ in avoided]),
         seed=seed,
         cancelled=cancelled,
