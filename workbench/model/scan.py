@@ -270,11 +270,11 @@ class Unexplained:
     """Upright boxes around things that nothing known explains.
 
     `seen` are around what a scan shows of them; `unseen`, where the parts found hide what is
-    behind them, around where these things may go on: as far as they may well, then less far.
+    behind them, around where these things may go on.
     """
 
     seen: tuple[Obstacle, ...] = ()
-    unseen: tuple[tuple[Obstacle, ...], ...] = ()
+    unseen: tuple[Obstacle, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,7 @@ def beside(part):
 
 
 def planned(parts, unseen, **about):
-    return plan_row(CELL, parts, digest_of(parts), unseen=(unseen,) if unseen else (), **about)
+    return plan_row(CELL, parts, digest_of(parts), unseen=unseen, **about)
 
 
 @pytest.mark.parametrize("other", [0, 1])
@@ -50,9 +50,8 @@ def test_where_there_is_no_other_way_the_plan_says_so_and_is_proven_as_it_is():
 
 
 def test_a_plan_that_stays_clear_of_all_is_the_same_as_without():
-    far = Obstacle(
-        pose_from_rpy(PARTS[0].T_world_part.translation + (0, 0, -0.5)), np.ones(3) * 0.1
-    )
+    below = PARTS[0].T_world_part.translation - (0.0, 0.0, 0.5)
+    far = Obstacle(pose_from_rpy(below), np.full(3, 0.1))
     kept, plain = planned(PARTS, (far,)), planned(PARTS, ())
     assert kept.plan.arms[0].grasp == plain.plan.arms[0].grasp
     assert kept.plan.note == plain.plan.note

@@ -22,20 +22,20 @@ CELL = replace(CELL, parts=(PART,))
 EDGE = 0.002
 
 
-def room(eye=(0.0, 0.0, 0.8), **about):
+def room(reach=0.03, eye=(0.0, 0.0, 0.8), **about):
     """A plate of 60 x 60 mm, 4 mm thick, 30 mm over the floor; all else is free."""
     parts = o3d.t.geometry.RaycastingScene(nthreads=1)
     plate = trimesh.creation.box((0.06, 0.06, 0.004))
     plate.apply_translation((0.0, 0.0, 0.03))
     add_surface(parts, plate)
     known = {"half": np.array([0.15, 0.1]), "top": 0.032} | about
-    return Room(parts, np.array(eye), **known)
+    return Room(parts, np.array(eye), reach=reach, **known)
 
 
-def columns(x, y, height, where, reach=0.03):
+def columns(x, y, height, where):
     """Where a thing seen from above at (x, y) [m], up to a height [m], may go on."""
     cells = np.floor(np.stack([x, y], axis=1) / EDGE).astype(np.int64)
-    more, heights = hidden_columns(cells, np.full(len(cells), height), EDGE, where, reach)
+    more, heights = hidden_columns(cells, np.full(len(cells), height), EDGE, where)
     return (more + 0.5) * EDGE, heights
 
 
@@ -52,7 +52,7 @@ def test_a_thing_beside_a_plate_goes_on_below_it_as_far_as_it_is_long():
 
 @pytest.mark.parametrize("far", [0.05, 0.09])
 def test_what_is_apart_from_what_is_hidden_does_not_go_on(far):
-    places, _ = columns(np.full(5, far), EDGE_OF_PLATE[1], 0.02, room(), reach=0.08)
+    places, _ = columns(np.full(5, far), EDGE_OF_PLATE[1], 0.02, room(reach=0.08))
     assert len(places) == 0
 
 
@@ -70,8 +70,8 @@ def test_nothing_goes_on_where_no_part_is_high_or_outside_the_bin():
 
 def test_a_large_bin_is_divided_more_coarsely_and_not_refused():
     x = np.linspace(-2, 2, 400)
-    wide = room(half=np.array([3.0, 3.0]))
-    places, _ = columns(np.append(x, 0.033), np.append(np.full(400, 1.0), 0.0), 0.5, wide, 1.0)
+    wide = room(reach=1.0, half=np.array([3.0, 3.0]))
+    places, _ = columns(np.append(x, 0.033), np.append(np.full(400, 1.0), 0.0), 0.5, wide)
     assert len(places) > 0
 
 
@@ -111,7 +111,7 @@ def test_in_piles_the_hidden_side_of_what_was_not_found_is_held():
             is_low = outside[:, 2] < CELL.bin.T_world_bin.translation[2] + 0.002
             outside = outside[~is_low & near_to(around.seen, outside, 0.015)]
             hidden += len(outside)
-            kept += int(held(sum(around.unseen[:1], ()), outside).sum())
+            kept += int(held(around.unseen, outside).sum())
     assert hidden > 2000, "there is something to hold"
     assert kept > 0.6 * hidden, f"{kept} of {hidden}"
 

@@ -13,7 +13,7 @@ from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
-from workbench.app.picking.row import plan_row
+from workbench.app.picking.row import GOES_UNSEEN, plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
@@ -55,6 +55,8 @@ class _Tally:
     seen: tuple[Detection, ...] = ()
     outcomes: list[str] = field(default_factory=list[str])
     beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
+    warned_picks: int = 0
+    warned_touches: int = 0
 
 
 def emptied(
@@ -160,6 +162,8 @@ def emptied(
         tally.rolled,
         tuple(tally.outcomes),
         tuple(tally.beside),
+        tally.warned_picks,
+        tally.warned_touches,
     )
 
 
@@ -274,6 +278,9 @@ def _carry_out(
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
+        if GOES_UNSEEN in plan.note:
+            tally.warned_picks += 1
+            tally.warned_touches += taking.touches
         kind = failure(taking, plan.detections[arm_plan.detection])
         tally.outcomes.append(kind)
         if kind:

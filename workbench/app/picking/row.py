@@ -31,7 +31,7 @@ def plan_row(
     *,
     picks: int = 1,
     obstacles: tuple[Obstacle, ...] = (),
-    unseen: tuple[tuple[Obstacle, ...], ...] = (),
+    unseen: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, str] = NOTHING,
     strategy: str = "auto",
     report: Report = silent,
@@ -50,8 +50,8 @@ def plan_row(
         scan_digest: what they were found in.
         picks: parts for an arm, or for two, at most; one that goes over a station takes two plans.
         obstacles: what the scan shows beside the parts.
-        unseen: where that may go on unseen, the most there may be first.  Plans stay clear of the
-            first of these that there is a plan beside; the note of another says so.
+        unseen: where that may go on unseen.  Plans stay clear of it as well, where there is one
+            that does; otherwise the note of the first says so.
         avoided: indices of parts that are left alone for now, and why.
         strategy: as `plan_pick`.
         report: progress.
@@ -63,11 +63,11 @@ def plan_row(
     """
     check_picks(cell, picks)
     scene = Scene(scan_digest, detections, obstacles)
-    for number, more in enumerate(unseen):
-        clear = replace(scene, obstacles=(*obstacles, *more))
+    if unseen:
+        clear = replace(scene, obstacles=(*obstacles, *unseen))
         result = _rows(cell, clear, picks, avoided, strategy, report, **asked)
         if _holds(result):
-            return _noted(cell, clear, result, GOES_UNSEEN) if number else result
+            return result
     result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
     return _noted(cell, scene, result, GOES_UNSEEN) if unseen and _holds(result) else result
 

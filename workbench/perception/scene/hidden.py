@@ -33,12 +33,14 @@ class Room:
         eye: (3,) [m] where the scanner is.
         half: (2,) [m] half of the bin's length and width.
         top: [m] height of the highest part.
+        reach: [m] no thing goes on further than this from what was seen of it.
     """
 
     parts: o3d.t.geometry.RaycastingScene
     eye: Floats
     half: Floats
     top: float
+    reach: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,9 +62,7 @@ class _Cubes:
         return (index + (*self.first, 0) + 0.5) * self.edge
 
 
-def hidden_columns(
-    cells: Ints, tops: Floats, edge: float, room: Room, reach: float
-) -> tuple[Ints, Floats]:
+def hidden_columns(cells: Ints, tops: Floats, edge: float, room: Room) -> tuple[Ints, Floats]:
     """More grid cells (m, 2), seen from above, and heights (m,) [m] up to which things may go on.
 
     Args:
@@ -70,13 +70,12 @@ def hidden_columns(
         tops: (n,) its height in each [m].
         edge: of a grid cell [m].
         room: where things may go on.
-        reach: [m] none goes on further than this from what was seen of it.
     """
     middles = (cells + 0.5) * edge
     is_inside = np.all(np.abs(middles) <= room.half, axis=1)
     cells, tops = cells[is_inside], tops[is_inside]
-    cubes = _cubes(cells, tops, edge, room, reach) if len(cells) else None
-    goes_on = np.zeros((1, 1, 1), np.bool_) if cubes is None else _goes_on(cubes, room, reach)
+    cubes = _cubes(cells, tops, edge, room) if len(cells) else None
+    goes_on = np.zeros((1, 1, 1), np.bool_) if cubes is None else _goes_on(cubes, room)
     if cubes is None or not goes_on.any():
         return np.empty((0, 2), np.int64), np.empty(0)
     columns = np.argwhere(goes_on.any(axis=2))
@@ -90,16 +89,16 @@ def hidden_columns(
     return more, np.repeat(heights, len(within))
 
 
-def _cubes(cells: Ints, tops: Floats, edge: float, room: Room, reach: float) -> _Cubes | None:
+def _cubes(cells: Ints, tops: Floats, edge: float, room: Room) -> _Cubes | None:
     """The room around cells (n, 2) of things with heights (n,), each cube some cells wide.
 
     None where no part is high enough to hide anything.
     """
-    height = min(room.top, float(tops.max()) + reach)
+    height = min(room.top, float(tops.max()) + room.reach)
     if height <= 0.0:
         return None
-    low = np.maximum(cells.min(axis=0) * edge - reach, -room.half)
-    high = np.minimum((cells.max(axis=0) + 1) * edge + reach, room.half)
+    low = np.maximum(cells.min(axis=0) * edge - room.reach, -room.half)
+    high = np.minimum((cells.max(axis=0) + 1) * edge + room.reach, room.half)
     volume = float(np.prod(high - low)) * height
     wide = int(np.ceil(max(FINEST, float(np.cbrt(volume / MOST))) / edge))
     cube = wide * edge
@@ -112,10 +111,10 @@ def _cubes(cells: Ints, tops: Floats, edge: float, room: Room, reach: float) -> 
     return _Cubes(seen, first, cube)
 
 
-def _goes_on(cubes: _Cubes, room: Room, reach: float) -> Bools:
+def _goes_on(cubes: _Cubes, room: Room) -> Bools:
     """The cubes (a, b, c) in which things may go on: hidden, joined to what was seen, and near."""
     away: Any = distance_transform_edt(~cubes.seen)
-    is_asked = ~cubes.seen & (away * cubes.edge <= reach)
+    is_asked = ~cubes.seen & (away * cubes.edge <= room.reach)
     is_hidden = np.zeros(cubes.seen.shape, np.bool_)
     is_hidden[is_asked] = _hidden(cubes.centres[is_asked], room)
     joined: Any = label(is_hidden | cubes.seen, structure=np.ones((3, 3, 3)))

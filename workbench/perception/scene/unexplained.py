@@ -39,9 +39,8 @@ BETWEEN = 1.5
 FARTHEST = 20.0
 """[m] No arm gets further, whatever the limits of its joints say."""
 
-GOES_ON = 0.25, 0.08
-"""Shares of the longest part's length by which things go on unseen, beside what is seen of them:
-one that they seldom go beyond, and one by which most do."""
+GOES_ON = 0.25
+"""Share of the longest part's length by which things go on unseen, beside what is seen of them."""
 
 OF_THE_CELL = -1
 UNEXPLAINED = -2
@@ -102,11 +101,10 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     parts = o3d.t.geometry.RaycastingScene(nthreads=1)
     _add_parts(parts, cell, detections, T_bin_world)
     half = cell.bin.size[:2] / 2
-    room = Room(parts, T_bin_scanner.translation, half, _top(cell, detections))
     longest = max(float(np.linalg.norm(np.ptp(one.mesh.points, axis=0))) for one in cell.parts)
-    reaches = [share * longest for share in GOES_ON]
-    seen, *unseen = (_placed(cell, some) for some in _boxes_around(voxels, pitch, room, reaches))
-    return Unexplained(seen, tuple(some for some in unseen if some))
+    eye, top = T_bin_scanner.translation, _top(cell, detections)
+    room = Room(parts, eye, half, top, GOES_ON * longest)
+    return Unexplained(*(_placed(cell, some) for some in _boxes_around(voxels, pitch, room)))
 
 
 def _placed(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
@@ -125,12 +123,10 @@ def _top(cell: Cell, detections: tuple[Detection, ...]) -> float:
     return max((float(some.max()) for some in heights), default=0.0)
 
 
-def _boxes_around(
-    voxels: Voxels, pitch: float, room: Room, reaches: Iterable[float]
-) -> Iterator[tuple[Obstacle, ...]]:
+def _boxes_around(voxels: Voxels, pitch: float, room: Room) -> Iterator[tuple[Obstacle, ...]]:
     """Boxes in the frame of the voxels, clear of parts where they can.
 
-    First those that hold all voxels, then those where what is seen there may go on, for each reach.
+    First those that hold all voxels, then those where what is seen there may go on.
     """
     many = max(int(np.ceil(BETWEEN * pitch / voxels.edge)), 1)
     cells, place = np.unique(voxels.index[:, :2] // many, axis=0, return_inverse=True)
@@ -138,9 +134,7 @@ def _boxes_around(
     np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
     edge = many * voxels.edge
     grid = Grid(edge, max(int(np.ceil(NARROWEST / edge)), 1))
-    columns = [(cells, tops)]
-    columns += [hidden_columns(cells, tops, edge, room, reach) for reach in reaches]
-    for one in columns:
+    for one in (cells, tops), hidden_columns(cells, tops, edge, room):
         yield upright_boxes(*one, grid, roofs_over(*one, edge, room.parts))
 
 
