@@ -17,8 +17,9 @@ from workbench.app.calibration.calibration import with_calibration
 from workbench.app.core import rules
 from workbench.app.core.commands import Entry
 from workbench.app.core.state import State
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.pipeline import judge
 from workbench.app.picking.proving import prove
+from workbench.app.picking.row import plan_row
 from workbench.app.records import kept_cases, session_archive
 from workbench.app.records import replay as replays
 from workbench.app.records.cases import Case, read_case
@@ -47,9 +48,9 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import Approval, Receipt
-from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan
+from workbench.model.scan import Detection, LocalizationResult, Obstacle, Scan, Unexplained
 from workbench.perception.calibration.balls import sight_plate
-from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.grasps.grasp_suggestions import suggest
@@ -164,7 +165,8 @@ def plan(
     Args:
         cell: with its arms, places and policy.
         detections: the parts in the bin, at least one; those not taken are obstacles.
-        scan: in which they were found; what else it shows within reach is avoided.
+        scan: in which they were found; what else it shows within reach is avoided, and where that
+            may go on unseen wherever there is a plan that can; the plan's note says where none can.
         strategy: `auto`, `alternated`, `coordinated`, `both`, or the name of
             an arm, which works alone.
         threshold: [m] nearer parts are taken by one arm after the other; None takes the cell's.
@@ -178,14 +180,16 @@ def plan(
         InputError: there are no detections, or the strategy is not one.
     """
     found = tuple(detections)
-    return plan_pick(
+    around = Unexplained() if scan is None else look_around(cell, scan, found)
+    return plan_row(
         cell,
         found,
         digest_of(found) if scan is None else scan.digest,
         strategy=strategy,
         threshold=threshold,
         overrides=PlanOverrides() if overrides is None else overrides,
-        obstacles=() if scan is None else unexplained(cell, scan, found),
+        obstacles=around.seen,
+        unseen=around.unseen,
         seed=seed,
     )
 

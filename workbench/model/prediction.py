@@ -104,7 +104,9 @@ class EmptiedPile:
     those taken had another roll than found, which the localizer had said. `outcomes` says of every
     pick in turn what kind of failure it was, empty for a part taken. `beside` has for each look
     that may be taken while the robot still moves how long that goes on [s] from when the scanner
-    sees, and how long finding and planning took for it [s].
+    sees, and how long finding and planning took for it [s].  `warned_picks` are those of plans that
+    say that the hand goes where something not found may go on unseen, `warned_touches` the touches
+    among these.
     """
 
     task: PileTask
@@ -124,6 +126,8 @@ class EmptiedPile:
     rolled: int = 0
     outcomes: tuple[str, ...] = ()
     beside: tuple[tuple[float, float], ...] = field(default_factory=tuple, metadata=LATER)
+    warned_picks: int = field(default_factory=int, metadata=LATER)
+    warned_touches: int = field(default_factory=int, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -265,6 +265,18 @@ class Obstacle:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Unexplained:
+    """Upright boxes around things that nothing known explains.
+
+    `seen` are around what a scan shows of them; `unseen`, where the parts found hide what is
+    behind them, around where these things may go on.
+    """
+
+    seen: tuple[Obstacle, ...] = ()
+    unseen: tuple[Obstacle, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PosesFolder:
     """A folder into which another program puts poses of parts.

@@ -13,15 +13,15 @@ from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
-from workbench.app.picking.row import plan_row
+from workbench.app.picking.row import GOES_UNSEEN, plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.scan import Detection, Obstacle, SearchOverrides
-from workbench.perception.scene.unexplained import unexplained
+from workbench.model.scan import Detection, SearchOverrides, Unexplained
+from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
@@ -55,6 +55,8 @@ class _Tally:
     seen: tuple[Detection, ...] = ()
     outcomes: list[str] = field(default_factory=list[str])
     beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
+    warned_picks: int = 0
+    warned_touches: int = 0
 
 
 def emptied(
@@ -160,6 +162,8 @@ def emptied(
         tally.rolled,
         tuple(tally.outcomes),
         tuple(tally.beside),
+        tally.warned_picks,
+        tally.warned_touches,
     )
 
 
@@ -196,14 +200,14 @@ def _look_and_plan(
 ) -> PlanResult | None:
     """A plan for what is seen; None when nothing is."""
     detections, digest = tuple(lying), "study"
-    obstacles: tuple[Obstacle, ...] = ()
+    around = Unexplained()
     if task.seen == "scan":
         scan = synthesize(cell, lying, seed=seed)
         began = working_time()
         usual = SearchOverrides().detail
         found = find_parts(scan, cell, seed=seed, detail=usual, cancelled=cancelled)
         detections = found.detections
-        obstacles = unexplained(cell, scan, detections)
+        around = look_around(cell, scan, detections)
         tally.finding += working_time() - began
         tally.seen = detections
         digest = scan.digest
@@ -216,7 +220,8 @@ def _look_and_plan(
         digest,
         picks=task.picks,
         strategy=task.strategy,
-        obstacles=obstacles,
+        obstacles=around.seen,
+        unseen=around.unseen,
         avoided=_left_alone(detections, [one for one, _ in avoided]),
         seed=seed,
         cancelled=cancelled,
@@ -273,6 +278,9 @@ def _carry_out(
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
+        if GOES_UNSEEN in plan.note:
+            tally.warned_picks += 1
+            tally.warned_touches += taking.touches
         kind = failure(taking, plan.detections[arm_plan.detection])
         tally.outcomes.append(kind)
         if kind:

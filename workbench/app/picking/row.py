@@ -21,6 +21,8 @@ from workbench.proof.prove import prove as prove_in
 
 TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
 
+GOES_UNSEEN = "it may meet something that was not found, where the scan does not show it"
+
 
 def plan_row(
     cell: Cell,
@@ -29,6 +31,7 @@ def plan_row(
     *,
     picks: int = 1,
     obstacles: tuple[Obstacle, ...] = (),
+    unseen: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, str] = NOTHING,
     strategy: str = "auto",
     report: Report = silent,
@@ -47,6 +50,8 @@ def plan_row(
         scan_digest: what they were found in.
         picks: parts for an arm, or for two, at most; one that goes over a station takes two plans.
         obstacles: what the scan shows beside the parts.
+        unseen: where that may go on unseen.  Plans stay clear of it as well, where there is one
+            that does; otherwise the note of the first says so.
         avoided: indices of parts that are left alone for now, and why.
         strategy: as `plan_pick`.
         report: progress.
@@ -58,13 +63,13 @@ def plan_row(
     """
     check_picks(cell, picks)
     scene = Scene(scan_digest, detections, obstacles)
-    if strategy != "both" or picks == 1:
-        return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
-    rows = [
-        _row(cell, scene, picks, avoided, _named(report, one), strategy=one, **asked)
-        for one in BOTH
-    ]
-    return best_of(cell, rows)
+    if unseen:
+        clear = replace(scene, obstacles=(*obstacles, *unseen))
+        result = _rows(cell, clear, picks, avoided, strategy, report, **asked)
+        if _holds(result):
+            return result
+    result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
+    return _noted(cell, scene, result, GOES_UNSEEN) if unseen and _holds(result) else result
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -108,6 +113,32 @@ def prove_row(
             )
         found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
     return tuple(found)
+
+
+def _rows(
+    cell: Cell,
+    scene: Scene,
+    picks: int,
+    avoided: Mapping[int, str],
+    strategy: str,
+    report: Report,
+    **asked: Any,
+) -> PlanResult:
+    """The row of a strategy, or the better one of those of `BOTH`."""
+    if strategy != "both" or picks == 1:
+        return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
+    rows = [
+        _row(cell, scene, picks, avoided, _named(report, one), strategy=one, **asked)
+        for one in BOTH
+    ]
+    return best_of(cell, rows)
+
+
+def _noted(cell: Cell, scene: Scene, result: PlanResult, words: str) -> PlanResult:
+    """A result whose plan says more, proven as what it is then."""
+    assert result.plan is not None
+    plan = replace(result.plan, note="; ".join(filter(None, (result.plan.note, words))))
+    return replace(result, plan=plan, proof=prove_in(cell, scene, plan))
 
 
 def _row(

@@ -18,9 +18,9 @@ from workbench.model.cell import Cell, Tool
 from workbench.model.errors import JobCancelled
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
-from workbench.model.scan import LocalizationResult, Scan, SearchOverrides
+from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
 from workbench.perception.calibration.balls import sight_plate
-from workbench.perception.scene.unexplained import unexplained
+from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
 from workbench.plugins.progress import Cancelled, Report
@@ -86,7 +86,7 @@ def plan(
     """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_row`."""
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, "looking for obstacles that no model explains")
-    seen = () if scan is None else unexplained(cell, scan, detections)
+    around = Unexplained() if scan is None else look_around(cell, scan, detections)
     return plan_row(
         cell,
         detections,
@@ -95,7 +95,8 @@ def plan(
         strategy=arguments["strategy"],
         threshold=arguments["threshold"],
         overrides=arguments["overrides"],
-        obstacles=(*seen, *boxes_around(cell, arguments["placed"])),
+        obstacles=(*around.seen, *boxes_around(cell, arguments["placed"])),
+        unseen=around.unseen,
         avoided=dict(arguments["avoided"]),
         seed=arguments["seed"],
         report=report,

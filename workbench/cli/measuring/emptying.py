@@ -163,6 +163,11 @@ def _print(found: dict[str, Any], title: str) -> None:
         f"{found['picks']} picks, {found['failed_picks']} failed ({kinds}), "
         f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin"
     )
+    if found["warned_picks"]:
+        print(
+            f"{found['warned_picks']} of the picks, with {found['warned_touches']} of the touches, "
+            "go where something that was not found may go on unseen, and their plans say so"
+        )
     if found["planning_ms"] is not None:
         stages = ", ".join(f"{k} {ms:.0f}" for k, ms in found["planning_ms_by_stage"].items())
         print(

@@ -10,7 +10,7 @@ from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
-from workbench.cli.picking.planning import detections_from, obstacles_in
+from workbench.cli.picking.planning import around_in, detections_from
 from workbench.cli.picking.results import candidate_form, print_candidates
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
@@ -34,7 +34,7 @@ def explain(typed: arguments.Explain) -> int:
         raise InputError(f"{typed.poses}: holds no poses, so there is nothing to explain")
     with progress("explain") as report:
         make_ready(report, ("planning",))
-        obstacles = obstacles_in(cell, typed.scan, detections)
+        obstacles = around_in(cell, typed.scan, detections).seen
         candidates = judge(cell, detections, obstacles=obstacles, seed=typed.seed, report=report)
         report(0.9, "looking for the nearest fix")
         fix = nearest_fix(cell, detections, candidates, seed=typed.seed, obstacles=obstacles)

@@ -38,7 +38,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult, parts_taken, renumbered
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import Detection, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
@@ -71,7 +71,7 @@ def plan(typed: arguments.Plan) -> int:
         make_ready(report, ("planning",))
         report(0.0, "getting ready")
         warm_up(cell)
-        obstacles = obstacles_in(cell, typed.scan, detections)
+        around = around_in(cell, typed.scan, detections)
         ready, began = seconds_since_start(), time.perf_counter()
         result = plan_row(
             cell,
@@ -81,7 +81,8 @@ def plan(typed: arguments.Plan) -> int:
             strategy=typed.strategy,
             threshold=typed.threshold,
             overrides=overrides,
-            obstacles=obstacles,
+            obstacles=around.seen,
+            unseen=around.unseen,
             seed=typed.seed,
             report=report,
         )
@@ -151,16 +152,14 @@ def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detectio
     return detections
 
 
-def obstacles_in(
-    cell: Cell, scan: Path | None, detections: tuple[Detection, ...]
-) -> tuple[Obstacle, ...]:
+def around_in(cell: Cell, scan: Path | None, detections: tuple[Detection, ...]) -> Unexplained:
     """What a scan in a file shows beside the parts; nothing without a scan."""
     if scan is None:
-        return ()
+        return Unexplained()
     # Brings Open3D along, which takes longer to load than a plan takes.
-    from workbench.perception.scene.unexplained import unexplained
+    from workbench.perception.scene.unexplained import look_around
 
-    return unexplained(cell, read_scan(scan, cell.scanner), detections)
+    return look_around(cell, read_scan(scan, cell.scanner), detections)
 
 
 def _print_form(

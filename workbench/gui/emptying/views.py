@@ -94,6 +94,7 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     rows = [
         ("Taken", f"{told['taken']} of {told['parts']} parts, {told['taken_share']:.0%}{knocked}"),
         ("Picks", f"{told['picks']}, {failed}, {_touches(told['touches'])}"),
+        *_warned(told),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
         (
             "Planning",
@@ -108,6 +109,15 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     share = 100.0 * (told["taken_share"] or 0.0)
     bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
     return line(asked_words(found), kind="hint") + warning + table_html(rows) + bar
+
+
+def _warned(told: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Picks beside something that was not found, in a row where there are any."""
+    if not told["warned_picks"]:
+        return []
+    touches = _touches(told["warned_touches"])
+    words = f"of these {told['warned_picks']}, {touches}: something not found may go on there"
+    return [("Unseen", words)]
 
 
 def _touches(count: int) -> str:

@@ -6,6 +6,8 @@ scanner are dropped (`spurious`), and the rest becomes a few upright boxes.  The
 floor below: the scanner does not see what is underneath.
 """
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 import open3d as o3d
 import pinocchio as pin
@@ -14,7 +16,8 @@ from numba import njit
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Floats, Ints, Solid
 from workbench.model.reach import reach
-from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
+from workbench.perception.scene.hidden import Room, hidden_columns
 from workbench.perception.scene.roofs import roofs_over
 from workbench.perception.scene.spurious import believed, pixel_angle
 from workbench.perception.scene.upright_boxes import Grid, upright_boxes
@@ -35,6 +38,9 @@ BETWEEN = 1.5
 
 FARTHEST = 20.0
 """[m] No arm gets further, whatever the limits of its joints say."""
+
+GOES_ON = 0.25
+"""Share of the longest part's length by which things go on unseen, beside what is seen of them."""
 
 OF_THE_CELL = -1
 UNEXPLAINED = -2
@@ -58,6 +64,17 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
         scan: what was seen.
         detections: the parts found in it.
     """
+    return look_around(cell, scan, detections).seen
+
+
+def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Unexplained:
+    """As `unexplained`, and where all that may go on unseen.
+
+    Args:
+        cell: bin and fixtures; the robot is expected to be out of the picture.
+        scan: what was seen.
+        detections: the parts found in it.
+    """
     T_bin_world = cell.bin.T_world_bin.inverse()
     T_bin_scanner = T_bin_world * scan.T_world_scanner
     centre = T_bin_world.act(cell.T_world_robot.translation)
@@ -72,34 +89,53 @@ def unexplained(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> tu
     T = T_bin_scanner.homogeneous
     left, within = _left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
     if len(left) == 0:
-        return ()
+        return Unexplained()
     voxels = counted(left, CUBE)
     scene, owners = known_surfaces(cell, detections, T_bin_world)
     voxels = voxels.only(_owners(scene, owners, voxels.centres) == UNEXPLAINED)
     if len(voxels.counts) == 0:
-        return ()
+        return Unexplained()
     angle = pixel_angle(scan.points, within)
     pitch = angle * float(np.linalg.norm(T_bin_scanner.translation))
     voxels = voxels.only(believed(voxels, T_bin_scanner.translation, angle, pitch, scene))
     parts = o3d.t.geometry.RaycastingScene(nthreads=1)
     _add_parts(parts, cell, detections, T_bin_world)
-    return tuple(
-        Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size)
-        for one in _boxes_around(voxels, pitch, parts)
+    half = cell.bin.size[:2] / 2
+    longest = max(float(np.linalg.norm(np.ptp(one.mesh.points, axis=0))) for one in cell.parts)
+    eye, top = T_bin_scanner.translation, _top(cell, detections)
+    room = Room(parts, eye, half, top, GOES_ON * longest)
+    return Unexplained(*(_placed(cell, some) for some in _boxes_around(voxels, pitch, room)))
+
+
+def _placed(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+    """Boxes of the bin's frame in the world."""
+    return tuple(Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size) for one in boxes)
+
+
+def _top(cell: Cell, detections: tuple[Detection, ...]) -> float:
+    """Height [m] of the highest of the parts over the bin's floor, 0 for none."""
+    T_bin_world = cell.bin.T_world_bin.inverse()
+    up = (T_bin_world * one.T_world_part for one in detections)
+    heights = (
+        T.translation[2] + cell.part(one.part).mesh.points @ T.rotation[2]
+        for one, T in zip(detections, up, strict=True)
     )
+    return max((float(some.max()) for some in heights), default=0.0)
 
 
-def _boxes_around(
-    voxels: Voxels, pitch: float, parts: o3d.t.geometry.RaycastingScene
-) -> tuple[Obstacle, ...]:
-    """Boxes in the frame of the voxels, which hold all of them, clear of parts where they can."""
+def _boxes_around(voxels: Voxels, pitch: float, room: Room) -> Iterator[tuple[Obstacle, ...]]:
+    """Boxes in the frame of the voxels, clear of parts where they can.
+
+    First those that hold all voxels, then those where what is seen there may go on.
+    """
     many = max(int(np.ceil(BETWEEN * pitch / voxels.edge)), 1)
     cells, place = np.unique(voxels.index[:, :2] // many, axis=0, return_inverse=True)
     tops = np.full(len(cells), -np.inf)
     np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
     edge = many * voxels.edge
     grid = Grid(edge, max(int(np.ceil(NARROWEST / edge)), 1))
-    return upright_boxes(cells, tops, grid, roofs_over(cells, tops, edge, parts))
+    for one in (cells, tops), hidden_columns(cells, tops, edge, room):
+        yield upright_boxes(*one, grid, roofs_over(*one, edge, room.parts))
 
 
 def _add_parts(
