@@ -225,7 +225,7 @@ def shown_pose(T: pin.SE3) -> tuple[Three, Three]:
     With a pitch of 90 degrees, up or down, roll and yaw turn about one axis: all is told as yaw.
     """
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
-    side = np.sign(rpy[1])
+    side = np.copysign(1.0, rpy[1])
     upright = np.array([0.0, side * 90.0, _within(rpy[2] - side * rpy[0])])
     turned = T.actInv(pose_from_rpy(T.translation, np.deg2rad(upright)))
     if np.linalg.norm(pin.log3(turned.rotation)) <= ALIKE:
