@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from workbench.app.picking.row import GOES_UNSEEN, plan_row, prove_row
+from workbench.app.picking.row import plan_row, prove_row
 from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import parts_taken
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import GOES_UNSEEN, Detection, Obstacle
 
 CELL = read_cell("yumi")
 

@@ -13,14 +13,14 @@ from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
-from workbench.app.picking.row import GOES_UNSEEN, plan_row
+from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.scan import Detection, SearchOverrides, Unexplained
+from workbench.model.scan import GOES_UNSEEN, Detection, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize

@@ -11,7 +11,7 @@ from workbench.app.picking.regrasp import regrasped
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.plan import Plan, PlanResult, Proven, renumbered
-from workbench.model.scan import Detection, Obstacle, Scan, Scene
+from workbench.model.scan import GOES_UNSEEN, Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
 from workbench.planning.planners.clock import working_time
@@ -20,8 +20,6 @@ from workbench.proof.prove import may_have_moved, scene_after
 from workbench.proof.prove import prove as prove_in
 
 TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
-
-GOES_UNSEEN = "it may meet something that was not found, where the scan does not show it"
 
 
 def plan_row(

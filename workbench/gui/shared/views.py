@@ -20,6 +20,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
+from workbench.model.scan import GOES_UNSEEN
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.proof.stages import STRAIGHT
 
@@ -285,7 +286,7 @@ def plan_line(state: State) -> str:
     if unknown:
         text += f", clear of {unknown} unknown obstacles"
     text = sentence(f"{text}; {plan.note}" if plan.note else text)
-    return line(text, tip=text)
+    return line(text, kind="warn" if GOES_UNSEEN in plan.note else "result", tip=text)
 
 
 def clearance_words(proof: Proof) -> str:
