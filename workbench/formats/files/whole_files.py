@@ -22,8 +22,15 @@ SILENCE = 60.0
 LONGEST_NAME = 60
 """Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""How a file begins that stands in a repository for a large one."""
+
 Stamp = tuple[int, int]
 """When a file was written [ns], and its size [bytes]."""
+
+
+class PointerError(FileError):
+    """git-lfs has put a small file in the place of a large one that was not fetched."""
 
 
 def read_whole(path: Path, most: int) -> bytes:
@@ -32,7 +39,8 @@ def read_whole(path: Path, most: int) -> bytes:
     Devices and pipes have no size to ask for beforehand, so the reading itself is bounded.
 
     Raises:
-        FileError: not there, not to be read, or longer; or a pipe that nothing comes through.
+        FileError: not there, not to be read, or longer; or a pipe that nothing comes through; or
+            a pointer of git-lfs.
     """
     try:
         # Opening a named pipe would wait until somebody writes to it.
@@ -45,7 +53,27 @@ def read_whole(path: Path, most: int) -> bytes:
         raise FileError(repr(str(path)), "is not the name of a file") from None
     if len(content) > most:
         raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
+    _refuse_pointer(path, content)
     return content
+
+
+def refuse_pointer(path: Path) -> None:
+    """Refuse a file that only stands for one that was not fetched, before others read it.
+
+    Raises:
+        PointerError: it is such a file.
+        FileError: it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            _refuse_pointer(path, file.read(len(POINTER)))
+    except OSError as error:
+        raise FileError(path, error.strerror or "cannot be read") from None
+
+
+def _refuse_pointer(path: Path, content: bytes) -> None:
+    if content.startswith(POINTER):
+        raise PointerError(path, "is a pointer of git-lfs: fetch the file (git lfs pull)")
 
 
 def _at_once(path: str, flags: int) -> int:

@@ -19,7 +19,7 @@ import numpy as np
 
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.units import UNITS
-from workbench.formats.files.whole_files import MB, is_file
+from workbench.formats.files.whole_files import MB, is_file, refuse_pointer
 from workbench.formats.meshes.reading import LARGEST_MESH, MOST_TRIANGLES, read_mesh
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
@@ -78,6 +78,7 @@ def read_cad(path: Path, unit: str | None = None) -> CadMesh:
         raise FileError(path, "there is no such CAD file")
     if path.stat().st_size > LARGEST_MESH:
         raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+    refuse_pointer(path)
     if unit is not None and unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
     if kind in WITH_UNIT and unit not in (None, "m"):

@@ -34,6 +34,10 @@ MOST_NEIGHBOURS = 254
 """Of one corner of a convex mesh: Coal counts them in one byte."""
 
 
+class WrongUnit(FileError):
+    """A mesh would be as large as none is; it has another unit."""
+
+
 def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False) -> Mesh:
     """The triangles of an STL, OBJ, PLY, GLB, DAE or OFF file, multiplied by `scale`, no unit.
 
@@ -89,7 +93,7 @@ def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
         raise FileError(path, "has a triangle with a corner that does not exist")
     size = float(np.ptp(points, axis=0).max())
     if size > LARGEST_EXTENT:
-        raise FileError(
+        raise WrongUnit(
             path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
         )
     is_mirrored = np.prod(np.broadcast_to(scale, 3)) < 0
