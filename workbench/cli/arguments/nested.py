@@ -238,9 +238,9 @@ class CellNew:
     """Folders with packages that the file names; those around it are found without."""
     fix: tuple[str, ...] = ()
     """Joints that stand still, each JOINT=VALUE in degrees or mm: torsos, lifts, rails."""
-    tolerance_mm: float = 20.0
+    tolerance_mm: float = 5.0
     """By how much a convex piece may be larger than its mesh before it is divided."""
-    pieces: int = 8
+    pieces: int = 32
     """How many pieces one mesh may be divided into."""
     json: Json = False
 

@@ -48,6 +48,28 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
 
 
+def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
+    """Convex pieces that cover a mesh and follow it closely, made quickly by cuts along planes.
+
+    Args:
+        mesh: any triangles; they need not close.
+        tolerance: [m] pieces are divided until none is by more too large, or there are `most`.
+        most: pieces at most.
+
+    Returns:
+        None when all points lie in one plane.
+    """
+
+    def cut() -> Arrays | None:
+        from workbench.formats.meshes import splitting
+
+        found = splitting.split(mesh, tolerance, most)
+        return found and {**packed(found[0]), "excess": np.array(found[1])}
+
+    found = kept(f"split {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
+    return None if found is None else Pieces(unpacked(found), float(found["excess"]))
+
+
 def hull_of(mesh: Mesh) -> Mesh | None:
     """The convex hull of a mesh, or one around it where that has too many edges at one corner.
 
