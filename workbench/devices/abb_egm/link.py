@@ -89,13 +89,10 @@ class AbbEgm:
             for k, arm in enumerate(cell.arms):
                 if arm.name in score.arms:
                     port = cell.controller.port + k
-                    one = Channel(arm, host, port, silence, patience.clock)
+                    one = Channel(cell, arm, host, port, silence, patience.clock)
                     channels[arm.name] = opened.enter_context(closing(one))
-            limits = {name: cell.robot.limits(one.arm.joints)[:2] for name, one in channels.items()}
             share = approval.speed_share
-            talk = Sending(
-                channels, limits, score, share, silence, now=now, show=show, patience=patience
-            )
+            talk = Sending(channels, score, share, silence, now=now, show=show, patience=patience)
             yield from talk.run(released, cancelled)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
@@ -106,7 +103,7 @@ class AbbEgm:
         host, port = address_of(cell.controller.host), cell.controller.state_port
         with ExitStack() as opened:
             channels = [
-                Channel(arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
+                Channel(cell, arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
                 for k, arm in enumerate(cell.arms)
             ]
             for one in channels:
