@@ -25,10 +25,10 @@ def _socket(port=0):
 
 
 @contextmanager
-def between_datagrams(there: int, here: int, count: int, spoil: Spoil, answered: Spoil = untouched):
+def between_datagrams(there: int, here: int, count: int, spoil: Spoil):
     """Forward UDP from ports `there`, `there` + 1... to `here`, ..., and the answers back.
 
-    `spoil` changes what a controller sends there, `answered` what is answered to it.
+    `spoil` changes what a controller sends there.
     """
     ins = [_socket(there + k) for k in range(count)]
     outs = [_socket() for _ in range(count)]
@@ -44,8 +44,7 @@ def between_datagrams(there: int, here: int, count: int, spoil: Spoil, answered:
                     for each in spoil(k, data):
                         outs[k].sendto(each, ("127.0.0.1", here + k))
                 elif senders[k := outs.index(one)] is not None:
-                    for each in answered(k, data):
-                        ins[k].sendto(each, senders[k])
+                    ins[k].sendto(data, senders[k])
 
     thread = threading.Thread(target=run)
     thread.start()

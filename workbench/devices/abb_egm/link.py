@@ -136,8 +136,6 @@ class AbbEgm:
             self.check(cell)
             serve_guided(cell, simulation, ready)
             return
-        if simulation.home_after != float("inf"):
-            raise InputError("--home-after: this simulated controller does not go home by itself")
         from workbench.devices.abb_egm.twin import SimulatedEgm
 
         self.check(cell)
@@ -147,6 +145,7 @@ class AbbEgm:
             simulation.port,
             simulation.state_port,
             speed=simulation.speed,
+            home_after=simulation.home_after,
             faults=simulation.faults,
             record=simulation.record,
             trace=simulation.trace,

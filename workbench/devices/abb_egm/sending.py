@@ -139,8 +139,7 @@ class Sending:
             self._check_state(name, told)
             if len(told.told) < 3 or told.told[0] != wire.VERSION:
                 raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
-            if told.told[1] == self._score.ticket:
-                raise LinkError("the controller has begun this plan already; nothing runs twice")
+            self._check_new(name, told)
             self._check_stands(name, self._score.start(name).at(0.0)[0], "the plan begins")
             self._refs[name] = deque([channel.q], maxlen=LAG)
             self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
@@ -173,10 +172,18 @@ class Sending:
         if order.command == wire.END:
             self._ended.add(order.arm)
 
+    def _check_new(self, name: str, told: wire.Feedback) -> None:
+        """The module in RAPID has not begun this plan before: neither last, nor before others."""
+        _, ticket, _, refused, *_ = (*told.told, 0.0)
+        has_begun = ticket == self._score.ticket and not self._given[name]
+        if has_begun or refused == self._score.ticket:
+            raise LinkError("the controller has begun this plan already; nothing runs twice")
+
     def _check_module(self, name: str, told: wire.Feedback) -> None:
         """The module in RAPID tells of our ticket, and of no order but the last ones."""
         if len(told.told) < 3 or told.told[0] != wire.VERSION:
             raise LinkError(f"{name}: the module in RAPID has gone silent")
+        self._check_new(name, told)
         _, ticket, done = told.told[:3]
         before, given = self._done_by[name], self._given[name]
         if ticket != self._score.ticket:
