@@ -174,10 +174,12 @@ class Sending:
 
     def _check_new(self, name: str, told: wire.Feedback) -> None:
         """The module in RAPID has not begun this plan before: neither last, nor before others."""
-        _, ticket, _, refused, *_ = (*told.told, 0.0)
-        has_begun = ticket == self._score.ticket and not self._given[name]
-        if has_begun or refused == self._score.ticket:
+        has_begun = told.told[1] == self._score.ticket and not self._given[name]
+        if has_begun or self._is_refused(told):
             raise LinkError("the controller has begun this plan already; nothing runs twice")
+
+    def _is_refused(self, told: wire.Feedback) -> bool:
+        return told.told[3:4] == (self._score.ticket,)
 
     def _check_module(self, name: str, told: wire.Feedback) -> None:
         """The module in RAPID tells of our ticket, and of no order but the last ones."""
@@ -337,7 +339,8 @@ class Sending:
         if not self._is_there(name):
             self._answer(name, q)
             return False
-        if self._said[name][3] == wire.NONE:
+        told = self._channels[name].last
+        if self._said[name][3] == wire.NONE or (told is not None and self._is_refused(told)):
             return True
         if self._said[name][3] == wire.BEGIN and not self._has_done_all(name):
             # A module that has not begun does not know of an end.

@@ -63,7 +63,7 @@ class SimulatedEgm:
             port: of the sensor for the first arm; the next arm has the next; 0: free ones.
             state_port: the same for states.
             speed: 1 is real time.
-            home_after: [s] of its time: so long after nobody has answered any more an arm goes home.
+            home_after: [s] of its time: so long without an answer, and an arm goes home.
             faults: as `WORD@LEG`, from that leg on.
             record: file for every order.
             trace: file for where the arms are.
