@@ -44,6 +44,9 @@ class AbbEgm:
 
     motion = MotionModel("abb-egm", corners="streamed", unit="deg", period=0.004, takes_share=True)
 
+    tells_of_parts = False
+    """What became of parts is not reported, only that every order was done."""
+
     def check(self, cell: Cell) -> None:
         """Arms of six or seven turning joints, each with a UDP port for motion and for states."""
         for arm in cell.arms:
