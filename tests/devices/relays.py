@@ -14,10 +14,6 @@ Spoil = Callable[[int, bytes], Sequence[bytes]]
 POLL = 0.02
 
 
-def untouched(k, data):
-    return [data]
-
-
 def _socket(port=0):
     one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     one.bind(("127.0.0.1", port))
@@ -58,46 +54,46 @@ def between_datagrams(there: int, here: int, count: int, spoil: Spoil):
         assert not thread.is_alive()
 
 
+def as_it_is():
+    """A connection of which nothing is changed: what the controller says, what is said to it."""
+    return (lambda data: [data]), (lambda data: [data])
+
+
 @contextmanager
 def between_streams(
     host: str,
-    ports: Sequence[int],
     to: Sequence[tuple[str, int]],
-    heard: Spoil = untouched,
-    said: Spoil = untouched,
+    ports: Sequence[int] | None = None,
+    made: Callable[[int], tuple[Callable, Callable]] = lambda k: as_it_is(),
 ):
-    """Listen at `host` on ports (0: a free one) and forward each connection to where `to` says.
+    """Listen at `host` on ports (0, and by default: free ones) and forward each connection to `to`.
 
-    `heard` changes what the controller says, `said` what is said to it; both get the place of the
-    port in `ports`.  What comes is given to them as it is received, in any pieces.  Gives the
-    ports, and a function that ends all connections.
+    `made(k)` is called for each connection to the `k`-th port, and gives what becomes of the bytes
+    of the controller, and of those that are said to it; they come as they are received, in any
+    pieces.  Gives the ports, and an event that ends all connections.
     """
-    listeners = [socket.create_server((host, port)) for port in ports]
+    listeners = [socket.create_server((host, port)) for port in ports or [0] * len(to)]
     over, cut, threads, open_ones = threading.Event(), threading.Event(), [], []
 
-    def pump(k, source, target, spoil):
-        source.settimeout(POLL)
+    def pump(source, target, spoil):
         with suppress(OSError):
             while not over.is_set() and not cut.is_set():
-                try:
-                    data = source.recv(1 << 16)
-                except TimeoutError:
+                if not select.select([source], [], [], POLL)[0]:
                     continue
+                data = source.recv(1 << 16)
                 if not data:
                     break
-                for each in spoil(k, data):
+                for each in spoil(data):
                     target.sendall(each)
         for one in (source, target):
             with suppress(OSError):
                 one.shutdown(socket.SHUT_RDWR)
 
     def accept(k, listener):
-        listener.settimeout(POLL)
         while not over.is_set():
-            try:
-                ours, _ = listener.accept()
-            except TimeoutError:
+            if not select.select([listener], [], [], POLL)[0]:
                 continue
+            ours, _ = listener.accept()
             try:
                 theirs = socket.create_connection(to[k], PATIENCE)
             except OSError:
@@ -106,11 +102,12 @@ def between_streams(
             open_ones.extend((ours, theirs))
             for one in (ours, theirs):
                 one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            begin(pump, k, theirs, ours, heard)
-            begin(pump, k, ours, theirs, said)
+            heard, said = made(k)
+            begin(pump, theirs, ours, heard)
+            begin(pump, ours, theirs, said)
 
     def begin(*call):
-        threads.append(threading.Thread(target=call[0], args=call[1:], daemon=True))
+        threads.append(threading.Thread(target=call[0], args=call[1:]))
         threads[-1].start()
 
     for k, listener in enumerate(listeners):
