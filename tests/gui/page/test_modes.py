@@ -41,6 +41,22 @@ def test_one_joint_that_is_not_reported_is_no_report(states, view_of, live):
     assert mode_of(view_of(states.idle, live=some)) is Mode.NO_REPORT
 
 
+def test_a_robot_that_is_not_reported_any_more_is_grey_and_its_last_report_has_a_time(
+    states, view_of, live
+):
+    now = view_of(states.fault).at
+    lost = Live(last_joints=live.joints, reported_at=now - 47)
+    view = view_of(states.fault, live=lost)
+    html = mode_html(view)
+    assert mode_of(view) is Mode.NO_REPORT
+    assert "Grey: last reported at 08:52:33 UTC; it may be elsewhere now" in html
+    assert "Solid:" not in html and "at home" not in html
+    yesterday = replace(lost, reported_at=now - 86_400)
+    assert "at 2025-10-08 08:53:20 UTC" in mode_html(view_of(states.fault, live=yesterday))
+    never = mode_html(view_of(states.fault))
+    assert "Grey: drawn at home; the controller does not report where it is" in never
+
+
 def test_a_preview_says_so_until_its_end_and_there_too(states, view_of, live, result):
     end = result.plan.cycle_seconds
     for time, playing, mode in (

@@ -1,6 +1,7 @@
 """What the robots of the scene are at this moment: one rule, said in words and in colour.
 
-The solid robot is the real one, as its controller reports it.  The see-through one is planned: a
+The solid robot is the real one, as its controller reports it.  It is grey where the controller
+does not report: it stands as it was reported last, or at home.  The see-through one is planned: a
 moment of the plan, or a robot that somebody moves by hand in their own view.
 """
 
@@ -8,9 +9,16 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
-from workbench.gui.shared.colours import CHECKED, PLANNED_ROBOT, kind_of, verdict_colour
+from workbench.gui.shared.colours import (
+    CHECKED,
+    NOT_REPORTED,
+    PLANNED_ROBOT,
+    kind_of,
+    verdict_colour,
+)
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
+from workbench.gui.shared.views import when
 
 
 class Mode(enum.StrEnum):
@@ -120,13 +128,21 @@ def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:
         # There is one robot of these: where another one would be see-through, or else the real one.
         stands = STANDS[mode] if is_planned else _real(view)
         return [(f"Collision shapes: {stands}", f"background:rgb({_rgb(CHECKED)})")]
-    is_alone = view.is_recorded or not (view.is_reported or view.own.hides_robot)
-    lines = [] if view.planned_arms and is_alone else [(f"Solid: {_real(view)}", "")]
+    is_placed = view.is_reported or view.was_reported
+    is_alone = view.is_recorded or not (is_placed or view.own.hides_robot)
+    lines = [] if view.planned_arms and is_alone else [_solid(view)]
     if is_planned:
         lines.append(
             (f"See-through: {STANDS[mode]}", f"background:rgba({_rgb(PLANNED_ROBOT)},0.55)")
         )
     return lines
+
+
+def _solid(view: View) -> tuple[str, str]:
+    """What the solid robot is, with the style of its mark."""
+    if view.is_reported:
+        return f"Solid: {_real(view)}", ""
+    return f"Grey: {_real(view)}", f"background:rgb({_rgb(NOT_REPORTED)})"
 
 
 def _real(view: View) -> str:
@@ -135,6 +151,8 @@ def _real(view: View) -> str:
         return "at home; where it stood is not recorded"
     if view.is_reported:
         return "the robot, as its controller reports it"
+    if view.was_reported:
+        return f"last reported at {when(view.live.reported_at, view.at)}; it may be elsewhere now"
     return "drawn at home; the controller does not report where it is"
 
 

@@ -208,16 +208,24 @@ class View:
     @property
     def is_reported(self) -> bool:
         """Whether it is known where the robot stands: its controller reports every joint."""
-        arms = self.state.cell.arms
-        return all(joint in self.live.joints for arm in arms for joint in arm.joints)
+        return self._has_all(self.live.joints)
+
+    @property
+    def was_reported(self) -> bool:
+        """Whether its controller reports nothing now, but has told where every joint was."""
+        return not self.is_reported and self._has_all(self.live.last_joints)
+
+    def _has_all(self, joints: Mapping[str, float]) -> bool:
+        return all(joint in joints for arm in self.state.cell.arms for joint in arm.joints)
 
     @property
     def real(self) -> dict[str, Moment]:
-        """How every arm stands, by name: as reported, and at home where nothing is.
+        """How every arm stands, by name: as reported, or as reported last, and else at home.
 
         What the fingers do nobody reports: while a plan is sent they are as planned.
         """
-        cell, joints = self.state.cell, self.live.joints
+        cell = self.state.cell
+        joints = self.live.last_joints if self.was_reported else self.live.joints
         found = moments(cell, (), 0.0)
         planned = moments(cell, self.runs, self.look.time) if self.look.follows else found
         for arm in cell.arms:
@@ -239,7 +247,8 @@ class View:
         if self.own.hides_robot:
             # By hand a robot is moved by little, too.
             return self._elsewhere(0.0)
-        if self.state.plan is None or not (self.is_reported or self.is_previewed):
+        is_placed = self.is_reported or self.was_reported
+        if self.state.plan is None or not (is_placed or self.is_previewed):
             return frozenset()
         return self._elsewhere(SAME)
 
