@@ -9,6 +9,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
 from workbench.gui.shared.look import FilmMoment, Jogged, Look, SharedLook
 from workbench.gui.shared.own import Own, Showing
+from workbench.model.scan import LocalizationResult, Search, SearchOverrides
 
 
 @pytest.fixture
@@ -149,3 +150,16 @@ def test_the_legend_names_the_candidate_that_is_looked_at(states, view_of, live)
     chosen, none = (view_of(states.planned, Look(candidate=k), live) for k in (0, None))
     assert "the chosen candidate" in mode_html(chosen)
     assert "the chosen candidate" not in mode_html(none)
+
+
+def test_the_legend_says_what_parts_of_searches_are(states, view_of, live):
+    found = states.localized.detections
+    searches = tuple(Search(number, 0, SearchOverrides(), found, 1.0) for number in (3, 5))
+    state = replace(states.localized, searches=searches)
+    findings = LocalizationResult(found, (object(),))
+    html = mode_html(view_of(state, Look(search=5), replace(live, findings=findings)), "end")
+    assert "Violet: parts of search 2, to be compared; not taken" in html
+    assert 'data-ends="end"' in html and "rejected" not in html
+    html = mode_html(view_of(state, Look(rejected=True), replace(live, findings=findings)), "end")
+    assert "Red, see-through: poses that the search rejected" in html
+    assert "Violet" not in html and "data-ends" not in html

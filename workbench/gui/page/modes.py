@@ -10,7 +10,9 @@ from html import escape
 
 from workbench.app.core.state import Phase
 from workbench.gui.shared.colours import (
+    BAD,
     CHECKED,
+    COMPARED,
     NOT_REPORTED,
     PLANNED_ROBOT,
     kind_of,
@@ -87,14 +89,21 @@ def mode_of(view: View) -> Mode:
     return Mode.LIVE if view.is_reported else Mode.NO_REPORT
 
 
-def mode_html(view: View) -> str:
-    """The mode with its legend, to be laid over the scene."""
+def mode_html(view: View, ends_comparing: str = "") -> str:
+    """The mode with its legend, to be laid over the scene.
+
+    Args:
+        view: what this browser looks at.
+        ends_comparing: id of a button, which the page around the scene presses when the table of
+            the searches that are compared here is out of sight; empty: another browser has it.
+    """
     mode = mode_of(view)
     lines = _robots(view, mode)
     chosen, all_of_them = view.look.candidate, view.state.candidates or ()
     if chosen is not None and chosen < len(all_of_them):
         colour = verdict_colour(kind_of(all_of_them[chosen].verdict))
         lines.append(("See-through: the chosen candidate", f"background:{colour};opacity:0.7"))
+    lines += _of_searches(view)
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
@@ -106,6 +115,8 @@ def mode_html(view: View) -> str:
     )
     notes = (NOTES.get(mode, ""), missed, ends)
     told += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
+    if ends_comparing and view.look.search is not None:
+        told += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
     kind = mode.name.lower().replace("_", "-")
     return (
         f'<div class="wb-mode wb-mode-{kind}" data-mode="{kind}" role="status">'
@@ -119,6 +130,19 @@ def _missed(view: View) -> str:
         return ""
     spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
     return f"Not watched yet: {spans}"
+
+
+def _of_searches(view: View) -> list[tuple[str, str]]:
+    """What searches have found besides, or have rejected, as far as it is drawn."""
+    lines: list[tuple[str, str]] = []
+    searches = view.state.searches
+    for place, one in enumerate(searches, 1):
+        if one.number == view.look.search:
+            style = f"background:rgba({_rgb(COMPARED)},0.55)"
+            lines.append((f"Violet: parts of search {place}, to be compared; not taken", style))
+    if view.look.rejected and view.rejected:
+        lines.append(("Red, see-through: poses that the search rejected", f"background:{BAD}40"))
+    return lines
 
 
 def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:

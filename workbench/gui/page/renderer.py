@@ -230,12 +230,14 @@ class Renderer:
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
-        """Browsers come and go: control goes with their people, and what they drag is let go."""
+        """Browsers come and go: with them control, what they drag, and what they compare."""
         now = time.monotonic()
         for client, is_here in waiting:
             held = self._look.now.held
             if not is_here and held is not None and held.browser == client.client_id:
                 self._look.change(held=None)
+            if not is_here and self._look.now.searcher == client.client_id:
+                self._look.change(search=None, searcher=None)
             if self._presence is not None:
                 _shielded(partial(_count, self._presence, client, now, is_here=is_here))
         if self._presence is not None:

@@ -52,10 +52,10 @@ class Look:
     browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
     no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
-    found, by its number; `rejected` says whether the poses that the last search rejected are
-    shown, `scan_colours` whether a scan is in its own colours, if it has some; `held` is what
-    somebody drags at this moment; `fixed` is the digest of the cell that the fix has made which was
-    applied last.
+    found, by its number, which the browser `searcher` has chosen; `rejected` says whether the poses
+    that the last search rejected are shown, `scan_colours` whether a scan is in its own colours, if
+    it has some; `held` is what somebody drags at this moment; `fixed` is the digest of the cell
+    that the fix has made which was applied last.
     """
 
     time: float = 0.0
@@ -70,6 +70,7 @@ class Look:
     frames: bool = False
     reach: str = ""
     search: int | None = None
+    searcher: int | None = None
     rejected: bool = False
     scan_colours: bool = False
     held: Held | None = None
