@@ -11,6 +11,7 @@ from workbench.app.runtime.live import Live
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.cloud import GRID
 from workbench.gui.scene.picture import Scene, is_other_robot
+from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import joint_values, part_poses
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -274,6 +275,23 @@ def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scen
     scene.draw(chosen, none)
     assert node(server, "/candidate") is None
     assert node(server, "/grasps") is None
+
+
+def test_a_candidate_refused_without_an_arm_shows_its_hand_and_what_it_meets_in_red(
+    server, scene, states, view_of
+):
+    state, stands = states.localized, pose_from_rpy((0.5, 0.1, 0.2), (np.pi, 0, 0))
+    wall = (Box(np.full(3, 0.1)), pose_from_rpy((0.4, 0.1, 0.0), (0, 0, 0)))
+    pose = Pose("failed", None, 0.03, "no", (wall,), stands)
+    view = view_of(replace(state, candidates=states.planned.candidates[:1]), Look(candidate=0))
+    scene.draw(None, replace(view, poses=(pose,)))
+    np.testing.assert_allclose(node(server, "/candidate").position, stands.translation)
+    assert node(server, "/candidate/tool_0") is not None
+    met = node(server, "/meets/0")
+    np.testing.assert_allclose(met.position, wall[1].translation)
+    assert met.color == rgb_of(BAD)
+    scene.draw(replace(view, poses=(pose,)), view_of(state))
+    assert node(server, "/meets/0") is None
 
 
 def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(

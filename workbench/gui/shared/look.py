@@ -105,17 +105,19 @@ Placed = tuple[Shape, pin.SE3]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """One arm standing somewhere on a candidate's way.
+    """One arm standing somewhere on a candidate's way, or its hand alone.
 
-    `q` (n,) [rad]; `opening` [m] of its fingers; `note` says whether it is clear there; `meets`
-    are the two bodies that come too close, in the world, empty when none do.
+    `q` (n,) [rad], None where no arm was asked: then the hand is at `T_world_tcp`; `opening` [m] of
+    its fingers; `note` says whether it is clear there; `meets` are the two bodies that come too
+    close, in the world, empty when none do.
     """
 
     label: str
-    q: Floats
+    q: Floats | None
     opening: float
     note: str
     meets: tuple[Placed, ...] = ()
+    T_world_tcp: pin.SE3 | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
