@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.app.runtime.live import Live
 from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
-from workbench.gui.shared.look import FilmMoment, Jogged, Look, SharedLook
+from workbench.gui.shared.look import FilmMoment, Jogged, Look, Pose, SharedLook
 from workbench.gui.shared.own import Own, Showing
+from workbench.model.geometry import Box
 from workbench.model.scan import LocalizationResult, Search, SearchOverrides
 
 
@@ -149,6 +151,9 @@ def test_a_candidate_and_a_preview_take_each_others_place():
 def test_the_legend_names_the_candidate_that_is_looked_at(states, view_of, live):
     chosen, none = (view_of(states.planned, Look(candidate=k), live) for k in (0, None))
     assert "the chosen candidate" in mode_html(chosen)
+    assert "come too close" not in mode_html(chosen)
+    met = Pose("failed", None, 0.03, "no", ((Box(np.full(3, 0.1)), pin.SE3.Identity()),))
+    assert "Red: the bodies that come too close there" in mode_html(replace(chosen, poses=(met,)))
     assert "the chosen candidate" not in mode_html(none)
 
 

@@ -43,14 +43,17 @@ def keep_up(
         look.change(time=end, is_playing=False, by=None, follows=True)
 
 
+def _planning(state: State) -> int:
+    """The number of the planning that is under way; 0: none is."""
+    return state.job.number if state.job is not None and state.job.name == "plan" else 0
+
+
 def _end_comparing(look: SharedLook, before: State, state: State) -> None:
     """What a search found besides, or rejected, goes where a plan is asked for or let out.
 
     Nobody must take it for what lies in the bin.
     """
-    is_asked = state.job is not None and state.job.name == "plan"
-    was_asked = is_asked and before.job is not None and before.job.number == state.job.number
-    is_planned = before.plans != state.plans or (is_asked and not was_asked)
+    is_planned = before.plans != state.plans or _planning(before) < _planning(state)
     is_let_out = state.phase is not before.phase and state.phase in LET_OUT
     chosen = next((one for one in state.searches if one.number == look.now.search), None)
     is_other = before.detections is not state.detections

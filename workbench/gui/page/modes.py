@@ -9,6 +9,7 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
+from workbench.gui.drawing.in_view import hidden_words
 from workbench.gui.shared.colours import (
     BAD,
     CHECKED,
@@ -71,6 +72,9 @@ NOTES = {
 }
 
 
+HIDDEN_NOW = "The hands are out of view: this part does not count as watched"
+
+
 def mode_of(view: View) -> Mode:
     """What this browser looks at."""
     if view.filmed is not None:
@@ -103,13 +107,15 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     if chosen is not None and chosen < len(all_of_them):
         colour = verdict_colour(kind_of(all_of_them[chosen].verdict))
         lines.append(("See-through: the chosen candidate", f"background:{colour};opacity:0.7"))
+        if view.pose is not None and view.pose.meets:
+            lines.append(("Red: the bodies that come too close there", f"background:{BAD}"))
     lines += _of_searches(view)
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missed(view) if mode is Mode.END else ""
+    missed = _missed(view, mode) if is_preview else ""
     told = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
@@ -124,10 +130,15 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     )
 
 
-def _missed(view: View) -> str:
-    """What has to be played before the plan counts as watched."""
+def _missed(view: View, mode: Mode) -> str:
+    """What has to be played before the plan counts as watched; while it plays, what does not."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
         return ""
+    if mode is not Mode.END:
+        is_now = bool(view.hidden) and view.hidden[-1][1] == view.look.time
+        return HIDDEN_NOW if is_now and view.look.is_playing else ""
+    if view.hidden:
+        return hidden_words(view.hidden)
     spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
     return f"Not watched yet: {spans}"
 

@@ -250,7 +250,7 @@ class Renderer:
             self._runs = timeline(*state.plans)
         live = self._bench.live
         keep_up(self._look, before, state, live, self._runs)
-        look = self._look.now
+        look, end = self._look.now, max((run.end for run in self._runs), default=0.0)
         return View(
             state,
             live,
@@ -265,7 +265,8 @@ class Renderer:
             self._calibration(state),
             bin_check_of(state),
             isinstance(self._bench, History),
-            self._player.unseen(state.plans, max((run.end for run in self._runs), default=0.0)),
+            self._player.unseen(state.plans, end),
+            self._player.hidden(state.plans, end),
             self._sureness.of(state, look.candidate),
         )
 

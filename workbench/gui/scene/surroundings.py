@@ -183,11 +183,15 @@ def first_look(cell: Cell) -> tuple[Floats, Floats]:
     Returns:
         Position of the camera and the point it looks at, each (3,) [m] in the world.
     """
-    points = interesting_points(cell)
+    return framed(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
+
+
+def look_direction(cell: Cell) -> Floats:
+    """The unit vector (3,) from a cell to where it is looked at from first."""
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
     azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
     direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
-    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+    return direction / np.linalg.norm(direction)
 
 
 def interesting_points(cell: Cell) -> Floats:

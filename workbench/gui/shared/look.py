@@ -174,7 +174,8 @@ class View:
     the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
     of the cell; `at` [s since the epoch] is when it looked like this; `is_recorded` says that it is
     a recorded session; `unseen` are stretches of the plan, from and to [s], that the browser that
-    played it has not seen yet.
+    played it has not seen yet, and `hidden` those of them in which the hands were out of its
+    picture.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
     look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
@@ -195,6 +196,7 @@ class View:
     bin_check: BinCheck | None = None
     is_recorded: bool = False
     unseen: tuple[tuple[float, float], ...] = ()
+    hidden: tuple[tuple[float, float], ...] = ()
     sure: str = ""
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
