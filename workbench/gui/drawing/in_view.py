@@ -4,13 +4,12 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.gui.drawing.audience import Span
-from workbench.gui.scene.surroundings import FIELD_OF_VIEW, framed, look_direction
+from workbench.gui.scene.surroundings import FIELD_OF_VIEW, Camera, framed, look_direction
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import Run, interpolated, latest
@@ -34,30 +33,6 @@ PATIENCE = 2.0
 
 THERE = 1e-3
 """[m] So exactly a camera stands where it was sent."""
-
-
-class Camera(Protocol):
-    """What viser knows of a browser's camera: its frame looks along z, with y down."""
-
-    @property
-    def position(self) -> Floats:
-        """(3,) [m] in the world."""
-        ...
-
-    @property
-    def wxyz(self) -> Floats:
-        """Its turn (4,) as a quaternion, without unit."""
-        ...
-
-    @property
-    def fov(self) -> float:
-        """Vertical field of view [rad]."""
-        ...
-
-    @property
-    def aspect(self) -> float:
-        """Width by height of the picture."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

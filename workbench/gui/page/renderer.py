@@ -212,11 +212,12 @@ class Renderer:
                 visitor.own.let_go()
             elif has_lost_observation(visitor.own.now, old and old.state, new.state):
                 visitor.own.change(observation=None)
-            dragged = visitor.own.now.dragged
-            if dragged is not None and (
-                is_begun or follows or not is_same_scene(dragged.state, new.state)
-            ):
-                visitor.own.change(dragged=None)
+            for name in ("dragged", "carried"):
+                shown = getattr(visitor.own.now, name)
+                if shown is not None and (
+                    is_begun or follows or not is_same_scene(shown.state, new.state)
+                ):
+                    visitor.own.change(**{name: None})
             if visitor.own.now.film is not None and old is not None and is_news(old, new):
                 visitor.own.change(film=None)
 
