@@ -4,7 +4,6 @@ It belongs to the page around the scene: it is there on every tab, at every size
 the scene hangs.
 """
 
-import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -110,8 +109,5 @@ def _robot(state: State, live: Live) -> tuple[str, str]:
         step = f", step {link.step} of {link.steps}" if link.step else ""
         return f"Sending: robot {live.robot or 'does not report'}{step}", "busy"
     if not live.robot:
-        if not live.reported_at:
-            return "Robot: no report", "off"
-        since = time.strftime("%H:%M:%S %Z", time.localtime(live.reported_at))
-        return f"Robot: no report since {since}", "off"
+        return "Robot: no report", "off"
     return f"Robot: {live.robot}", "bad" if live.robot.startswith("fault") else "good"
