@@ -159,7 +159,12 @@ class Sending:
         """How far it has come, for people."""
         if self._acknowledged < len(self._lines):
             return f"message {self._acknowledged + 1} of {len(self._lines)}"
-        return f"step {self._step} of {len(self._program.steps)}"
+        steps = len(self._program.steps)
+        if self._waits:
+            return f"step {self._waits} of {steps}, which had not begun"
+        # A step that may run is under way from our word on, whatever was reported before.
+        step = max(self._step, self._may) if self._program.is_stepped else self._step
+        return f"step {step} of {steps}"
 
     @property
     def _hint(self) -> str:

@@ -16,7 +16,7 @@ from workbench.app.core.commands import (
     Stop,
     TakeScan,
 )
-from workbench.app.core.release import moved_away, standing_votes
+from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
@@ -29,6 +29,7 @@ from workbench.gui.cycle.row import RowInputs
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
+from workbench.gui.drawing.in_view import hidden_words
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -155,6 +156,8 @@ class CyclePanel:
         visitor = self._visitor
         approval = Approve(_digest(state), row=row_of(state))
         problem = visitor.refusal(state, approval, new.at, joints)
+        if problem == NOT_PLAYED and new.hidden:
+            problem = hidden_words(new.hidden)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         self._go_on.show(new)
@@ -252,10 +255,13 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _passing(view: View) -> tuple[bool, int, str]:
-    """What changes while the state stays: approval and votes lapse, the robot is moved."""
+def _passing(view: View) -> tuple[bool, int, str, tuple[tuple[float, float], ...]]:
+    """What changes while the state stays: approvals lapse, the robot is moved, a plan is played."""
     state, approval = view.state, view.state.approval
     moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
     has_run_out = approval is not None and view.at >= approval.until
     is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
-    return has_run_out, len(standing_votes(state, view.at)), moved if is_let_out else ""
+    votes = len(standing_votes(state, view.at))
+    # Not at every drawing while it goes on.
+    hidden = () if view.look.is_playing else view.hidden
+    return has_run_out, votes, moved if is_let_out else "", hidden

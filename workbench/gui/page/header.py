@@ -48,6 +48,8 @@ class Header:
         self._theme, self._gui = theme, gui
         self._control = ControlStrip(visitor)
         self._looks = Looks(visitor)
+        self._ends_comparing = visitor.unseen(lambda: visitor.look.change(search=None))
+        visitor.hide([self._ends_comparing])
         visitor.on_press(self._cancel, CancelJob)
         visitor.on_key("L", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
@@ -57,7 +59,8 @@ class Header:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
-        mode = mode_html(new)
+        is_comparing = new.look.searcher == self._visitor.number
+        mode = mode_html(new, self._ends_comparing if is_comparing else "")
         if mode != self._mode.content:
             self._mode.content = mode
         self._control.show(old, new)

@@ -86,6 +86,7 @@ class PartsPanel:
             command=UseDetections,
             meant=self._correct,
             otherwise=self._otherwise,
+            carried=self._carried,
         )
         self._kind = gui.add_dropdown(
             "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
@@ -203,6 +204,11 @@ class PartsPanel:
         if _place(self._found, self._chosen) is None:
             return None
         return {"detections": self._with_chosen_at(T)}
+
+    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+        """What follows the hand that drags the chosen part."""
+        place = _place(self._found, self._chosen)
+        return {} if place is None else {f"/parts/part-{place + 1}": T}
 
     def _with_chosen_at(self, T: pin.SE3) -> tuple[Detection, ...]:
         found, number = list(self._found), self._number

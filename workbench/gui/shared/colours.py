@@ -91,6 +91,9 @@ COMPARED = (217, 70, 239)
 PLANNED_ROBOT = (77, 148, 235)
 """Of the robot as it is planned or moved by hand, see-through; the real one has its own colours."""
 
+NOT_REPORTED = (118, 126, 134)
+"""Of the solid robot where its controller does not report how it stands."""
+
 CHECKED = (253, 150, 68)
 """Of shapes that are checked for collisions."""
 

@@ -64,6 +64,12 @@ def clock(at: float) -> str:
     return f"{time_of_day(at)} {zone(at)}"
 
 
+def when(at: float, now: float) -> str:
+    """A time, local, with its zone; with its day where that is not today."""
+    day, today = (time.strftime("%Y-%m-%d", time.localtime(one)) for one in (at, now))
+    return clock(at) if day == today else f"{day} {clock(at)}"
+
+
 def time_of_day(at: float) -> str:
     """A time of day, local; where it stands its zone stands in the heading."""
     return time.strftime("%H:%M:%S", time.localtime(at))
@@ -363,10 +369,17 @@ def candidate_label(candidate: Candidate) -> str:
     return "\n".join(text for text in lines if text)
 
 
-def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
-    """What the controller reports of its joints [deg], in its own order."""
+def joints_html(cell: Cell, joints: Mapping[str, float], heard: str = "") -> str:
+    """What the controller reports of its joints [deg], in its own order.
+
+    Args:
+        cell: whose joints.
+        joints: by name [rad]; empty: none is reported.
+        heard: when they were reported, where that is over; empty: they are reported now.
+    """
     if not joints:
         return line("The controller reports no joint values.", kind="hint")
+    last = line(f"The controller reported these last at {heard}.", kind="warn") if heard else ""
     most = max(len(arm.joints) for arm in cell.arms)
     head = "".join(f"<th>{escape(arm.name)} [deg]</th>" for arm in cell.arms)
     rows = ""
@@ -379,4 +392,5 @@ def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
             text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
             cells += f'<td class="wb-number">{text}</td>'
         rows += f"<tr><th>Axis {axis + 1}</th>{cells}</tr>"
-    return f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    return last + table
