@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from workbench.app.core.commands import LinkEnded, ReportPick
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.state import Avoided, Outcome, Phase, State, counted
+from workbench.app.core.state import Avoided, Outcome, Phase, SentFor, State, counted
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, number_in, parts_taken
 from workbench.model.release import PartReport, Receipt
@@ -138,7 +138,8 @@ def _still_placed(state: State, ended: LinkEnded) -> tuple[Detection, ...]:
 
 def outcome_problem(state: State, command: ReportPick) -> str:
     """Why an outcome cannot be taken; empty when it can."""
-    if state.plan is None:
+    sent = sent_for(state)
+    if sent is None:
         return "there is no plan whose parts were picked"
     if command.is_picked not in (True, False):
         return f"a pick has succeeded or failed, {command.is_picked!r} is neither"
@@ -146,7 +147,7 @@ def outcome_problem(state: State, command: ReportPick) -> str:
     if command.detection not in taken:
         parts = ", ".join(f"part-{number + 1}" for number in taken)
         return f"the plan does not take that part; it takes {parts}"
-    for one in state.outcomes:
+    for one in sent.outcomes:
         if (one.detection, one.is_picked) == (command.detection, command.is_picked):
             return f"{one.by} has said so already"
     return ""
@@ -163,20 +164,24 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         actor: who says it.
         at: when [s since the epoch].
     """
-    if state.plan is None:
+    sent = sent_for(state)
+    if sent is None:
         return state
-    detection = state.plans[0].detections[command.detection]
+    detection = sent.plans[0].detections[command.detection]
     outcome = Outcome(command.detection, command.is_picked, actor, command.why)
-    others = tuple(one for one in state.outcomes if one.detection != command.detection)
+    others = tuple(one for one in sent.outcomes if one.detection != command.detection)
+    said_of = {"outcomes": (*others, outcome)}
+    if state.plan is None:
+        said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
     elsewhere = tuple(one for one in state.avoided if not _is_at(state.cell, detection, one))
     said = "was picked" if command.is_picked else "failed"
     why = f": {command.why}" if command.why else ""
     state = replace(
         state,
-        outcomes=(*others, outcome),
         failures=0 if command.is_picked else state.failures + 1,
         avoided=elsewhere,
         message=f"part-{command.detection + 1} {said}, says {actor}{why}",
+        **said_of,
     )
     if not command.is_picked:
         state = replace(
@@ -193,11 +198,26 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
 
 def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
     """Each part of every plan that was sent, by its index in the first one, and the arm for it."""
+    sent = sent_for(state)
+    if sent is None:
+        return ()
     return tuple(
         (number, one.arm)
-        for plan in _begun(state)
-        for number, one in zip(parts_taken(state.plans[0], plan), plan.arms, strict=True)
+        for plan in sent.plans
+        for number, one in zip(parts_taken(sent.plans[0], plan), plan.arms, strict=True)
     )
+
+
+def sent_for(state: State) -> SentFor | None:
+    """The plans of whose parts people can say what became of them; None where nothing was sent."""
+    return state.unscanned if state.plan is None else SentFor(_begun(state), state.outcomes)
+
+
+def before_a_scan(state: State) -> State:
+    """The state that remembers what was sent when its plan goes and no scan has come since."""
+    if state.phase not in (Phase.DONE, Phase.FAULT):
+        return state
+    return replace(state, unscanned=sent_for(state))
 
 
 def _begun(state: State) -> tuple[Plan, ...]:

@@ -75,7 +75,7 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
     elif state.detections:
         before = (state.detections, *before)
     return begun(
-        state,
+        replace(state, unscanned=None),
         ScanState if is_picked else PartsState,
         phase=Phase.LOCALIZED,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
@@ -322,7 +322,7 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
     return begun(
-        replace(state, avoided=after_one_more_scan(state.avoided, at)),
+        replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,
