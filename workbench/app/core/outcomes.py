@@ -33,7 +33,18 @@ def with_receipt(state: State, receipt: Receipt) -> State:
     if state.let:
         # What is told of a step is who has let it run.
         return state
+    step = step_reported(state)
+    if state.plan is not None and 0 < step <= len(steps):
+        return replace(state, message=f"the robot runs {step_said(state.plan, step)}")
     return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+
+
+def step_reported(state: State) -> int:
+    """The step that the robot has reported last, to run or to wait before it, counted from 1.
+
+    0 where it has reported none, as links do that know no steps.
+    """
+    return max((one.step or one.waits for one in state.receipts), default=0)
 
 
 def step_said(plan: Plan, number: int) -> str:

@@ -26,6 +26,7 @@ from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.row import RowInputs
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
@@ -40,7 +41,6 @@ from workbench.gui.shared.views import (
     parts_line,
     plan_line,
     scan_line,
-    send_line,
     sentence,
 )
 from workbench.gui.shared.visitor import Visitor, whole

@@ -307,19 +307,6 @@ def straight_bound(proof: Proof) -> float | None:
     return float(min(kept)) if kept else None
 
 
-def send_line(state: State) -> str:
-    """How far the plan has gone out."""
-    purpose = "Sends the approved plan to the robot controller."
-    if not state.receipts:
-        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
-    last = state.receipts[-1]
-    words = f"{last.done} of {last.total} messages sent"
-    if len(state.plans) > 1:
-        # They are counted anew for each plan of a row.
-        words = f"Plan {len(state.sent_before) + 1}: {words}"
-    return line(words, span=1, tip=purpose)
-
-
 def table_html(
     rows: list[tuple[str, str]], *, title: str = "", made: Mapping[str, str] = NOTHING_MADE
 ) -> str:
