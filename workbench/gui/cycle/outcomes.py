@@ -70,7 +70,7 @@ class _PartRow:
         gui = visitor.gui
         self._text = gui.add_html("")
         self._picked = gui.add_button(_words(arm, True), color="green")
-        self._failed = gui.add_button(_words(arm, False), color="red")
+        self._failed = gui.add_button(_words(arm, False), color="gray")
         visitor.on_press(self._picked, lambda: self._word(True))
         self._failed.on_click(lambda _: self._pressed_failed())
 

@@ -8,6 +8,7 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
+from workbench.gui.drawing.play_button import missed_words
 from workbench.gui.shared.colours import CHECKED, PLANNED_ROBOT, kind_of, verdict_colour
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
@@ -92,7 +93,7 @@ def mode_html(view: View) -> str:
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missed(view) if mode is Mode.END else ""
+    missed = missed_words(view) if mode is Mode.END else ""
     told = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
@@ -103,14 +104,6 @@ def mode_html(view: View) -> str:
         f'<div class="wb-mode wb-mode-{kind}" data-mode="{kind}" role="status">'
         f"<b>{escape(mode)}</b><ul>{told}</ul></div>"
     )
-
-
-def _missed(view: View) -> str:
-    """What has to be played before the plan counts as watched."""
-    if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
-        return ""
-    spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
-    return f"Not watched yet: {spans}"
 
 
 def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
+from workbench.app.core.results import is_failure
 from workbench.app.core.rights import JOBS, what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
@@ -132,7 +133,7 @@ def status_html(view: View) -> str:
         case Phase.SENDING:
             return _box("busy", escape(said(state.message)), parts_placed(state))
         case Phase.DONE:
-            is_good = all(one.is_picked for one in state.outcomes)
+            is_good = all(one.is_picked for one in state.outcomes) and not is_failure(state.message)
             return _box("good" if is_good else "fault", escape(said(state.message)))
         case _:
             message = said(state.message) or "Ready. Take a scan to begin."
@@ -140,7 +141,7 @@ def status_html(view: View) -> str:
                 message = f"No plan: {verdict_words(state.verdict)}"
             if state.proof is not None and state.message.startswith(PLAN_READY):
                 message = f"Plan ready: {_takes(state)}, {clearance_words(state.proof)}"
-            return _box("plain", escape(message))
+            return _box("fault" if is_failure(state.message) else "plain", escape(message))
 
 
 def changes_html(state: State) -> str:
@@ -214,9 +215,9 @@ def scan_line(state: State) -> str:
     """What the scan step has brought."""
     purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
-        return hint(state, TakeScan, purpose, 3)
+        return hint(state, TakeScan, purpose, 2)
     at = f", {clock(state.scan.at)}" if state.scan.at else ""
-    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
+    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", span=2, tip=purpose)
 
 
 def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | None = None) -> str:
