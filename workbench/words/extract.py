@@ -86,7 +86,7 @@ ALONE = frozenset(
 )
 """Single words that are shown, among many that are names of something in the code."""
 
-SCRIPTS = ("shell.js", "tour.js")
+SCRIPTS = ("shell.js", "tour.js", "scene.js")
 PAGES = ("shell.html", "login.html")
 
 MOST_VARIANTS = 8

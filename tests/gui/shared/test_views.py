@@ -11,6 +11,7 @@ from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
 from workbench.gui.plan.views import outlines_html, plan_html
@@ -302,7 +303,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.plan_line(state),
         views.plan_line(replace(state, plan=None)),
         approval_line(state, view.at, ""),
-        views.send_line(state),
+        send_line(state),
         facts_html(state, {}, view.at),
         plan_html(state),
         link_views.link_html(view),

@@ -24,6 +24,9 @@ from workbench.model.release import Approval, Manner, Vote
 LEAST_MOVED = 0.001
 """[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
 
+NOT_PLAYED = "the plan has not been played to its end; play it first"
+"""What is to be done next with a new plan; nothing is wrong."""
+
 SAME_THRESHOLD = 0.0005
 """[m] Thresholds are typed in whole millimetres."""
 

@@ -28,6 +28,16 @@ from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Scan, Search
 
+FAILURES = (
+    "task '",
+    "no plan",
+    "a plan was found, but its proof does not hold",
+    "0 parts found",
+    "poses from outside cannot be used",
+    "the cell file cannot be used",
+)
+"""How messages begin that tell of a failure; of a task that is said after its name."""
+
 Begun = tuple[State, tuple[StartJob, ...]]
 """The state, and the task that has begun with it, if one has."""
 
@@ -36,6 +46,12 @@ MOST_SEARCHES, MOST_REMARKS = 6, 30
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
+
+
+def is_failure(message: str) -> bool:
+    """Whether a message of a state tells of something that has failed."""
+    is_of_task = not message.startswith(FAILURES[0]) or "' failed: " in message
+    return message.startswith(FAILURES) and is_of_task
 
 
 def compared(state: State, search: Search) -> State:
@@ -75,7 +91,7 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
     elif state.detections:
         before = (state.detections, *before)
     return begun(
-        state,
+        replace(state, unscanned=None),
         ScanState if is_picked else PartsState,
         phase=Phase.LOCALIZED,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
@@ -322,7 +338,7 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
     return begun(
-        replace(state, avoided=after_one_more_scan(state.avoided, at)),
+        replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,

@@ -172,6 +172,9 @@ def what_is_missing(state: State, command: type) -> str:
     right = RIGHTS[command]
     if state.phase in right.phases:
         return ""
+    if command is commands.ReportPick and state.phase is Phase.IDLE and state.unscanned:
+        # Its plan is gone, and no scan shows the bin as it is now.
+        return ""
     missing = right.otherwise or NEXT[state.phase]
     if state.phase is Phase.FAULT and state.fault:
         missing += f" ({state.fault})"

@@ -26,10 +26,12 @@ from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.row import RowInputs
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
 from workbench.gui.drawing.in_view import hidden_words
+from workbench.gui.drawing.play_button import PlayButton, watched_words
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -41,7 +43,6 @@ from workbench.gui.shared.views import (
     parts_line,
     plan_line,
     scan_line,
-    send_line,
     sentence,
 )
 from workbench.gui.shared.visitor import Visitor, whole
@@ -84,6 +85,7 @@ class CyclePanel:
             self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
+            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
             self._bin_line = gui.add_html("")
             self._move_bin = gui.add_button(
                 "Move bin",
@@ -115,6 +117,8 @@ class CyclePanel:
             gui.add_html(ROW)
             gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
+            self._watched_line = gui.add_html("")
+            self._play = PlayButton(visitor)
             self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
             self._send_line = gui.add_html("")
             self._step = StepButton(visitor, sending)
@@ -122,7 +126,6 @@ class CyclePanel:
                 "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
             )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
-            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
         self._outcomes = OutcomeInputs(visitor, ROW)
         with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
@@ -138,6 +141,11 @@ class CyclePanel:
             self._help_line.content = line(sentence(new.help.words), kind="warn")
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
+        self._play.show(old, new)
+        watched = watched_words(new, self._visitor.person.name)
+        words = line(watched, kind="hint", span=1)
+        if words != self._watched_line.content:
+            self._watched_line.content = words
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._show_kinds(state.cell)

@@ -4,6 +4,7 @@ import viser
 
 from workbench.app.core.commands import AcknowledgeChanges, AcknowledgeFault, CancelJob
 from workbench.app.core.state import Phase, State
+from workbench.gui.cycle.sending_views import share_sent
 from workbench.gui.page.control import ControlStrip
 from workbench.gui.page.looks import Looks
 from workbench.gui.page.modes import mode_html
@@ -83,12 +84,10 @@ class Header:
             self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:
             self._progress.value = round(100 * live.getting_ready.done, 1)
-        elif state.let and state.plan is not None:
-            self._progress.value = round(100 * state.let / len(state.plan.sequence))
-        elif state.receipts:
-            self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
         else:
-            self._progress.value = 0.0
+            self._progress.value = round(100 * share_sent(state), 1)
+        # What has ended early is not on its way any more.
+        self._progress.color = "gray" if state.phase is Phase.FAULT else None
 
     def _show_changes(self, state: State) -> None:
         self._shown = "" if state.ran is None else state.ran.digest

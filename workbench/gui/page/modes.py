@@ -9,7 +9,7 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
-from workbench.gui.drawing.in_view import hidden_words
+from workbench.gui.drawing.play_button import missed_words
 from workbench.gui.shared.colours import (
     BAD,
     CHECKED,
@@ -137,10 +137,7 @@ def _missed(view: View, mode: Mode) -> str:
     if mode is not Mode.END:
         is_now = bool(view.hidden) and view.hidden[-1][1] == view.look.time
         return HIDDEN_NOW if is_now and view.look.is_playing else ""
-    if view.hidden:
-        return hidden_words(view.hidden)
-    spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
-    return f"Not watched yet: {spans}"
+    return missed_words(view)
 
 
 def _of_searches(view: View) -> list[tuple[str, str]]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
+from workbench.app.core.results import is_failure
 from workbench.app.core.rights import JOBS, what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
@@ -138,7 +139,7 @@ def status_html(view: View) -> str:
         case Phase.SENDING:
             return _box("busy", escape(said(state.message)), parts_placed(state))
         case Phase.DONE:
-            is_good = all(one.is_picked for one in state.outcomes)
+            is_good = all(one.is_picked for one in state.outcomes) and not is_failure(state.message)
             return _box("good" if is_good else "fault", escape(said(state.message)))
         case _:
             message = said(state.message) or "Ready. Take a scan to begin."
@@ -146,7 +147,7 @@ def status_html(view: View) -> str:
                 message = f"No plan: {verdict_words(state.verdict)}"
             if state.proof is not None and state.message.startswith(PLAN_READY):
                 message = f"Plan ready: {_takes(state)}, {clearance_words(state.proof)}"
-            return _box("plain", escape(message))
+            return _box("fault" if is_failure(state.message) else "plain", escape(message))
 
 
 def changes_html(state: State) -> str:
@@ -220,9 +221,9 @@ def scan_line(state: State) -> str:
     """What the scan step has brought."""
     purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
-        return hint(state, TakeScan, purpose, 3)
+        return hint(state, TakeScan, purpose, 2)
     at = f", {clock(state.scan.at)}" if state.scan.at else ""
-    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
+    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", span=2, tip=purpose)
 
 
 def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | None = None) -> str:
@@ -311,19 +312,6 @@ def straight_bound(proof: Proof) -> float | None:
     """What is kept [m] at least on the straight ways, where the tool may come near."""
     kept = [bounds.min() for _, leg, bounds in proof.clearances if leg in STRAIGHT and len(bounds)]
     return float(min(kept)) if kept else None
-
-
-def send_line(state: State) -> str:
-    """How far the plan has gone out."""
-    purpose = "Sends the approved plan to the robot controller."
-    if not state.receipts:
-        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
-    last = state.receipts[-1]
-    words = f"{last.done} of {last.total} messages sent"
-    if len(state.plans) > 1:
-        # They are counted anew for each plan of a row.
-        words = f"Plan {len(state.sent_before) + 1}: {words}"
-    return line(words, span=1, tip=purpose)
 
 
 def table_html(
