@@ -19,7 +19,7 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
-from workbench.app.records.forms import ReadFile, large_arrays, restored
+from workbench.app.records.forms import Content, ReadFile, large_arrays, restored
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.digest import canonical, digest_of
@@ -67,7 +67,7 @@ class Record:
 
     kind: str
     body: bytes
-    files: Mapping[str, bytes]
+    files: Mapping[str, Content]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +76,7 @@ class CommandForm:
 
     kind: str
     form: Any
-    files: Mapping[str, bytes]
+    files: Mapping[str, Content]
 
 
 def session_record(cell: Cell, at: float, after: Mapping[str, Any] | None = None) -> Record:
