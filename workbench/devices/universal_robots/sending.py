@@ -189,14 +189,15 @@ class Sending:
 
     def _hear(self) -> dict[str, Any] | None:
         """A state that is news; we say that we are there as often as we look."""
+        began = self._patience.clock()
         told = self._client.hear(POLL)
-        clock = self._patience.clock()
         if told is not None and "q" in told and told["at"] != self._at:
-            self._at, self._fresh = told["at"], clock
+            self._at, self._fresh = told["at"], self._patience.clock()
             self._alive += 1
             self._client.say(alive=self._alive)
             return told
-        if clock - self._fresh > self._patience.silence:
+        # What comes while this process stands still is heard next, so that is no silence.
+        if began - self._fresh > self._patience.silence:
             raise LinkError(
                 f"the controller was silent for {self._patience.silence:.0f} s at {self._where}"
             )
