@@ -64,6 +64,8 @@ class Serve:
     """Take channels that are neither signed nor encrypted all the same."""
     log: Maybe[Path] = None
     """Write the log to this file, too, an object of JSON a line; turned at 10 MB, five are kept."""
+    stalls: Maybe[Path] = None
+    """Write what holds this process up for 50 ms or longer to this file, JSON, an object a line."""
     users: UsersFile = USERS
     certificate: Maybe[Path] = None
     """PEM file to serve over TLS with."""

@@ -198,15 +198,17 @@ class Sending:
 
     def _hear(self) -> State | None:
         """A state that is news; we say that we are there as often as we look."""
+        began = self._patience.clock()
         told = self._client.hear(POLL)
         if told is not None and told.get("sent") is False:
             raise LinkError("the controller did not take the program")
-        state, clock = self._states.taken(told), self._patience.clock()
+        state = self._states.taken(told)
         if state is not None:
-            self._fresh = clock
+            self._fresh = self._patience.clock()
             self._alive += 1
             self._client.say(alive=self._alive)
-        elif clock - self._fresh > self._patience.silence:
+        # What comes while this process stands still is heard next, so that is no silence.
+        elif began - self._fresh > self._patience.silence:
             raise LinkError(
                 f"the controller was silent for {self._patience.silence:.0f} s at {self._where}"
             )

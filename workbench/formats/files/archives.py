@@ -35,7 +35,7 @@ UNREADABLE = (
 """What `zipfile` raises at files that are damaged, encrypted, or packed in unknown ways."""
 
 
-def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
+def write_archive(path: Path, content: Mapping[str, Path | bytes | memoryview]) -> None:
     """Write a zip file, which afterwards is there wholly or not at all.
 
     Args:
@@ -53,7 +53,7 @@ def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
                 entry = zipfile.ZipInfo(name)
                 entry.compress_type = zipfile.ZIP_DEFLATED
                 entry.external_attr = 0o644 << 16
-                if isinstance(source, bytes):
+                if isinstance(source, bytes | memoryview):
                     archive.writestr(entry, source)
                 else:
                     entry.file_size = source.stat().st_size

@@ -152,6 +152,12 @@ def element_id(
     return control._impl.uuid
 
 
+def taken_upload(button: viser.GuiUploadButtonHandle) -> tuple[str, bytes]:
+    """Name and content of the file that was chosen last; viser would hold it until the next one."""
+    file, button._impl.value = button.value, viser.UploadedFile("", b"")
+    return file.name, file.content
+
+
 def buttons_of(gui: viser.GuiApi) -> list[viser.GuiButtonHandle | viser.GuiUploadButtonHandle]:
     """The buttons that were made so far."""
     return [

@@ -5,7 +5,6 @@ refusal is a sentence with a status.  Who asks is for `identify` to say.
 """
 
 import asyncio
-import json
 import logging
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +18,7 @@ from workbench.app.core.commands import Approve, Stop, WatchPlan
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.core.rights import RIGHTS
 from workbench.app.runtime.bench import Bench
+from workbench.formats.files.json_pieces import encoded
 from workbench.model.errors import NotAllowed, WorkbenchError
 from workbench.web.api.calls import CALLS, Call
 from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
@@ -38,6 +38,11 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 
 NAMED = frozenset({Approve, WatchPlan})
 """What a person answers for: nothing that a login without a name could say."""
+
+NO_STORE = {"Cache-Control": "no-store"}
+
+CHUNK = 2**18
+"""[bytes] Of a long answer that are sent at once."""
 
 READERS = 3
 """So many answers are made at once: clouds take memory and time."""
@@ -113,16 +118,16 @@ class Api:
 
         return handler
 
-    async def read(self, read: Read, request: web.Request, person: Person) -> web.Response:
+    async def read(self, read: Read, request: web.Request, person: Person) -> web.StreamResponse:
         """Answer with a value as it is now."""
-        del request, person
+        del person
         loop = asyncio.get_running_loop()
         content = await loop.run_in_executor(self._reading, self._made, read)
         if content is None:
             return problem(HTTPStatus.NOT_FOUND, f"it is not there yet: {read.missing}")
-        return web.Response(
-            body=content, content_type=read.kind, headers={"Cache-Control": "no-store"}
-        )
+        if len(content) > CHUNK:
+            return await _sent(request, content, read.kind)
+        return web.Response(body=content, content_type=read.kind, headers=NO_STORE)
 
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
         """Give a command in the name of who asks."""
@@ -184,8 +189,19 @@ async def _body(request: web.Request) -> bytes | web.Response:
     return bytes(content)
 
 
+async def _sent(request: web.Request, content: bytes, kind: str) -> web.StreamResponse:
+    """A long answer, piece by piece: nothing else would be served while all of it is copied."""
+    response = web.StreamResponse(headers=NO_STORE)
+    response.content_type, response.content_length = kind, len(content)
+    await response.prepare(request)
+    for begin in range(0, len(content), CHUNK):
+        await response.write(content[begin : begin + CHUNK])
+    await response.write_eof()
+    return response
+
+
 def _text(value: Any) -> bytes:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False).encode()
+    return encoded(value)
 
 
 def _json(value: Any, **about: Any) -> web.Response:
