@@ -70,7 +70,9 @@ def test_a_preview_says_so_until_its_end_and_there_too(states, view_of, live, re
     ):
         view = view_of(states.planned, Look(time=time, is_playing=playing, follows=False), live)
         assert mode_of(view) is mode
-    assert "nothing was sent" in mode_html(view_of(states.planned, Look(time=end, follows=False)))
+    assert "not yet fallen; nothing was sent" in mode_html(
+        view_of(states.planned, Look(time=end, follows=False))
+    )
 
 
 def test_after_a_cycle_the_start_of_its_plan_is_no_live_picture(states, view_of, live):

@@ -67,7 +67,7 @@ ENDS_AFTER_CYCLE = "Ends with End preview"
 
 NOTES = {
     Mode.PREVIEW: "Parts: as planned; nothing is sent",
-    Mode.END: "Parts: as planned; nothing was sent",
+    Mode.END: "Parts: where hands let go of them, not yet fallen; nothing was sent",
     Mode.FILM: "Parts: a simulated pile, not what is in the bin; nothing is sent",
 }
 

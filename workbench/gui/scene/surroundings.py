@@ -55,7 +55,7 @@ class Camera(Protocol):
 
     @property
     def wxyz(self) -> Floats:
-        """Its turn (4,) as a quaternion, without unit."""
+        """Its turn as a quaternion (4,), no unit."""
         ...
 
     @property
@@ -70,7 +70,7 @@ class Camera(Protocol):
 
     @property
     def up_direction(self) -> Floats:
-        """Where up is (3,), without unit."""
+        """Where up is (3,), no unit."""
         ...
 
 
