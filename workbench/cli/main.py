@@ -16,7 +16,7 @@ from workbench.model.errors import InputError, LinkError, WorkbenchError
 DESCRIPTION = """\
 Plan, prove, approve and run robotic bin picks.
 
-Exit codes: 0 success, 2 bad input, 3 no plan or proof, 4 no robot controller, 1 anything else.
+Exit codes: 0 success, 2 bad input, 3 no plan, no proof or faults, 4 no controller, 1 anything else.
 
 Errors are one line on standard error.
 """

@@ -130,12 +130,8 @@ class AbbEgm:
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
         """The controller's twin, or modules in RAPID; to the ports that are given, or free ones."""
         if simulation.rapid is not None:
-            try:
-                from workbench.devices.abb_egm.rapid_controller import serve_guided
-            except ModuleNotFoundError as error:
-                raise InputError(
-                    "--rapid needs the library lark: pip install 'workbench[rapid]'"
-                ) from error
+            from workbench.devices.abb_egm.rapid_controller import serve_guided
+
             self.check(cell)
             serve_guided(cell, simulation, ready)
             return
