@@ -55,9 +55,9 @@ def test_a_task_needs_a_main_without_parameters(tmp_path):
     ("rest", "says"),
     [
         ("ALIAS num num;\nVAR num x;", "the type num is declared already"),
-        ("ALIAS b a;\nALIAS a b;", "the type a contains itself"),
+        ("ALIAS b a;\nALIAS a b;", "the type b contains itself"),
         ("RECORD r\nr inner;\nENDRECORD\nVAR r x;", "the type r contains itself"),
-        ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD", "the type a contains itself"),
+        ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD", "the type b contains itself"),
         ("VAR num x:=1E999;", "1e999 is larger than a num can be"),
         (f"VAR num x:=0x{'F' * 300};", f"0x{'f' * 300} is larger than a num can be"),
         (f"VAR num x:=0x{'F' * 40};", f"0x{'f' * 40} is larger than a num can be"),

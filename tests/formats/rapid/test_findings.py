@@ -97,7 +97,16 @@ def test_types_and_data_may_come_in_any_order_and_belong_to_their_module(tmp_pat
 
 def test_data_that_need_themselves_are_told(tmp_path):
     found = program(tmp_path, "", "CONST num a:=b; CONST num b:=a;")
-    assert wrong(found) == [(2, "the value of a needs itself")]
+    assert wrong(found) == [(2, "the value of b needs itself")]
+
+
+def test_a_long_row_of_data_and_types_that_need_each_other_is_read(tmp_path):
+    data = "".join(f"CONST num c{k}:=c{k + 1}+1;\n" for k in range(600)) + "CONST num c600:=1;\n"
+    types = "".join(f"RECORD r{k}\nr{k + 1} x;\nENDRECORD\n" for k in range(600))
+    rest = f"{types}RECORD r600\nnum x;\nENDRECORD\n{data}VAR num row{{c599}};"
+    found = wrong(program(tmp_path, "row{3}:=1;", rest))
+    assert found[-1] == (2408, "index 3 is outside 1 to 2")
+    assert all(what.endswith("is nested too deeply") for _, what in found[:-1])
 
 
 def test_where_a_name_is_declared_twice_is_told(tmp_path):

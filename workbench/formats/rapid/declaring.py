@@ -1,9 +1,9 @@
 """Types, data and routines of modules, declared before anything in them is compiled."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from workbench.formats.rapid.expressions import NOTHING
 from workbench.formats.rapid.hosts import Host, Key
@@ -13,11 +13,16 @@ from workbench.formats.rapid.symbols import Node, Parameter, Routine, Variable, 
 from workbench.formats.rapid.syntax.tokens import Token, Tree
 from workbench.formats.rapid.values import ATOMS, NUM, UNKNOWN, Kind, Types
 
+_Thing = TypeVar("_Thing")
+
 MOST_VALUES = 200_000
 """Numbers, strings and the like in one array: a controller has no memory for more."""
 
 MOST_COMPONENTS = 10_000
 """The same of a record, with the components of its components."""
+
+DEEPEST = 100
+"""Records within each other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +66,7 @@ class Declarations:
         self._declared_types: set[str] = set()
         self._waiting: dict[str, tuple[Scope, Node]] = {}
         self._under_way: set[str] = set()
+        self._depths: dict[str, int] = {}
 
     def scope(self, source: Source, within: Scope | None = None) -> Scope:
         """What sees the names of a module, and those of all."""
@@ -75,7 +81,7 @@ class Declarations:
         """Declare all types, data and routines; the routines are still to be compiled."""
         self._types(scopes)
         routines: list[tuple[Scope, Routine]] = []
-        data: list[Variable] = []
+        data: list[tuple[Variable, Scope, Node]] = []
         for source, scope in scopes:
             for node in source.tree.children:
                 if type(node) is not Tree:
@@ -86,10 +92,19 @@ class Declarations:
                 elif node.data == "data":
                     variable = self.variable(scope, node)
                     self._new(scope, node, parts(node)[1], variable)
-                    data.append(variable)
+                    data.append((variable, scope, node))
                 elif node.data == "place":
                     scope.left_out(node, str(node.children[0]))
-        for variable in data:
+        known = {id(variable): (scope, node) for variable, scope, node in data}
+
+        def needs(variable: Variable) -> Iterator[Variable]:
+            scope, node = known.get(id(variable), (None, None))
+            for one in node.walk() if node is not None else ():
+                found = scope.find(one.children[0].lower()) if scope and one.data == "var" else None
+                if type(found) is Variable and found.settle is not None:
+                    yield found
+
+        for variable in _in_order([one for one, _, _ in data], needs):
             if variable.settle is not None:
                 variable.settle()
         return routines
@@ -115,8 +130,19 @@ class Declarations:
                 if type(node) is Tree and node.data in ("record", "alias"):
                     name = parts(node)[0 if node.data == "record" else 1]
                     self._new_type(scope, node, name)
-        while self._waiting:
-            self._complete(next(iter(self._waiting)))
+
+        def needs(full: str) -> Iterator[str]:
+            scope, node = self._waiting[full]
+            for one in node.walk():
+                if one.data in ("part", "alias"):
+                    small = parts(one)[0].lower()
+                    name = scope.types_of_its_own.get(small, small)
+                    if name in self._waiting:
+                        yield name
+
+        for full in list(_in_order(list(self._waiting), needs)):
+            if full in self._waiting:
+                self._complete(full)
 
     def _new_type(self, scope: Scope, node: Node, name: Token) -> None:
         small = name.lower()
@@ -153,6 +179,13 @@ class Declarations:
         kinds = {part.lower(): self.kind(scope, kind) for kind, part in rows}
         if any(kind.is_unknown for kind in kinds.values()):
             self.types.opaque.add(full)
+            return
+        depth = 1 + max((self._depths.get(kind.name, 0) for kind in kinds.values()), default=0)
+        self._depths[full] = depth
+        if depth > DEEPEST:
+            scope.wrong(name, f"{name} is nested too deeply")
+            self.types.opaque.add(full)
+            self._depths[full] = 0
             return
         if sum(self.types.atoms(kind) for kind in kinds.values()) > MOST_COMPONENTS:
             scope.wrong(name, f"{name} has more than {MOST_COMPONENTS:,} components in all")
@@ -278,3 +311,28 @@ class Declarations:
                 kind = self.kind(scope, type_, len(stars.children) if stars is not None else 0)
                 shared = group if len(inner) > 1 else 0
                 yield Parameter(name.lower(), kind, mode, is_optional, shared)
+
+
+def _in_order(
+    things: Sequence[_Thing], needs: Callable[[_Thing], Iterator[_Thing]]
+) -> Iterator[_Thing]:
+    """Things with all that they need before them: long chains must not run out of stack."""
+    seen = set[Any]()
+    for first in things:
+        if _key(first) in seen:
+            continue
+        seen.add(_key(first))
+        stack = [(first, needs(first))]
+        while stack:
+            thing, rest = stack[-1]
+            needed = next((one for one in rest if _key(one) not in seen), None)
+            if needed is None:
+                stack.pop()
+                yield thing
+            else:
+                seen.add(_key(needed))
+                stack.append((needed, needs(needed)))
+
+
+def _key(thing: Any) -> Any:
+    return thing if isinstance(thing, str) else id(thing)
