@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from workbench.formats.files.whole_files import read_whole
+from workbench.formats.files.whole_files import PointerError, read_whole
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import UNKNOWN_NAME, UNREADABLE, BadModule, Problem
 from workbench.formats.rapid.syntax.grammar import parse_all
@@ -15,7 +15,6 @@ SUFFIXES = frozenset({".mod", ".sys", ".prg", ".modx", ".sysx"})
 """Files of modules; those that end with x come from controllers with RobotWare 7."""
 
 MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))
-POINTER = b"version https://git-lfs.github.com/"
 CONTROL = bytes(code for code in range(32) if code not in b"\t\n\f\r\x1a")
 ENCODED = "an encoded module: what it declares is not known here"
 
@@ -62,10 +61,12 @@ def read_modules(path: Path, shown: str) -> tuple[list[Source], list[Problem]]:
         FileError: there is no such file, or it is too large.
         BadModule: it has no module, or ends in the middle of one.
     """
-    data = read_whole(path, LARGEST_MODULE)
-    if data.startswith(POINTER):
-        what = "a pointer of git-lfs in place of the file: fetch it with git lfs pull"
-        raise BadModule([Problem(shown, 1, 1, what, UNREADABLE)])
+    try:
+        data = read_whole(path, LARGEST_MODULE)
+    except PointerError:
+        # The other files of a backup are read all the same.
+        what = "a pointer of git-lfs: fetch the file (git lfs pull)"
+        raise BadModule([Problem(shown, 1, 1, what, UNREADABLE)]) from None
     if is_encoded(data):
         raise BadModule([Problem(shown, 1, 1, ENCODED, UNKNOWN_NAME, path.name)])
     text = lines_of(data)
