@@ -9,9 +9,10 @@ from html import escape
 
 from workbench.app.core.state import Phase
 from workbench.gui.drawing.play_button import missed_words
-from workbench.gui.shared.colours import CHECKED, PLANNED_ROBOT, kind_of, verdict_colour
+from workbench.gui.shared.colours import CHECKED, PLANNED_ROBOT, verdict_colour
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
+from workbench.model.candidate import kind_of
 
 
 class Mode(enum.StrEnum):

@@ -9,6 +9,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
+from workbench.app.core.state import counted
 from workbench.formats.clouds.scans import parse_scan
 from workbench.formats.plans.pose_files import parse_poses
 from workbench.gui.dragging.pose_inputs import PoseInputs
@@ -257,7 +258,7 @@ class PartsPanel:
 
     def _poses_of(self, name: str, content: bytes) -> Command:
         detections = parse_poses(Path(name), content, self._kind.value)
-        return UseDetections(detections, f"{len(detections)} poses taken from {name}")
+        return UseDetections(detections, f"{counted(len(detections), 'pose')} taken from {name}")
 
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:

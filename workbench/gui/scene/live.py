@@ -7,9 +7,10 @@ from workbench.app.picking.glance import Glance
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import strokes_of
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.shared.colours import BAD, GOOD, kind_said, rgb_of, verdict_colour
+from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.solids import with_hard_edges
+from workbench.model.candidate import kind_said
 
 WORDS = "/dragged"
 
