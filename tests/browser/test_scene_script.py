@@ -5,6 +5,7 @@ from fronted import Window, open_front
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import Shell
+from waiting import wait_until
 
 SCENE = """
 <style>[aria-hidden=true] { display: none }</style>
@@ -21,7 +22,10 @@ SCENE = """
 <button onclick="hidden = true; other.hidden = false; said.textContent += 'Send '">Send</button>
 <button id="other" hidden onclick="said.textContent += 'Go on '">Go on</button>
 <p id="said"></p>
+<div><div id="told"></div><div id="rows" style="height: 90px; overflow-y: auto">
+<table class="wb-long-table"><tbody></tbody></table></div></div>
 <script>
+document.querySelector(".wb-long-table tbody").innerHTML = "<tr><td>a row</td></tr>".repeat(40);
 function draw(chosen) {
   const row = (number) => `<tr tabindex="0" role="button" onclick="draw(${number})" onkeydown="
     if (event.key === 'Enter') draw(${number})">
@@ -89,6 +93,25 @@ def test_the_second_click_of_a_double_click_presses_no_other_button(stub):
     page.wait_for_timeout(600)
     scene.get_by_role("button", name="Go on").click()
     expect(scene.locator("#said")).to_have_text("Send Go on")
+
+
+def test_a_row_that_is_chosen_stays_in_sight_where_its_table_gets_smaller(stub):
+    _, scene = stub
+    scene.locator("#rows").evaluate("one => { one.scrollTop = 200; }")
+    row = scene.locator(".wb-long-table tr:nth-child(12)")
+    rule = ".wb-long-table tr:nth-child(12){background:red}"
+    scene.locator("#told").evaluate(
+        """(one, rule) => { one.innerHTML = `<style class="wb-row-chosen">${rule}</style>`;
+        document.getElementById("rows").style.height = "30px"; }""",
+        rule,
+    )
+
+    def is_seen():
+        inside, around = row.bounding_box(), scene.locator("#rows").bounding_box()
+        ends = inside["y"] + inside["height"], around["y"] + around["height"]
+        return around["y"] <= inside["y"] + 1 and ends[0] <= ends[1] + 1
+
+    wait_until(is_seen, "the row in sight")
 
 
 @pytest.fixture

@@ -54,7 +54,7 @@ def test_messages_are_those_of_the_plan_that_is_named(row, states):
     onward = replace(
         sending, plan=second.plan, proof=second.proof, sent_before=(first,), row=(third,)
     )
-    assert read(send_line(onward)) == "Plan 2: 3 of 40 messages sent"
+    assert read(send_line(onward)) == "3 of 40 messages sent (plan 2)"
 
 
 def test_once_the_robot_reports_steps_these_are_told(states):

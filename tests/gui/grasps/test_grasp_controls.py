@@ -15,7 +15,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import save_grasps
 from workbench.formats.parts.reading import read_part
-from workbench.formats.parts.saves import versions, write_draft
+from workbench.formats.parts.saves import Version, versions, write_draft
 from workbench.gui.grasps.coverage import CoverageControls, axis_words
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
@@ -23,7 +23,7 @@ from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.views import check_line, refused_text
+from workbench.gui.grasps.views import check_line, refused_text, versions_html
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPair
@@ -297,3 +297,11 @@ def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench,
     library.show(saved, part, problem="")
     assert "a draft with 1 change that nobody saved" in library._draft.content
     assert library._take.visible and library._drop.visible
+
+
+def test_versions_are_told_in_the_zone_that_all_times_are_told_in(tmp_path):
+    said = [
+        versions_html((Version(1, at, "Ada", "first", tmp_path),))
+        for at in ("2026-01-01T00:05:00Z", "some day")
+    ]
+    assert "2026-01-01 00:05 UTC" in said[0] and "some day" in said[1]

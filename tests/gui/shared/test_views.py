@@ -376,12 +376,14 @@ def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(sta
 
 def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
     assert views.changes_html(states.planning) == ""
-    changed = ("numpy 1 is 2 now", "user <b>Eve</b> viewer has come")
+    changed = ("numpy 1 is 2 now", "new user <b>Eve</b> (viewer)")
     state = replace(states.planning, changed=changed, changed_since="session x")
     html = views.changes_html(state)
     assert "<b>Eve" not in html
     text = Reader(html).text
     assert "session x" in text and "numpy 1 is 2 now" in text and "Eve" in text
+    # Who may come in is no software.
+    assert "software" not in text
 
 
 def test_a_plans_clearances_are_two_figures_with_their_names_wherever_they_are_told(

@@ -1,5 +1,6 @@
 """Tasks of the worker, and what they and people have brought: parts found, a plan, or why not."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -28,15 +29,11 @@ from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Scan, Search
 
-FAILURES = (
-    "task '",
-    "no plan",
-    "a plan was found, but its proof does not hold",
-    "0 parts found",
-    "poses from outside cannot be used",
-    "the cell file cannot be used",
+FAILURE = re.compile(
+    r"task '\w+' failed: |no plan\b|a plan was found, but its proof does not hold\b|0 parts found\b"
+    r"|poses from outside cannot be used\b|the cell file cannot be used\b"
 )
-"""How messages begin that tell of a failure; of a task that is said after its name."""
+"""How messages of a state begin that tell of something that has failed."""
 
 Begun = tuple[State, tuple[StartJob, ...]]
 """The state, and the task that has begun with it, if one has."""
@@ -50,8 +47,7 @@ MOST_OUTLINES = 20
 
 def is_failure(message: str) -> bool:
     """Whether a message of a state tells of something that has failed."""
-    is_of_task = not message.startswith(FAILURES[0]) or "' failed: " in message
-    return message.startswith(FAILURES) and is_of_task
+    return FAILURE.match(message) is not None
 
 
 def compared(state: State, search: Search) -> State:

@@ -164,7 +164,7 @@ def changes_said(state: State) -> str:
     """What has changed since the start before and nobody has acknowledged, in one sentence."""
     first, more = state.changed[:MOST_SAID], len(state.changed) - MOST_SAID
     rest = f"; and {more} more" if more > 0 else ""
-    return f"the software has changed since {state.changed_since}: {'; '.join(first)}{rest}"
+    return f"this has changed since {state.changed_since}: {'; '.join(first)}{rest}"
 
 
 def what_is_missing(state: State, command: type) -> str:

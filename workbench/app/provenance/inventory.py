@@ -75,15 +75,23 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
         yield "the scanner's pose differs"
     if not parts and old.calibration == new.calibration and old.cell_digest != new.cell_digest:
         yield "the cell differs"
-    yield from _told(_users(old), _users(new))
+    yield from _people(old.users, new.users)
 
 
 def _versions(inventory: Inventory) -> Mapping[str, str]:
     return {one.name: one.version for one in inventory.distributions}
 
 
-def _users(inventory: Inventory) -> Mapping[str, str]:
-    return {f"user {name}": role for name, role in inventory.users.items()}
+def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+    """Who may come in now, or may not any more, or in another role; both are name -> role."""
+    for name in sorted({*old, *new}):
+        was, has = old.get(name), new.get(name)
+        if was is None:
+            yield f"new user {name} ({has})"
+        elif has is None:
+            yield f"user {name} ({was}) is gone"
+        elif was != has:
+            yield f"user {name} is {has} now, was {was}"
 
 
 def _told(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:

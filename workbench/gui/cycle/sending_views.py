@@ -2,7 +2,7 @@
 
 from workbench.app.core.outcomes import step_reported
 from workbench.app.core.state import Phase, State
-from workbench.gui.shared.views import line
+from workbench.gui.shared.views import line, sentence
 
 
 def share_sent(state: State) -> float:
@@ -32,15 +32,15 @@ def send_line(state: State) -> str:
         words = _step_words(state, step, len(state.plan.sequence))
     if len(state.plans) > 1:
         # They are counted anew for each plan of a row.
-        words = f"Plan {len(state.sent_before) + 1}: {words}"
-    return line(words, span=1, tip=purpose)
+        words += f" (plan {len(state.sent_before) + 1})"
+    return line(sentence(words), span=1, tip=purpose)
 
 
 def _step_words(state: State, step: int, steps: int) -> str:
     match state.phase:
         case Phase.FAULT:
-            return f"Ended in step {step} of {steps}"
+            return f"ended in step {step} of {steps}"
         case Phase.DONE:
-            return f"All {steps} steps done"
+            return f"all {steps} steps done"
         case _:
-            return f"Step {step} of {steps}"
+            return f"step {step} of {steps}"

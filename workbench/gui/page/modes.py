@@ -16,12 +16,12 @@ from workbench.gui.shared.colours import (
     COMPARED,
     NOT_REPORTED,
     PLANNED_ROBOT,
-    kind_of,
     verdict_colour,
 )
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
 from workbench.gui.shared.views import when
+from workbench.model.candidate import kind_of
 
 
 class Mode(enum.StrEnum):

@@ -8,6 +8,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
+from workbench.app.core.state import counted
 from workbench.app.picking.uploads import sent_poses, sent_scan
 from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
@@ -292,7 +293,7 @@ class PartsPanel:
 
     def _poses_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
         detections = sent_poses(name, content, self._kind.value, cancelled=cancelled)
-        return UseDetections(detections, f"{len(detections)} poses taken from {name}")
+        return UseDetections(detections, f"{counted(len(detections), 'pose')} taken from {name}")
 
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:

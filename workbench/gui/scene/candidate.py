@@ -7,11 +7,11 @@ import viser
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import DrawnRobot, place
-from workbench.gui.shared.colours import kind_of, rgb_of, verdict_colour
+from workbench.gui.shared.colours import rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View
 from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, kind_of
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.kinematics.robot import Kinematics

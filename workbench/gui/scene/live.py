@@ -12,9 +12,10 @@ from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.robot import place
 from workbench.gui.scene.stage import T_WORLD_STAGE
 from workbench.gui.scene.surroundings import Camera
-from workbench.gui.shared.colours import BAD, GOOD, kind_said, rgb_of, verdict_colour
+from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
 from workbench.gui.shared.own import Carried, Dragged
 from workbench.gui.shared.solids import with_hard_edges
+from workbench.model.candidate import kind_said
 from workbench.model.geometry import Floats
 
 WORDS = "/dragged"

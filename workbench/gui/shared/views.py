@@ -14,10 +14,9 @@ from workbench.app.core.commands import FindParts, MakePlan, TakeScan
 from workbench.app.core.results import is_failure
 from workbench.app.core.rights import JOBS, what_is_missing
 from workbench.app.core.state import Phase, State
-from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
 from workbench.gui.shared.look import View
 from workbench.model.calibration import BinCheck
-from workbench.model.candidate import Candidate, Verdict
+from workbench.model.candidate import MARGIN_NOT_KEPT, Candidate, Verdict, kind_of
 from workbench.model.cell import Cell
 from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
@@ -69,6 +68,11 @@ def when(at: float, now: float) -> str:
     """A time, local, with its zone; with its day where that is not today."""
     day, today = (time.strftime("%Y-%m-%d", time.localtime(one)) for one in (at, now))
     return clock(at) if day == today else f"{day} {clock(at)}"
+
+
+def day_and_time(at: float) -> str:
+    """A day and a time of it, local, with its zone."""
+    return f"{time.strftime('%Y-%m-%d %H:%M', time.localtime(at))} {zone(at)}"
 
 
 def time_of_day(at: float) -> str:
@@ -155,8 +159,8 @@ def changes_html(state: State) -> str:
     if not state.changed:
         return ""
     since = (
-        f"The software has changed since {state.changed_since}; "
-        "nothing is sent before an engineer acknowledges:"
+        f"This has changed since {state.changed_since}; "
+        "nothing is sent before an engineer acknowledges it:"
     )
     listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
     head = f"<b>{escape(since)}</b>"
