@@ -90,7 +90,7 @@ class Slow:
 
 
 class Stopped(Slow):
-    """A client whose controller takes a stop, and then tells `states`, one each time it is asked."""
+    """A client whose controller takes a stop, and then tells `states`, one at each question."""
 
     def __init__(self, program, to_axes, *states):
         super().__init__(program, to_axes)

@@ -71,7 +71,11 @@ def write_archive(
 
 
 def _written(
-    path: Path, file: IO[bytes], name: str, source: Path | bytes | memoryview, method: int = DEFLATED
+    path: Path,
+    file: IO[bytes],
+    name: str,
+    source: Path | bytes | memoryview,
+    method: int = DEFLATED,
 ) -> Member:
     """Write one file at the end; its header is known when all of it has been packed."""
     place = file.seek(0, 2)

@@ -9,7 +9,6 @@ import viser
 
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
 from workbench.app.core.state import counted
-from workbench.app.picking.uploads import sent_poses, sent_scan
 from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
@@ -26,6 +25,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.uploads.reading import sent_poses, sent_scan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy

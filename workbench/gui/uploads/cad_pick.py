@@ -10,7 +10,6 @@ import numpy as np
 import viser
 
 from workbench.app.core.state import State
-from workbench.app.picking.uploads import cad_look
 from workbench.formats.cells.drawn_tools import Drawing
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import sent_name
@@ -19,6 +18,7 @@ from workbench.formats.meshes.cad_look import CadLook
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.uploads.reading import cad_look
 from workbench.gui.uploads.views import look_words, size_words
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 
