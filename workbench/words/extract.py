@@ -51,6 +51,11 @@ UNSEEN = frozenset(
     {
         "app/runtime/anchors.py",
         "app/runtime/worker.py",
+        "gui/incoming/files.py",
+        "gui/incoming/gate.py",
+        "gui/incoming/scene.py",
+        "gui/incoming/values.py",
+        "gui/incoming/widgets.py",
         "gui/shared/viser_server.py",
         "model/digest.py",
         "model/geometry.py",

@@ -16,8 +16,8 @@ from workbench.formats.files.whole_files import sent_name
 from workbench.formats.meshes.cad_files import KINDS
 from workbench.formats.meshes.cad_look import CadLook
 from workbench.gui.shared.views import line
-from workbench.gui.shared.viser_server import taken_upload
-from workbench.gui.shared.visitor import Visitor
+from workbench.gui.shared.viser_server import element_id, taken_upload
+from workbench.gui.shared.visitor import Visitor, hidden_css
 from workbench.gui.uploads.reading import cad_look
 from workbench.gui.uploads.views import look_words, size_words
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
@@ -50,6 +50,7 @@ class CadPick:
         self._pick = gui.add_upload_button(
             label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(KINDS)
         )
+        self._style = gui.add_html(hidden_css([]))
         self._line = gui.add_html(line("Nothing chosen yet.", kind="hint"))
         self._unit = gui.add_dropdown(
             "Unit", (AS_SAID, *UNITS), hint="STL, OBJ and PLY files do not say it."
@@ -77,6 +78,8 @@ class CadPick:
         """Show the controls, or hide them."""
         for one in (self._pick, self._line, self._unit):
             one.visible = visible
+        # viser 1.1.1 shows a button for files whatever its `visible` says.
+        self._style.content = hidden_css([] if visible else [element_id(self._pick)])
 
     def _forget(self) -> None:
         self.drawing = self.look = None

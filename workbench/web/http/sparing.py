@@ -30,6 +30,7 @@ OTHERS = "others"
 
 LOGGERS = {
     "workbench.web": AT_ONCE,
+    "workbench.gui.incoming.gate": AT_ONCE,
     "workbench.web.opcua.bounds": AT_ONCE,
     "workbench.web.opcua.certificates": AT_ONCE,
     "workbench.web.opcua.admission": AT_ONCE,
