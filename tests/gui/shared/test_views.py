@@ -386,9 +386,7 @@ def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
     assert "software" not in text
 
 
-def test_a_plans_clearances_are_two_figures_with_their_names_wherever_they_are_told(
-    states, view_of
-):
+def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
     """A single smallest clearance was contradicted by the curve of the straight ways."""
     state = replace(states.planned, message="plan ready: alternated, smallest clearance 1.0 mm")
     free, straight = state.proof.clearance, views.straight_bound(state.proof)

@@ -23,8 +23,15 @@ SILENCE = 60.0
 LONGEST_NAME = 60
 """Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""How a file begins that stands in a repository for a large one."""
+
 Stamp = tuple[int, int]
 """When a file was written [ns], and its size [bytes]."""
+
+
+class PointerError(FileError):
+    """git-lfs has put a small file in the place of a large one that was not fetched."""
 
 
 def read_whole(path: Path, most: int) -> bytes:
@@ -33,7 +40,8 @@ def read_whole(path: Path, most: int) -> bytes:
     Devices and pipes have no size to ask for beforehand, so the reading itself is bounded.
 
     Raises:
-        FileError: not there, not to be read, or longer; or a pipe that nothing comes through.
+        FileError: not there, not to be read, or longer; or a pipe that nothing comes through; or
+            a pointer of git-lfs.
     """
     try:
         # Opening a named pipe would wait until somebody writes to it.
@@ -46,6 +54,8 @@ def read_whole(path: Path, most: int) -> bytes:
         raise FileError(repr(str(path)), "is not the name of a file") from None
     if len(content) > most:
         raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
+    if content.startswith(POINTER):
+        raise PointerError(path, "is a pointer of git-lfs: fetch the file (git lfs pull)")
     return content
 
 

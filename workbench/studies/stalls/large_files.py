@@ -34,7 +34,7 @@ def ring(triangles: int) -> tuple[Floats, Ints]:
 
 
 def stl(points: Floats, triangles: Ints) -> bytes:
-    """A binary STL file."""
+    """A binary STL file of corners (n, 3) [mm] and triangles (m, 3)."""
     rows = np.zeros(
         len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
     )
@@ -43,14 +43,14 @@ def stl(points: Floats, triangles: Ints) -> bytes:
 
 
 def obj(points: Floats, triangles: Ints) -> bytes:
-    """An OBJ file."""
+    """An OBJ file of corners (n, 3) [mm] and triangles (m, 3)."""
     lines = [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in points.tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (triangles + 1).tolist()]
     return "\n".join(lines).encode()
 
 
 def ply(points: Floats, triangles: Ints) -> bytes:
-    """A binary PLY file of a mesh."""
+    """A binary PLY file of corners (n, 3) [mm] and triangles (m, 3)."""
     header = (
         "ply\nformat binary_little_endian 1.0\n"
         f"element vertex {len(points)}\n"
@@ -63,7 +63,7 @@ def ply(points: Floats, triangles: Ints) -> bytes:
 
 
 def glb(points: Floats, triangles: Ints) -> bytes:
-    """A GLB file, which is in metres."""
+    """A GLB file, in metres, of corners (n, 3) [mm] and triangles (m, 3)."""
     corners = (points / 1000).astype("<f4")
     content = corners.tobytes() + triangles.astype("<u4").tobytes()
     said = {

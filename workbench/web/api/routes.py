@@ -27,6 +27,8 @@ from workbench.web.api.openapi import PREFIX, openapi
 from workbench.web.api.problems import problem, problem_of
 from workbench.web.api.reads import JSON, READS, Read, Source
 from workbench.web.api.reference import reference_html
+from workbench.web.http.broken_off import is_broken_off
+from workbench.web.http.refusals import refused
 
 log = logging.getLogger(__name__)
 
@@ -35,6 +37,8 @@ Identify = Callable[[web.Request], Awaitable[Person | None]]
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Of the page that describes the interface: it has a style and nothing else."""
+
+UNREADABLE = "the body is not encoded as its head says"
 
 NAMED = frozenset({Approve, WatchPlan})
 """What a person answers for: nothing that a login without a name could say."""
@@ -109,9 +113,14 @@ class Api:
                 return await answer(request, person)
             except WorkbenchError as error:
                 return problem_of(error)
+            except web.RequestPayloadError as error:
+                refused("body", why=str(error), origin=request.remote, who=person.name)
+                return problem(HTTPStatus.BAD_REQUEST, UNREADABLE)
             except web.HTTPException:
                 raise
-            except Exception:
+            except Exception as error:
+                if is_broken_off(error):
+                    raise
                 # A rim: whatever goes wrong with one request is in the log, not in the answer.
                 log.exception("%s %s failed", request.method, request.path)
                 return problem(HTTPStatus.INTERNAL_SERVER_ERROR, "internal error, see the log")
