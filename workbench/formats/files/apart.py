@@ -56,7 +56,7 @@ _places = threading.BoundedSemaphore(AT_ONCE)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """What comes back: `told` is what JSON can hold, and arrays (..., n) [any unit] by name."""
+    """What comes back: `told` is what JSON can hold, and arrays (..., n), each of its own unit."""
 
     told: Any = None
     arrays: Mapping[str, np.ndarray] = field(default_factory=dict[str, np.ndarray])
