@@ -18,6 +18,7 @@ from workbench.web.api.routes import api_routes
 
 RESET = struct.pack("ii", 1, 0)
 JSON = {"Content-Type": "application/json"}
+PACKED = gzip.compress(b"{}", mtime=0)
 
 
 @pytest.fixture
@@ -40,7 +41,7 @@ def is_answered(asked):
     return requests.get(f"{url}/state", headers=token, timeout=PATIENCE).status_code == 200
 
 
-@pytest.mark.parametrize("content", [b"no gzip at all", gzip.compress(b"{}", mtime=0) + b"more"])
+@pytest.mark.parametrize("content", [b"no gzip at all", PACKED + b"more"])
 def test_a_body_that_does_not_decode_is_a_bad_request(asked, bench, caplog, content):
     url, token = asked
     before = bench.state.number
@@ -62,8 +63,7 @@ def test_a_body_that_does_not_decode_is_a_bad_request(asked, bench, caplog, cont
         b"Content-Length: 100\r\n\r\n",
         b"Transfer-Encoding: chunked\r\n\r\n5\r\n{",
         b"Transfer-Encoding: chunked\r\n\r\n1\r\n{\r\n",
-        b"Content-Encoding: gzip\r\nContent-Length: 90\r\n\r\n"
-        + gzip.compress(b"{}", mtime=0)[:12],
+        b"Content-Encoding: gzip\r\nContent-Length: 90\r\n\r\n" + PACKED[:12],
     ],
 )
 def test_a_program_that_goes_in_the_middle_of_its_body_leaves_no_trace(
