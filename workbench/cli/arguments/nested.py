@@ -157,6 +157,21 @@ class BenchPage:
 
 
 @dataclass(frozen=True, slots=True)
+class BenchStalls:
+    """Serve a page, do with it what it can do, and tell what held its process up, and for how long.
+
+    The robot link is in that process. Only an error fails: figures differ between machines.
+    """
+
+    cell: CellName = "yumi"
+    triangles: int = 950_000
+    """Of the CAD files that are sent; the page takes 1,000,000."""
+    points: int = 4_000_000
+    """Of the scan that is sent; a file may have 50 MB."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class BenchShort:
     """Run the short form of every benchmark and set it beside the figures of last time.
 
@@ -181,6 +196,7 @@ class Bench:
         | Annotated[BenchPick, subcommand("pick")]
         | Annotated[BenchSoak, subcommand("soak")]
         | Annotated[BenchPage, subcommand("page")]
+        | Annotated[BenchStalls, subcommand("stalls")]
         | Annotated[BenchShort, subcommand("short")]
     )
 

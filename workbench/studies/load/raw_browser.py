@@ -57,6 +57,10 @@ class RawBrowser:
         """Ids of widgets, by label; of several the first."""
         self.disabled: dict[str, bool] = {}
         """Whether a widget cannot be used now, by id."""
+        self.texts: dict[str, str] = {}
+        """What stands in the page beside widgets, by id."""
+        self.refused: list[str] = []
+        """Why something was not done, as notes have told it."""
 
     async def log_in(self, name: str, password: str) -> int:
         """Fill in the form; the status of the answer, 303 when it is right."""
@@ -145,6 +149,10 @@ class RawBrowser:
             return
         if "props" in message and "label" in shown:
             self.widgets.setdefault(shown["label"], widget)
+        if message["type"] == "NotificationShowMessage" and shown.get("color") == "red":
+            self.refused.append(shown["body"])
+        if isinstance(shown.get("content"), str):
+            self.texts[widget] = shown["content"]
         if "disabled" in shown:
             self.disabled[widget] = bool(shown["disabled"])
 

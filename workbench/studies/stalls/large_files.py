@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from workbench.formats.files.units import UNITS
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Ints
 
 TRIANGLES = 950_000
@@ -101,3 +103,18 @@ CAD: Mapping[str, Callable[[Floats, Ints], bytes]] = {
 def cad_file(kind: str, triangles: int = TRIANGLES) -> bytes:
     """A CAD file of one closed ring; `kind` is one of `CAD`."""
     return CAD[kind](*ring(triangles))
+
+
+def cloud(cell: Cell, count: int) -> bytes:
+    """A scan of the cell's bin with so many points, as a binary PLY file of its scanner's."""
+    length, width, height = cell.bin.size
+    random = np.random.default_rng(0)
+    around = [random.uniform(-side / 2, side / 2, count) for side in (length, width)]
+    up = 0.3 * height * np.sin(40 * around[0]) ** 2 + random.normal(0, 4e-4, count)
+    T = cell.scanner.T_world_scanner.inverse() * cell.bin.T_world_bin
+    points = np.column_stack([*around, up]) @ T.rotation.T + T.translation
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
+        "property float x\nproperty float y\nproperty float z\nend_header\n"
+    )
+    return header.encode() + (points / UNITS[cell.scanner.unit]).astype("<f4").tobytes()
