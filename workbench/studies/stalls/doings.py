@@ -9,6 +9,7 @@ from io import BytesIO
 from typing import Any
 
 from workbench.model.cell import Cell
+from workbench.model.errors import LinkError
 from workbench.studies.load.raw_browser import RawBrowser
 from workbench.studies.stalls.large_files import CAD, cad_file, cloud
 from workbench.studies.stalls.visit import Visit
@@ -51,8 +52,7 @@ def doings(files: Files) -> dict[str, Doing]:
     def looked_at(button: str, kind: str, content: bytes) -> Doing:
         async def does(one: Visit) -> None:
             name = f"{button.split()[-1]}-ring{kind}"
-            await one.browser.upload(button, name, content)
-            await one.told(name, "closed")
+            await one.choose(button, name, content, "closed")
 
         return does
 
@@ -63,12 +63,14 @@ def doings(files: Files) -> dict[str, Doing]:
         for kind, content in files.cad.items()
     }
     return {
-        "the page is opened": _opened,
+        "the page is opened": opened,
         "another one in German": _in_german,
-        "a cycle to the plan": _planned,
+        "a cycle to the plan": planned,
         "all answers are read": _read,
         "the plan is sent": _sent,
-        "the same, CAD files chosen meanwhile": lambda one: _sent_beside(one, files.cad),
+        "the same four times, with a CAD file read meanwhile": lambda one: _sent_beside(
+            one, files.cad
+        ),
         "a scan is sent": lambda one: _scan(one, files.scan),
         "its points are read": _points,
         "parts are looked for in it": _sought,
@@ -85,7 +87,8 @@ def doings(files: Files) -> dict[str, Doing]:
     }
 
 
-async def _opened(one: Visit) -> None:
+async def opened(one: Visit) -> None:
+    """Wait for the controls and be in control."""
     await one.until(lambda state: "Choose a backup" in one.browser.widgets, "the controls")
     await one.done()
     if not (await one.state())["control"]:
@@ -110,7 +113,8 @@ async def _frames(browser: RawBrowser) -> AsyncGenerator[Any]:
             await browser.socket.close()
 
 
-async def _planned(one: Visit) -> None:
+async def planned(one: Visit) -> None:
+    """Scan two parts, find them and plan."""
     for path, body in (("/scan", {"parts": 2}), ("/localize", {}), ("/plan", {})):
         await one.post(path, **body)
         await one.done()
@@ -127,29 +131,37 @@ async def _points(one: Visit) -> None:
 
 
 async def _sent(one: Visit) -> None:
-    await _let_out(one)
-    await one.until(_has_ended, "the end of a motion")
+    await let_out(one)
+    await one.until(has_ended, "the end of a motion")
 
 
-async def _let_out(one: Visit) -> None:
+async def let_out(one: Visit) -> None:
+    """Approve the plan and send it."""
     plan = (await one.state())["plan"]
     for path in ("/watch", "/approve", "/send"):
         await one.post(path, plan=plan)
 
 
-def _has_ended(state: dict[str, Any]) -> bool:
+def has_ended(state: dict[str, Any]) -> bool:
+    """Whether the motion is over."""
     return state["phase"] in ("done", "fault")
 
 
 async def _sent_beside(one: Visit, cad: dict[str, bytes]) -> None:
-    await _planned(one)
-    await _let_out(one)
     for kind, content in cad.items():
-        await one.browser.upload("Choose a CAD file", f"beside{kind}", content)
+        await planned(one)
+        # Once something is sent no file can be chosen any more; one that was is still read.
+        await chosen(one, f"beside{kind}", content)
+        await let_out(one)
+        state = await one.until(has_ended, "the end of a motion")
+        if state["phase"] != "done":
+            raise LinkError(f"the motion was broken off: {state['fault']}")
         await one.told(f"beside{kind}", "closed")
-    state = await one.until(_has_ended, "the end of a motion")
-    if state["phase"] != "done":
-        raise AssertionError(state["fault"])
+
+
+async def chosen(one: Visit, name: str, content: bytes) -> None:
+    """Choose a CAD file, until the page says that it is being read."""
+    await one.choose("Choose a CAD file", name, content, "being read")
 
 
 async def _scan(one: Visit, content: bytes) -> None:
@@ -174,8 +186,7 @@ async def _poses(one: Visit) -> None:
 async def _made(one: Visit, choose: str, make: str, content: bytes) -> None:
     name = f"{make.split()[-1]}_small"
     before = (await one.state())["cell_digest"]
-    await one.browser.upload(choose, f"{name}.stl", content)
-    await one.told(f"{name}.stl", "closed")
+    await one.choose(choose, f"{name}.stl", content, "closed")
     await one.browser.set(make, True)
     await one.until(lambda state: state["cell_digest"] != before, "another cell")
     await one.done()
@@ -200,8 +211,7 @@ async def _restored(one: Visit) -> None:
     with zipfile.ZipFile(file, "a") as kept:
         kept.writestr("parts/added/note.txt", "another one")
     content = file.getvalue()
-    await one.browser.upload("Choose a backup", "kept.zip", content)
-    await one.told("kept.zip", "added")
+    await one.choose("Choose a backup", "kept.zip", content, "added")
     await asyncio.sleep(0.5)
     await one.browser.set("Restore it", True)
     await one.told("kept.zip is restored")

@@ -18,6 +18,12 @@ ASKS = 0.02
 LONGEST = 600.0
 """[s] That anything may take."""
 
+NOT_NOW = "this button is not available now"
+"""In what the page says where a file is chosen too early."""
+
+AGAIN = 0.5
+"""[s] After which it is tried again."""
+
 PREFIX = "/api/v1"
 
 
@@ -91,6 +97,26 @@ class Visit:
             return any(all(word in text for word in words) for text in texts)
 
         await self.until(stands, f"the page to say {words}")
+
+    async def choose(self, button: str, name: str, content: bytes, *words: str) -> None:
+        """Choose a file, again while its button cannot be used, until the page says the words.
+
+        Raises:
+            LinkError: it never says them.
+        """
+        end = time.monotonic() + LONGEST
+        while time.monotonic() < end:
+            self.browser.refused.clear()
+            await self.browser.upload(button, name, content)
+            try:
+                await self.told(name, *words)
+            except LinkError:
+                if NOT_NOW not in "".join(self.browser.refused):
+                    raise
+                await asyncio.sleep(AGAIN)
+            else:
+                return
+        raise LinkError(f"{button!r} could not be used for {LONGEST:.0f} s")
 
     async def ask(self) -> None:
         """Ask how things stand, again and again."""
