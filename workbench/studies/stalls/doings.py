@@ -21,7 +21,7 @@ READS = (
     "/proof/certificate", "/emptying", "/statistics", "/sessions",
 )  # fmt: skip
 
-SMALL = 20_000
+SMALL = 2_000
 """Triangles of a part that is made, not only looked at: that takes a worker minutes otherwise."""
 
 POSES = 30
@@ -77,10 +77,10 @@ def doings(files: Files) -> dict[str, Doing]:
         "poses are sent": _poses,
         **cads,
         "the same as a tool's body": looked_at("Choose the body", ".stl", files.cad[".stl"]),
+        "piles are emptied": _emptied,
         "a part is made": lambda one: _made(one, "Choose a CAD file", "Make the part", files.small),
         "a tool is made": lambda one: _made(one, "Choose the body", "Add the tool", files.small),
         "the cell is saved": _saved,
-        "piles are emptied": _emptied,
         "the session is taken along": lambda one: _taken(one, "/session.zip"),
         "a backup is taken along": lambda one: _taken(one, "/backup.zip"),
         "a backup is restored": _restored,
@@ -188,8 +188,13 @@ async def _made(one: Visit, choose: str, make: str, content: bytes) -> None:
     before = (await one.state())["cell_digest"]
     await one.choose(choose, f"{name}.stl", content, "closed")
     await one.browser.set(make, True)
-    await one.until(lambda state: state["cell_digest"] != before, "another cell")
-    await one.done()
+
+    def is_over(state: dict[str, Any]) -> bool:
+        return state["cell_digest"] != before or "failed" in state["message"]
+
+    state = await one.until(is_over, "another cell")
+    if state["cell_digest"] == before:
+        raise LinkError(state["message"])
 
 
 async def _saved(one: Visit) -> None:

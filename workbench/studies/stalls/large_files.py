@@ -18,7 +18,7 @@ RADIUS_MM, THICKNESS_MM = 30.0, 12.0
 
 
 def ring(triangles: int) -> tuple[Floats, Ints]:
-    """A closed surface: corners (n, 3) [mm], triangles (m, 3), about as many as asked for."""
+    """A closed surface on z = 0: corners (n, 3) [mm], about as many triangles (m, 3) as asked."""
     around = int(np.sqrt(triangles / 2))
     along = triangles // (2 * around)
     u, v = np.meshgrid(
@@ -27,7 +27,7 @@ def ring(triangles: int) -> tuple[Floats, Ints]:
         indexing="ij",
     )
     out = RADIUS_MM + THICKNESS_MM * np.cos(v)
-    points = np.stack([out * np.cos(u), out * np.sin(u), THICKNESS_MM * np.sin(v)], axis=-1)
+    points = np.stack([out * np.cos(u), out * np.sin(u), THICKNESS_MM * (1 + np.sin(v))], axis=-1)
     i, j = np.meshgrid(np.arange(along), np.arange(around), indexing="ij")
     here, beside = i * around + j, i * around + (j + 1) % around
     ahead, across = (i + 1) % along * around + j, (i + 1) % along * around + (j + 1) % around
