@@ -13,6 +13,8 @@ from workbench.studies.stalls.visit import visit
 
 PASSWORD = "only for this test"
 
+STALLS = "stalls.jsonl"
+
 TRIES = 3
 """A machine that gives a process no processor for two seconds ends a motion as well."""
 
@@ -24,8 +26,12 @@ def files():
 
 @pytest.fixture
 def page(tmp_path):
-    with served(tmp_path, "yumi", PASSWORD) as page:
+    with served(tmp_path, "yumi", PASSWORD, "--stalls", STALLS) as page:
         yield page
+    # Whatever a busy machine makes of times: no line that reads meshes has run in that process.
+    stalls = (tmp_path / STALLS).read_text().splitlines()
+    readers = [line for line in stalls if "look_at" in line or "formats/meshes/repair" in line]
+    assert readers == []
 
 
 def at(page, use):
