@@ -3,6 +3,7 @@
 import gzip
 import socket
 import struct
+import zlib
 from urllib.parse import urlsplit
 
 import pytest
@@ -14,6 +15,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.web.access.identity import identify
+from workbench.web.api import routes
 from workbench.web.api.routes import api_routes
 
 RESET = struct.pack("ii", 1, 0)
@@ -41,11 +43,18 @@ def is_answered(asked):
     return requests.get(f"{url}/state", headers=token, timeout=PATIENCE).status_code == 200
 
 
-@pytest.mark.parametrize("content", [b"no gzip at all", PACKED + b"more"])
-def test_a_body_that_does_not_decode_is_a_bad_request(asked, bench, caplog, content):
+@pytest.mark.parametrize(
+    ("coding", "content"),
+    [
+        ("gzip", b"no gzip at all"),
+        ("gzip", PACKED + b"more"),
+        ("deflate", b"\xff" * 20),
+    ],
+)
+def test_a_body_that_does_not_decode_is_a_bad_request(asked, bench, caplog, coding, content):
     url, token = asked
     before = bench.state.number
-    headers = token | JSON | {"Content-Encoding": "gzip"}
+    headers = token | JSON | {"Content-Encoding": coding}
     answer = requests.post(f"{url}/scan", data=content, headers=headers, timeout=PATIENCE)
     assert answer.status_code == 400
     assert answer.json()["detail"] == "the body is not encoded as its head says"
@@ -53,6 +62,36 @@ def test_a_body_that_does_not_decode_is_a_bad_request(asked, bench, caplog, cont
     assert "Traceback" not in caplog.text
     assert len([line for line in caplog.messages if "refused body" in line]) == 1
     assert bench.state.number == before
+
+
+def test_a_body_that_is_cut_off_is_answered(asked, bench, caplog, monkeypatch):
+    """Whether aiohttp sees the end of the stream depends on how the bytes arrive."""
+    monkeypatch.setattr(routes, "BODY_SECONDS", 0.5)
+    url, token = asked
+    before, cut = bench.state.number, zlib.compress(b"{}" * 500)[:-6]
+    headers = token | JSON | {"Content-Encoding": "deflate"}
+    for _ in range(4):
+        answer = requests.post(f"{url}/scan", data=cut, headers=headers, timeout=PATIENCE)
+        assert answer.status_code in (400, 408)
+    assert is_answered(asked)
+    assert "Traceback" not in caplog.text
+    assert bench.state.number == before
+
+
+def test_a_body_that_does_not_arrive_is_a_timeout(asked, monkeypatch):
+    monkeypatch.setattr(routes, "BODY_SECONDS", 0.1)
+    url, token = asked
+    where = urlsplit(url)
+    lines = [
+        f"POST {where.path}/scan HTTP/1.1",
+        f"Host: {where.netloc}",
+        *(f"{name}: {value}" for name, value in (token | JSON).items()),
+        "Content-Length: 100",
+    ]
+    with socket.create_connection((where.hostname, where.port), PATIENCE) as client:
+        client.sendall("\r\n".join(lines).encode() + b"\r\n\r\n{")
+        assert b" 408 " in client.recv(65536).splitlines()[0]
+    assert is_answered(asked)
 
 
 @pytest.mark.parametrize("resets", [False, True])

@@ -40,6 +40,10 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 
 UNREADABLE = "the body is not encoded as its head says"
 
+BODY_SECONDS = 30.0
+"""That a body may take to arrive.  aiohttp 3.14 waits for ever for the end of a deflate stream that
+is cut off."""
+
 NAMED = frozenset({Approve, WatchPlan})
 """What a person answers for: nothing that a login without a name could say."""
 
@@ -188,10 +192,15 @@ async def _body(request: web.Request) -> bytes | web.Response:
     if request.content_length is not None and request.content_length > LARGEST_BODY:
         return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
     content = bytearray()
-    async for chunk in request.content.iter_any():
-        content += chunk
-        if len(content) > LARGEST_BODY:
-            return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    try:
+        async with asyncio.timeout(BODY_SECONDS):
+            async for chunk in request.content.iter_any():
+                content += chunk
+                if len(content) > LARGEST_BODY:
+                    return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    except TimeoutError:
+        said = f"the body did not arrive within {BODY_SECONDS:g} s"
+        return problem(HTTPStatus.REQUEST_TIMEOUT, said)
     if content and request.content_type != JSON:
         said = f"the body must be {JSON}, not {request.content_type[:60]}"
         return problem(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, said)
