@@ -153,9 +153,12 @@ def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
     yield from problems
     if problems:
         return
-    ends = [np.asarray(arm.home), *(leg.q[-1] for leg in one.legs)]
-    starts = [*(leg.q[0] for leg in one.legs), np.asarray(arm.home)]
-    at_home = SAME + cell.controller.motion.quantum / 2
+    motion, (lower, upper, _) = cell.controller.motion, cell.robot.limits(arm.joints)
+    # A home at a limit between two steps cannot be sent: the last step before the limit is home.
+    home = np.clip(np.asarray(arm.home), *motion.limits(lower, upper))
+    ends = [home, *(leg.q[-1] for leg in one.legs)]
+    starts = [*(leg.q[0] for leg in one.legs), home]
+    at_home = SAME + motion.quantum / 2
     off = [at_home, *[SAME] * (len(LEG_NAMES) - 1), at_home]
     for name, end, start, most in zip((*LEG_NAMES, "home"), ends, starts, off, strict=True):
         if np.abs(end - start).max() > most:

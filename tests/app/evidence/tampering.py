@@ -114,6 +114,15 @@ class Opened:
         return {name: content for name, content in self.files.items() if name not in ENDS}
 
 
+def anchors_of(one: Opened) -> str:
+    """The approvals of a bundle as anchors that are kept elsewhere, a line each."""
+    approvals = (entry for entry in one.entries if entry.kind == "Approve")
+    return "".join(
+        json.dumps({"session": "example", "number": entry.number, "hash": entry.hash}) + "\n"
+        for entry in approvals
+    )
+
+
 def verified(made, bundle, *words):
     """Exit code and output of the script that came with the bundle, alone in its folder."""
     done = subprocess.run(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
-from workbench.cli.arguments.nested import SessionOpen
+from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
 from workbench.cli.serving.ending import told_to_end
 from workbench.cli.terminal import check_number, check_whole

@@ -9,7 +9,7 @@ from statistics import median, quantiles
 from typing import Any
 
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchPage
+from workbench.cli.arguments.bench import BenchPage
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.measuring.page.served import NAME, served, workplace
 from workbench.cli.terminal import (

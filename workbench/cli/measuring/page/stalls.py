@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchStalls
+from workbench.cli.arguments.bench import BenchStalls
 from workbench.cli.exits import SUCCESS
 from workbench.cli.measuring.page.served import NAME, Served, served, workplace
 from workbench.cli.terminal import check_whole, milliseconds, print_json, print_table, progress
