@@ -38,7 +38,7 @@ class Tour(Window):
     def at(self, title, name, role="button"):
         """It has come to this step, points at this control, and covers neither it nor Stop."""
         expect(self.page.locator("#title")).to_have_text(title)
-        target = self.scene.get_by_role(role, name=name).first
+        target = self.scene.get_by_role(role, name=name, exact=True)
         ring = self.page.locator("#ring")
 
         def is_around():
