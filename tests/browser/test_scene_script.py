@@ -1,7 +1,7 @@
 """What the page around adds to the scene's page, for keyboards and for quick hands, in Chromium."""
 
 import pytest
-from fronted import Window, open_front
+from fronted import Window
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import Shell
@@ -112,14 +112,6 @@ def test_a_row_that_is_chosen_stays_in_sight_where_its_table_gets_smaller(stub):
         return around["y"] <= inside["y"] + 1 and ends[0] <= ends[1] + 1
 
     wait_until(is_seen, "the row in sight")
-
-
-@pytest.fixture
-def front(bench, tmp_path):
-    front, *ends = open_front(bench, tmp_path / "users.sqlite")
-    yield front
-    for end in ends:
-        end.close()
 
 
 def test_all_groups_of_the_grasps_are_reached_and_opened_by_keyboard(front, new_context, shots):

@@ -2,8 +2,7 @@
 
 import re
 
-import pytest
-from fronted import Window, open_front
+from fronted import Window
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import IDLE, SENDING, Shell
@@ -18,14 +17,6 @@ SCENE = """
 <button>Scan</button><button>Find parts</button><button>Acknowledge</button><input id="field"></div>
 <p id="pressed"></p>
 """
-
-
-@pytest.fixture
-def front(bench, tmp_path):
-    front, *ends = open_front(bench, tmp_path / "users.sqlite")
-    yield front
-    for end in ends:
-        end.close()
 
 
 class Tour(Window):

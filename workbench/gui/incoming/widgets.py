@@ -2,6 +2,7 @@
 
 # pyright: reportPrivateUsage=false
 
+from collections.abc import Callable
 from typing import Any
 
 import viser
@@ -46,40 +47,34 @@ def value_problem(widget: Any, value: Any) -> str:
             return "" if value in shape.options else "none of the options"
         case viser.GuiTextHandle():
             return "" if value == now else text_problem(value, has_lines=shape.multiline)
-        case viser.GuiNumberHandle() | viser.GuiSliderHandle():
-            return number_problem(
-                value,
-                now,
-                low=shape.min,
-                high=shape.max,
-                step=shape.step,
-                digits=shape.precision,
-            )
-        case viser.GuiVector2Handle() | viser.GuiVector3Handle():
-            return numbers_problem(
-                value,
-                now,
-                low=shape.min,
-                high=shape.max,
-                step=shape.step,
-                digits=shape.precision,
-            )
-        case viser.GuiMultiSliderHandle():
-            bounds = [shape.min] * len(now), [shape.max] * len(now)
-            problem = numbers_problem(
-                value,
-                now,
-                low=bounds[0],
-                high=bounds[1],
-                step=shape.step,
-                digits=shape.precision,
-            )
-            return problem or ("" if list(value) == sorted(value) else "not in order")
+        case (
+            viser.GuiNumberHandle()
+            | viser.GuiSliderHandle()
+            | viser.GuiVector2Handle()
+            | viser.GuiVector3Handle()
+            | viser.GuiMultiSliderHandle()
+        ):
+            return _beyond(widget, shape, value, now)
         case viser.GuiRgbHandle() | viser.GuiRgbaHandle():
             low, high = [0] * len(now), [BRIGHTEST] * len(now)
             return numbers_problem(value, now, low=low, high=high, step=1, digits=0)
         case _:
             return "nothing that could be sent"
+
+
+def _beyond(widget: Any, shape: Any, value: Any, now: Any) -> str:
+    """What is wrong with one number, or with several, of a widget with bounds."""
+    low: Any = shape.min
+    high: Any = shape.max
+    check: Callable[..., str] = numbers_problem
+    if isinstance(widget, viser.GuiNumberHandle | viser.GuiSliderHandle):
+        check = number_problem
+    elif isinstance(widget, viser.GuiMultiSliderHandle):
+        low, high = [low] * len(now), [high] * len(now)
+    problem = check(value, now, low=low, high=high, step=shape.step, digits=shape.precision)
+    if not problem and isinstance(widget, viser.GuiMultiSliderHandle):
+        return "" if list(value) == sorted(value) else "not in order"
+    return problem
 
 
 def key_problem(uuid: str, *pages: viser.GuiApi) -> str:
