@@ -1,4 +1,4 @@
-"""Libraries that are loaded ahead do not change how a process ends that is told to end meanwhile."""
+"""Libraries that are loaded ahead leave the exit code of a process as it is."""
 
 import subprocess
 import sys
