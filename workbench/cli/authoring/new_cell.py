@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from workbench.cli.arguments import top as arguments
-from workbench.cli.arguments.nested import CellNew
+from workbench.cli.arguments.cell import CellNew
 from workbench.cli.authoring.first_tools import gripper, suction_cup
 from workbench.cli.authoring.new_cell_told import Made, tell
 from workbench.cli.exits import SUCCESS
