@@ -1,4 +1,4 @@
-"""A six-axis arm of boxes in the words of robot makers, and what they add to or leave out of one."""
+"""A six-axis arm of boxes in the words of robot makers, and what they add or leave out."""
 
 from pathlib import Path
 
@@ -45,7 +45,8 @@ def links(scale: float = 1.0, prefix: str = "") -> str:
 def joints(scale: float = 1.0, prefix: str = "") -> str:
     """The joints of the arm, `a1` to `a6`."""
     return "\n".join(
-        f'<joint name="{prefix}a{number}" type="revolute"><origin xyz="{_words(_scaled(at, scale))}"/>'
+        f'<joint name="{prefix}a{number}" type="revolute">'
+        f'<origin xyz="{_words(_scaled(at, scale))}"/>'
         f'<parent link="{prefix}{parent}"/><child link="{prefix}{child}"/><axis xyz="{axis}"/>'
         f'<limit lower="{low}" upper="{high}" velocity="3.5" effort="100"/></joint>'
         for number, (parent, child, at, axis, (low, high)) in enumerate(JOINTS, start=1)
@@ -63,7 +64,9 @@ def two_arms(torso: str) -> str:
         links(prefix=side) + joints(prefix=side) + _mount(side, y)
         for side, y in (("left_", 0.3), ("right_", -0.3))
     ]
-    return f'<robot name="made"><link name="foot"/><link name="waist"/>{torso}{"".join(sides)}</robot>'
+    return (
+        f'<robot name="made"><link name="foot"/><link name="waist"/>{torso}{"".join(sides)}</robot>'
+    )
 
 
 def turning(name: str, parent: str, child: str, more: str = "") -> str:

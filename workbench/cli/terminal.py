@@ -27,15 +27,15 @@ WIDE = 120
 
 @contextmanager
 def progress(title: str) -> Generator[Report]:
-    """A bar for as long as the block runs; where standard error is no terminal, a line now and then.
+    """A bar for as long as the block runs; a line now and then where errors go to no terminal.
 
     Such a line comes each `PATIENCE` s, of what was told last: who watches a file knows that it
     goes on.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
-        with _lines(title) as report:
-            yield report
+        with _lines(title) as said:
+            yield said
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as bars:

@@ -14,7 +14,8 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Box, Mesh
 
 LIMIT = 'lower="-2.97" upper="2.97" velocity="3.5"'
-MESHES = '<visual><geometry><mesh filename="{0}"{2}/></geometry></visual><collision><geometry><mesh filename="{1}"{3}/></geometry></collision>'
+MESHES = """<visual><geometry><mesh filename="{0}"{2}/></geometry></visual>
+<collision><geometry><mesh filename="{1}"{3}/></geometry></collision>"""
 
 
 def described(tmp_path: Path, text: str, **options) -> Description:
@@ -23,8 +24,10 @@ def described(tmp_path: Path, text: str, **options) -> Description:
 
 def with_meshes(visual: str, collision: str, *, drawn: str = "", checked: str = "") -> str:
     body = MESHES.format(visual, collision, drawn, checked)
-    return made_arm.arm(more=f'<link name="extra">{body}</link>'
-        '<joint name="m" type="fixed"><parent link="base"/><child link="extra"/></joint>')
+    return made_arm.arm(
+        more=f'<link name="extra">{body}</link>'
+        '<joint name="m" type="fixed"><parent link="base"/><child link="extra"/></joint>'
+    )
 
 
 def box_file(path: Path, size: float, kind: str = ".stl") -> Path:
@@ -44,7 +47,9 @@ def test_meshes_of_another_package_are_found_beside_it(tmp_path):
     made_arm.package(tmp_path / "arm_support", "arm_support")
     other = made_arm.package(tmp_path / "meshes_of_all", "arm_resources")
     box_file(other / "meshes" / "foot.stl", 0.2)
-    text = with_meshes("package://arm_resources/meshes/foot.stl", "package://arm_resources/meshes/FOOT.STL")
+    text = with_meshes(
+        "package://arm_resources/meshes/foot.stl", "package://arm_resources/meshes/FOOT.STL"
+    )
     found = read_description(made_arm.written(tmp_path / "arm_support" / "urdf" / "a.urdf", text))
     assert size_of(found, "extra") == pytest.approx(0.2)
     assert found.notes == ()
@@ -52,8 +57,15 @@ def test_meshes_of_another_package_are_found_beside_it(tmp_path):
 
 @pytest.mark.parametrize(
     "name",
-    ["meshes/foot.stl", "../meshes/foot.stl", r"..\meshes\foot.stl", "file://../meshes/foot.stl",
-     "package://any/meshes/foot.stl", "model://any/meshes/foot.stl", "meshes/Foot.STL"],
+    [
+        "meshes/foot.stl",
+        "../meshes/foot.stl",
+        r"..\meshes\foot.stl",
+        "file://../meshes/foot.stl",
+        "package://any/meshes/foot.stl",
+        "model://any/meshes/foot.stl",
+        "meshes/Foot.STL",
+    ],
 )
 def test_a_mesh_is_found_by_the_names_that_people_write(tmp_path, name):
     made_arm.package(tmp_path / "any", "any")
@@ -70,7 +82,7 @@ def test_a_mesh_that_is_drawn_alone_may_be_missing(tmp_path):
     found = described(tmp_path, with_meshes("foot.stl", "gone.stl"))
     assert found.robot.link("extra").collision == ()
     assert any("what is drawn is checked in its place" in note for note in found.notes)
-    with pytest.raises(FileError, match="gone.stl"):
+    with pytest.raises(FileError, match=r"gone\.stl"):
         described(tmp_path, with_meshes("gone.stl", "gone.stl"))
 
 
@@ -124,9 +136,11 @@ def test_a_link_of_two_units_is_refused(tmp_path):
     box_file(tmp_path / "urdf" / "small.stl", 0.2)
     box_file(tmp_path / "urdf" / "large.stl", 15)
     scale = ' scale="0.01 0.01 0.01"'
-    with pytest.raises(FileError, match=r"link 'extra'.* differ a thousandfold \(2 mm and 1.5e\+04 mm\)"):
+    with pytest.raises(
+        FileError, match=r"link 'extra'.* differ a thousandfold \(2 mm and 1.5e\+04 mm\)"
+    ):
         described(tmp_path, with_meshes("small.stl", "large.stl", drawn=scale))
-    with pytest.raises(FileError, match="its largest mesh would be 0.2 mm"):
+    with pytest.raises(FileError, match=r"its largest mesh would be 0\.2 mm"):
         described(tmp_path, with_meshes("small.stl", "small.stl"), mesh_unit="mm")
 
 
@@ -150,7 +164,9 @@ def test_a_speed_that_is_not_given_is_assumed_and_told(tmp_path, speed):
     assert "joint 'a1'" in note and "1 rad/s is assumed; set velocity in robot.urdf" in note
 
 
-@pytest.mark.parametrize(("low", "high"), [(-6.98, 6.98), (-7.854, 7.854), (0, 9.42), (-12.5, 12.5)])
+@pytest.mark.parametrize(
+    ("low", "high"), [(-6.98, 6.98), (-7.854, 7.854), (0, 9.42), (-12.5, 12.5)]
+)
 def test_limits_of_several_turns_are_as_the_maker_says(tmp_path, low, high):
     text = made_arm.arm().replace(LIMIT, f'lower="{low}" upper="{high}" velocity="3"')
     joint = described(tmp_path, text).robot.joint("a1")
@@ -159,7 +175,11 @@ def test_limits_of_several_turns_are_as_the_maker_says(tmp_path, low, high):
 
 @pytest.mark.parametrize(
     "limit",
-    ['<limit lower="-1e16" upper="1e16" velocity="3" effort="1"/>', '<limit velocity="3" effort="1"/>', ""],
+    [
+        '<limit lower="-1e16" upper="1e16" velocity="3" effort="1"/>',
+        '<limit velocity="3" effort="1"/>',
+        "",
+    ],
 )
 def test_a_joint_that_turns_without_end_turns_once_either_way(tmp_path, limit):
     kind = 'type="revolute"' if "1e16" in limit else 'type="continuous"'
@@ -171,8 +191,11 @@ def test_a_joint_that_turns_without_end_turns_once_either_way(tmp_path, limit):
 
 def test_a_joint_without_a_range_or_a_motor_stands_still(tmp_path):
     text = made_arm.arm().replace(LIMIT, 'lower="0" upper="0" velocity="3"')
-    text = text.replace("</robot>", '<link name="world"/><joint name="w" type="floating">'
-        '<parent link="world"/><child link="base"/></joint></robot>')
+    text = text.replace(
+        "</robot>",
+        '<link name="world"/><joint name="w" type="floating">'
+        '<parent link="world"/><child link="base"/></joint></robot>',
+    )
     found = described(tmp_path, text)
     assert found.robot.joint("a1").kind == found.robot.joint("w").kind == "fixed"
     assert len(found.notes) == 1 and "stands still" in found.notes[0]

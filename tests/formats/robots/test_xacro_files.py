@@ -32,14 +32,18 @@ def link_names(path: Path, **arguments: str) -> list[str]:
 
 @pytest.mark.parametrize("namespace", NAMESPACES)
 def test_each_namespace_that_makers_write_is_known(tmp_path, namespace):
-    path = made_arm.written(tmp_path / "a.xacro", xacro(MACRO + '<xacro:one_link n="b"/>', namespace))
+    path = made_arm.written(
+        tmp_path / "a.xacro", xacro(MACRO + '<xacro:one_link n="b"/>', namespace)
+    )
     assert is_xacro(path)
     assert link_names(path) == ["b"]
 
 
 def test_a_urdf_that_only_names_xacro_is_none(tmp_path):
     text = made_arm.arm().replace("<robot", f'<robot xmlns:xacro="{made_arm.XACRO}"')
-    path = made_arm.written(tmp_path / "a.urdf", text.replace("<link", "<!-- <xacro:x/> -->\n<link", 1))
+    path = made_arm.written(
+        tmp_path / "a.urdf", text.replace("<link", "<!-- <xacro:x/> -->\n<link", 1)
+    )
     assert not is_xacro(path)
     assert len(read_urdf(path).links) == 8
 
@@ -95,12 +99,14 @@ def test_what_a_yaml_file_says_is_taken(tmp_path):
     folder = made_arm.package(tmp_path / "arm", "arm")
     made_arm.written(folder / "config" / "ur5" / "sizes.yaml", "sizes:\n  length: 0.25\n")
     body = """<xacro:arg name="kind" default="none"/>
-      <xacro:property name="all" value="${xacro.load_yaml('$(find arm)/config/$(arg kind)/sizes.yaml')}"/>
-      <link name="base"><visual><geometry><sphere radius="${all['sizes']['length']}"/></geometry></visual></link>"""
+      <xacro:property name="file" value="$(find arm)/config/$(arg kind)/sizes.yaml"/>
+      <xacro:property name="all" value="${xacro.load_yaml(file)}"/>
+      <link name="base"><visual><geometry>
+      <sphere radius="${all['sizes']['length']}"/></geometry></visual></link>"""
     path = made_arm.written(folder / "urdf" / "arm.xacro", xacro(body))
     (solid,) = read_description(path, arguments={"kind": "ur5"}).robot.link("base").visual
     assert solid.shape.radius == 0.25
-    with pytest.raises(FileError, match="there is no file .*config/none/sizes.yaml") as caught:
+    with pytest.raises(FileError, match=r"there is no file .*config/none/sizes\.yaml") as caught:
         link_names(path)
     assert "in config there is ur5" in str(caught.value)
     assert "--xacro kind:=VALUE" in str(caught.value)
@@ -116,7 +122,7 @@ def test_an_argument_is_taken_from_below_when_it_is_asked_for_above(tmp_path):
 
 def test_an_argument_that_has_no_default_is_asked_for(tmp_path):
     path = made_arm.written(tmp_path / "arm.xacro", xacro('<link name="$(arg who)"/>'))
-    with pytest.raises(FileError, match="needs the xacro argument 'who': .*--xacro who:=VALUE"):
+    with pytest.raises(FileError, match=r"needs the xacro argument 'who': .*--xacro who:=VALUE"):
         link_names(path)
 
 

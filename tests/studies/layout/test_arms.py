@@ -28,8 +28,10 @@ def fingers(*names: str, mimic: str = "") -> str:
     links = "".join(FINGER.format(name) for name in names)
     first, *others = names
     follows = f'<mimic joint="{mimic}"/>' if mimic else ""
-    return links + made_arm.turning(f"j_{first}", "tool0", first) + "".join(
-        made_arm.turning(f"j_{name}", "tool0", name, follows) for name in others
+    return (
+        links
+        + made_arm.turning(f"j_{first}", "tool0", first)
+        + "".join(made_arm.turning(f"j_{name}", "tool0", name, follows) for name in others)
     )
 
 
@@ -40,7 +42,9 @@ def fingers(*names: str, mimic: str = "") -> str:
         fingers("one", "two", mimic="j_one"),
         fingers("one", "two", "three"),
         fingers("finger"),
-        fingers("gripper_left") + made_arm.turning("j_tip", "gripper_left", "tip") + '<link name="tip"/>',
+        fingers("gripper_left")
+        + made_arm.turning("j_tip", "gripper_left", "tip")
+        + '<link name="tip"/>',
     ],
     ids=["no hand", "a follower", "three fingers", "one finger", "two joints"],
 )
@@ -56,16 +60,28 @@ def test_rods_beside_an_arm_do_not_end_it(described, at):
     assert ends_of(found.robot, found.followers) == ("s6",)
     told = moving(found, ["tool0"])
     assert any("rod (follows a3)" in note for note in told.notes)
-    assert [j.name for j in told.robot.joints if j.kind != "fixed"] == [f"a{k}" for k in range(1, 7)]
+    assert [j.name for j in told.robot.joints if j.kind != "fixed"] == [
+        f"a{k}" for k in range(1, 7)
+    ]
 
 
 def test_an_arm_whose_own_joint_follows_another_is_refused(described):
-    text = made_arm.arm().replace('<axis xyz="1 0 0"/>', '<axis xyz="1 0 0"/><mimic joint="a2" multiplier="-1"/>', 1)
+    text = made_arm.arm().replace(
+        '<axis xyz="1 0 0"/>', '<axis xyz="1 0 0"/><mimic joint="a2" multiplier="-1"/>', 1
+    )
     found = described(text)
-    with pytest.raises(InputError, match=r"joint a4 follows joint a2 \(mimic\) and carries the tool"):
+    with pytest.raises(
+        InputError, match=r"joint a4 follows joint a2 \(mimic\) and carries the tool"
+    ):
         moving(found, ["tool0"])
     still = moving(found, ["tool0"], a4=0.5)
-    assert [j.name for j in still.robot.joints if j.kind != "fixed"] == ["a1", "a2", "a3", "a5", "a6"]
+    assert [j.name for j in still.robot.joints if j.kind != "fixed"] == [
+        "a1",
+        "a2",
+        "a3",
+        "a5",
+        "a6",
+    ]
 
 
 def test_two_arms_on_a_torso_are_found_and_the_torso_stands(described):
@@ -79,7 +95,9 @@ def test_two_arms_on_a_torso_are_found_and_the_torso_stands(described):
 
 
 def test_a_torso_stands_where_a_person_says_and_takes_along_what_follows_it(described):
-    other = FINGER.format("other") + made_arm.turning("back", "foot", "other", '<mimic joint="turn" multiplier="-1"/>')
+    other = FINGER.format("other") + made_arm.turning(
+        "back", "foot", "other", '<mimic joint="turn" multiplier="-1"/>'
+    )
     found = described(made_arm.two_arms(TORSO + other))
     told = moving(found, ["right_s6", "left_s6"], turn=0.5)
     assert told.notes == ()
@@ -89,8 +107,15 @@ def test_a_torso_stands_where_a_person_says_and_takes_along_what_follows_it(desc
 
 
 def test_a_torso_that_one_arm_only_follows_stands_as_well(described):
-    text = made_arm.two_arms(TORSO + FINGER.format("back") + made_arm.turning("follow", "foot", "back", '<mimic joint="turn"/>'))
-    text = text.replace('<parent link="waist"/><child link="left_base"/>', '<parent link="back"/><child link="left_base"/>')
+    text = made_arm.two_arms(
+        TORSO
+        + FINGER.format("back")
+        + made_arm.turning("follow", "foot", "back", '<mimic joint="turn"/>')
+    )
+    text = text.replace(
+        '<parent link="waist"/><child link="left_base"/>',
+        '<parent link="back"/><child link="left_base"/>',
+    )
     told = moving(described(text), ["right_s6", "left_s6"])
     assert any("joint turn moves both arms" in note for note in told.notes)
 

@@ -65,7 +65,9 @@ def test_x_of_a_flange_that_looks_along_x_turns_down_as_in_the_frames_of_ros(rob
 
 
 def test_a_camera_beside_the_axis_is_no_flange(robot):
-    links = fixed("camera_tool", "s6", (0, HALF, 0), (0, 0, 0.06)) + fixed("mount_tool", "s6", (0, HALF, 0))
+    links = fixed("camera_tool", "s6", (0, HALF, 0), (0, 0, 0.06)) + fixed(
+        "mount_tool", "s6", (0, HALF, 0)
+    )
     assert mounts_of(robot(links), ["s6"]).flanges == ("mount_tool",)
 
 

@@ -82,6 +82,7 @@ class _Piece:
     def __post_init__(self) -> None:
         self.hull = _hull_of(self.soup.reshape(-1, 3))
 
+
 def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], float] | None:
     """Convex pieces that cover a mesh, and by how much they are larger [m]; None when it is flat.
 
@@ -107,9 +108,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
             open_ones += parts
     corners = _joined(done, surface, hollow, most)
     close = (1 - HOLLOW) * tolerance
-    meshes = tuple(
-        bounded(hull_mesh(points), most=MOST_CORNERS, close=close) for points in corners
-    )
+    meshes = tuple(bounded(hull_mesh(points), most=MOST_CORNERS, close=close) for points in corners)
     return meshes, _excess(meshes, surface)
 
 
@@ -128,7 +127,9 @@ def _bodies(triangles: Floats, most: int) -> list[Floats]:
     soups = np.split(triangles[order], np.flatnonzero(np.diff(of[order])) + 1)
     soups.sort(key=lambda soup: -float(np.ptp(soup.reshape(-1, 3), axis=0).prod()))
     large, small = soups[: max(1, most // 2)], soups[max(1, most // 2) :]
-    middles = np.array([(s.reshape(-1, 3).max(axis=0) + s.reshape(-1, 3).min(axis=0)) / 2 for s in large])
+    middles = np.array(
+        [(s.reshape(-1, 3).max(axis=0) + s.reshape(-1, 3).min(axis=0)) / 2 for s in large]
+    )
     for soup in small:
         middle = soup.reshape(-1, 3).mean(axis=0)
         nearest = int(np.linalg.norm(middles - middle, axis=1).argmin())
@@ -186,9 +187,7 @@ def _measured(piece: _Piece, surface: Surface) -> _Piece:
     return piece
 
 
-def _joined(
-    pieces: list[_Piece], surface: Surface, tolerance: float, most: int
-) -> list[Floats]:
+def _joined(pieces: list[_Piece], surface: Surface, tolerance: float, most: int) -> list[Floats]:
     """Corners (n, 3) of the hulls, those in one whose common hull is close enough to the mesh.
 
     Where they are more than `most`, also those whose common hull is the least too large.
@@ -197,7 +196,8 @@ def _joined(
     gaps = {pair: _gap(*(hulls[k] for k in pair)) for pair in combinations(hulls, 2)}
     measured: dict[tuple[int, int], float] = {}
     while gaps:
-        pair = min(gaps, key=lambda pair: measured.get(pair, gaps[pair]))
+        so_far = {pair: measured.get(pair, gap) for pair, gap in gaps.items()}
+        pair = min(so_far, key=so_far.__getitem__)
         if pair not in measured:
             both = _together(*(hulls[k] for k in pair))
             measured[pair] = max(gaps[pair], surface.farthest(_on(both, ON_PAIR))[0])
@@ -246,7 +246,9 @@ def _clipped(soup: Floats, plane: _Plane) -> tuple[Floats, Floats]:
     cut, off = soup[through], away[through]
     # The corner that is alone on its side comes first; one in the plane counts to the two.
     sign = np.sign(off)
-    alone = np.argmax(sign * np.sign(sign.sum(axis=1) + 0.5 * sign.max(axis=1))[:, None] < 0, axis=1)
+    alone = np.argmax(
+        sign * np.sign(sign.sum(axis=1) + 0.5 * sign.max(axis=1))[:, None] < 0, axis=1
+    )
     order = (alone[:, None] + np.arange(3)) % 3
     rows = np.arange(len(cut))[:, None]
     cut, off = cut[rows, order], off[rows, order]

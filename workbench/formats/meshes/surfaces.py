@@ -39,13 +39,14 @@ class Surface:
         shape = np.ceil((self._points.max(axis=0) - self._low) / self._cell).astype(int) + 2
         is_taken = np.zeros(tuple(shape), bool)
         is_taken[tuple(self._cells(self._points).T)] = True
-        regions = label(~is_taken)[0]
+        regions: Ints = np.empty(is_taken.shape, np.int32)
+        label(~is_taken, output=regions)
         self._is_reached = regions == regions[0, 0, 0]
         self._is_taken = is_taken
 
     def outer(self) -> Floats:
         """The triangles (n, 3, 3) [m] that something outside could touch."""
-        near = binary_dilation(self._is_reached, np.ones((3, 3, 3), bool))
+        near = np.asarray(binary_dilation(self._is_reached, np.ones((3, 3, 3), bool)), bool)
         is_outer = np.zeros(len(self.triangles), bool)
         is_outer[self._of[self._are(near, self._points, elsewhere=True)]] = True
         return self.triangles[is_outer]
@@ -77,7 +78,7 @@ class Surface:
 
     def around(self, point: Floats, count: int) -> tuple[Floats, Floats]:
         """Points on the surface nearest to a point, (k, 3) [m], and its normals there (k, 3)."""
-        near = self._tree.query(point, k=count)[1]
+        near = np.asarray(self._tree.query(point, k=count)[1])
         near = near[near < len(self._points)]
         normals = self._normals[self._of[near]]
         is_right = normals.any(axis=1)

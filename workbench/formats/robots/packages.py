@@ -65,7 +65,7 @@ class Packages:
                         yield folder
 
     def find(self, name: str) -> Path | None:
-        """The folder of a package: the first with a `package.xml`, else the first; None: no such."""
+        """The folder of a package, sooner one with a `package.xml`; None where there is none."""
         found = list(dict.fromkeys(self.all(name)))
         return next((one for one in found if is_file(one / MANIFEST)), next(iter(found), None))
 

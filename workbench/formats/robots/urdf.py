@@ -86,7 +86,9 @@ def robot_of(
     ordered = as_tree(path, links, joints)
     for one in followers:
         if one.leader not in {joint.name for joint in joints}:
-            problem = f"joint {shown(one.joint.name)}: there is no joint {shown(one.leader)} to mimic"
+            problem = (
+                f"joint {shown(one.joint.name)}: there is no joint {shown(one.leader)} to mimic"
+            )
             raise FileError(path, problem)
     return Robot(root.text("name", path.stem), tuple(links.values()), ordered), tuple(followers)
 

@@ -114,9 +114,7 @@ def _end(element: Element, tag: str, links: Iterable[str]) -> str:
     return link
 
 
-def _limits(
-    element: Element, declared: str, remarks: Remarks
-) -> tuple[float, float, float] | None:
+def _limits(element: Element, declared: str, remarks: Remarks) -> tuple[float, float, float] | None:
     """Lower and upper limit [rad or m] and velocity [rad/s or m/s]; None: it cannot move."""
     turns, limit = declared != "prismatic", element.one("limit")
     if limit is None:

@@ -25,7 +25,7 @@ from workbench.model.errors import FileError
 
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 NEEDS_XACRO = re.compile(rb"<xacro:|\$\{|\$\((?:find|arg|env|optenv|dirname|eval|cwd)\b")
-"""Of whichever namespace: makers write at least three, and xacro itself looks at the prefix only."""
+"""Of whichever namespace: makers write at least three, and xacro looks at the prefix alone."""
 
 LINK = re.compile(rb"<link[\s/>]")
 MACRO = re.compile(rb"<xacro:macro\b[^>]*?\bname=[\"']([^\"']+)")
@@ -220,7 +220,9 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
         return f"needs the xacro argument {shown(name)}: give it as --xacro {name}:=VALUE"
     missing = next(_files_of(error), None)
     if missing is not None:
-        return f"cannot be expanded by xacro{where}: there is no file {_lacking(path, missing, given)}"
+        return (
+            f"cannot be expanded by xacro{where}: there is no file {_lacking(path, missing, given)}"
+        )
     said = shown(" ".join(str(error).split())) if str(error) else type(error).__name__
     return f"cannot be expanded by xacro{where}: {said}"
 

@@ -43,8 +43,9 @@ def ends_of(robot: Robot, followers: Sequence[Follower] = ()) -> tuple[str, ...]
     if not 1 <= len(ends) <= 2:
         names = ", ".join(ends or lengths) or "none"
         raise InputError(
-            f"robot {robot.name}: its arms cannot be told from its joints (ends of chains: {names}, "
-            f"{longest} turning joints at most); name the links that carry tools with --flange"
+            f"robot {robot.name}: its arms cannot be told from its joints (ends of chains: "
+            f"{names}, {longest} turning joints at most); name the links that carry tools with "
+            "--flange"
         )
     return tuple(ends)
 
@@ -77,7 +78,9 @@ class _Tree:
             arms = [joint for joint in driven if self._longest(joint) == longest]
             if not arms:
                 return [link]
-        return [end for joint in arms for end in self.ends(joint.child, before + self._is_driven(joint))]
+        return [
+            end for joint in arms for end in self.ends(joint.child, before + self._is_driven(joint))
+        ]
 
     def _is_hand(self, onward: Sequence[Joint]) -> bool:
         names = " ".join(f"{joint.name} {joint.child}".lower() for joint in onward)
@@ -148,7 +151,11 @@ def standing(
             f"zero: {links}; keep their room free, or leave them out of the URDF"
         )
     stand = {one.joint.name: one.at(at.get(one.leader, 0.0)) for one in led}
-    stand |= {one.joint.name: one.joint.at(at[one.joint.name]) for one in followers if one.joint.name in at}
+    stand |= {
+        one.joint.name: one.joint.at(at[one.joint.name])
+        for one in followers
+        if one.joint.name in at
+    }
     joints = (stand.get(joint.name) or _at(joint, at) for joint in robot.joints)
     return Moving(replace(robot, joints=tuple(joints)), tuple(notes))
 

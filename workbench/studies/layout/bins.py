@@ -14,7 +14,6 @@ import numpy as np
 from workbench.model.cell import Cell, Fixture, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
-from workbench.model.part import Bin
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
@@ -149,7 +148,8 @@ def _told(usual: Cell, spot: _Spot) -> Iterator[str]:
     smaller = np.any(np.asarray(bin.size) < np.asarray(usual.bin.size) - 1e-9)
     why = f", since the arm reaches none of {_mm(usual.bin.size)} mm well enough" if smaller else ""
     yield (
-        f"the bin is {_mm(bin.size)} mm inside, at {_mm(bin.T_world_bin.translation, ', ')} mm{why}; "
+        f"the bin is {_mm(bin.size)} mm inside, at "
+        f"{_mm(bin.T_world_bin.translation, ', ')} mm{why}; "
         f"{spot.reached:.0%} of the poses tried in it are reached: bin in cell.toml"
     )
 

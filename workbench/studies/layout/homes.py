@@ -87,9 +87,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
 
 def _ordered(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
     """Configurations (n,) far from the limits first, then with the elbow high, then near zero."""
-    near = [
-        nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers
-    ]
+    near = [nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers]
     return sorted(near, key=lambda q: _awkwardness(chain, q))
 
 
