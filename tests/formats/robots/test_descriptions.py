@@ -214,6 +214,16 @@ def test_a_joint_that_follows_another_is_kept_with_what_it_follows(tmp_path):
         described(tmp_path, made_arm.arm(more=more.replace('"a2"', '"nobody"')))
 
 
+def test_a_joint_that_follows_one_that_is_not_there_stands_still(tmp_path):
+    follows = made_arm.turning("rod", "s1", "extra", '<mimic joint="gone"/>')
+    text = made_arm.arm(more=f'<link name="extra"/>{follows}')
+    found = described(tmp_path, text)
+    assert found.robot.joint("rod").kind == "fixed" and not found.followers
+    assert any("there is no joint 'gone' to mimic: it stands still" in one for one in found.notes)
+    with pytest.raises(FileError, match="there is no joint 'gone' to mimic"):
+        read_urdf(made_arm.written(tmp_path / "arm.urdf", text))
+
+
 def test_a_closed_chain_is_named_with_what_to_leave_out(tmp_path):
     more = made_arm.turning("rod", "s1", "s3")
     with pytest.raises(FileError, match=r"link 's3' is the child of 2 joints \('a3', 'rod'\)"):

@@ -1,5 +1,7 @@
 """Arms found by their chains, and what stands still while they move."""
 
+from itertools import pairwise
+
 import made_arm
 import numpy as np
 import pytest
@@ -35,6 +37,15 @@ def fingers(*names: str, mimic: str = "") -> str:
     )
 
 
+def long_finger(name: str) -> str:
+    """As many joints as an arm needs at least."""
+    links = ["tool0", *(f"{name}_{number}" for number in range(4))]
+    return "".join(
+        FINGER.format(link) + made_arm.turning(f"j_{link}", before, link)
+        for before, link in pairwise(links)
+    )
+
+
 @pytest.mark.parametrize(
     "hand",
     [
@@ -45,8 +56,9 @@ def fingers(*names: str, mimic: str = "") -> str:
         fingers("gripper_left")
         + made_arm.turning("j_tip", "gripper_left", "tip")
         + '<link name="tip"/>',
+        "".join(long_finger(name) for name in ("one", "two", "three")),
     ],
-    ids=["no hand", "a follower", "three fingers", "one finger", "two joints"],
+    ids=["no hand", "a follower", "three fingers", "one finger", "two joints", "long fingers"],
 )
 def test_the_arm_ends_before_its_hand(described, hand):
     found = described(made_arm.arm(more=hand))

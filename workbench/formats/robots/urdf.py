@@ -84,13 +84,15 @@ def robot_of(
         for element in root.all("joint")
     ]
     ordered = as_tree(path, links, joints)
+    there = {joint.name for joint in joints}
     for one in followers:
-        if one.leader not in {joint.name for joint in joints}:
+        if one.leader not in there:
             problem = (
                 f"joint {shown(one.joint.name)}: there is no joint {shown(one.leader)} to mimic"
             )
-            raise FileError(path, problem)
-    return Robot(root.text("name", path.stem), tuple(links.values()), ordered), tuple(followers)
+            remarks.pass_over(FileError(path, problem), "it stands still")
+    robot = Robot(root.text("name", path.stem), tuple(links.values()), ordered)
+    return robot, tuple(one for one in followers if one.leader in there)
 
 
 def read_srdf(path: Path) -> frozenset[tuple[str, str]]:

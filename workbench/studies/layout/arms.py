@@ -71,7 +71,9 @@ class _Tree:
         onward = list(self._onward(link))
         driven = [joint for joint in onward if self._longest(joint) > 0]
         arms = [joint for joint in driven if self._longest(joint) >= FEWEST_AXES]
-        if not arms and before >= FEWEST_AXES and self._is_hand(onward):
+        # More than two chains beyond an arm are fingers, however many joints each has.
+        is_hand = not arms or len(arms) > 2
+        if is_hand and before >= FEWEST_AXES and self._is_hand(onward):
             return [link]
         if not arms:
             longest = max(map(self._longest, driven), default=0)
