@@ -19,7 +19,8 @@ from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import UNSEEN, with_rolls
-from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.chain import Chain
+from workbench.planning.kinematics.inverse import Answers, configurations
 from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
@@ -178,21 +179,16 @@ def _grasp_solutions(
     starts, pace = starts_of(chain, arm, seed), pace_of(chain, world.policy.speed)
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
-    nearest, q_nearest = np.inf, starts[0]
-    known = np.empty((2 * len(hands) * len(starts), starts.shape[1]))
-    for T_world_tcp in hands:
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        away = residuals @ (1.0, 0.1)
-        if away.min() < nearest:
-            nearest, q_nearest = float(away.min()), answers[away.argmin()]
-        solved = answers[is_solution(residuals)]
+    every = [configurations(chain, T_world_tcp, starts) for T_world_tcp in hands]
+    known = np.empty((2 * sum(len(one.q) for one in every), starts.shape[1]))
+    for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
-        for q in (*drawn(chain, T_world_tcp, solved, home, pace), *solved):
+        for q in (*drawn(chain, T_world_tcp, answers.q, home, pace), *answers.q):
             if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))
     if not found:
-        return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
+        return [], _out_of_reach(every)
     world.enter(approach_phase(candidate, arm))
     times: list[float] = pace.seconds(known[: len(found)] - home).tolist()
     clear: list[tuple[float, Floats, pin.SE3, float]] = []
@@ -210,6 +206,16 @@ def _grasp_solutions(
             break
     clear.sort(key=lambda entry: entry[0])
     return [(q, T, room) for _, q, T, room in clear], refusal
+
+
+def _out_of_reach(every: Sequence[Answers]) -> Verdict:
+    """The verdict on hands that no configuration was found for, by that which comes nearest."""
+    nearest = min(every, key=lambda one: float(one.away @ (1.0, 0.1)))
+    note = ""
+    if not all(one.is_complete for one in every):
+        note = f"no configuration was found from {sum(one.starts for one in every)} starts"
+    away = float(nearest.away @ (1.0, 0.1))
+    return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
 
 
 def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
