@@ -9,8 +9,9 @@ INSTALL := $(PIP) --no-build-isolation --editable
 LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium-headless-shell fonts-dejavu-core
 
-# What stands for devices in the tests: a web server, and a camera of GenICam.
-STAND_INS := apache2-bin aravis-tools
+# What stands for devices in the tests: a web server, and a camera of GenICam; and readers of zip
+# files of others.
+STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \

@@ -13,6 +13,9 @@ is_there() {
         libgomp1) has_library libgomp.so.1 ;;
         # Without windows, tabs and menus that nobody sees; the one with them does it as well.
         chromium-headless-shell) command -v chromium-headless-shell chromium >/dev/null ;;
+        unzip) command -v unzip >/dev/null ;;
+        libarchive-tools) command -v bsdtar >/dev/null ;;
+        p7zip-full) command -v 7z >/dev/null ;;
         fonts-dejavu-core) [ -e /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf ] ;;
         *) dpkg-query --show --showformat='${Status}' "$1" 2>/dev/null | grep -q 'ok installed' ;;
     esac

@@ -9,6 +9,7 @@ const OVER = 4401;  // close code: the login has ended
 const SILENT_MS = 6000;  // the server says something every 2 s: after this it is out of reach
 
 const LOOK_MS = 200;  // between two looks at what the scene says of itself
+const LOOKS = 4;      // in a row: what comes with the next message is not gone yet
 const AWAY = word("No connection: Stop may not reach the robot. Trying again.");
 
 const NOT_STOPPED = `${word("Not stopped:")} `;
@@ -23,6 +24,7 @@ let presence = null;  // the websocket that the bar hears by
 let stopped = null;   // what is done when it answers a stop
 let isHere = false;   // whether what the bar says is news
 let hasRobot = true;  // until the server says otherwise
+let unseen = 0;       // looks in a row at which the searches that are compared were out of sight
 let stood = "";       // what the robot did when the bar was last told of it
 
 function leave() {
@@ -163,12 +165,21 @@ function detail(text) {
   }
 }
 
+function compare(page) {
+  // Parts of another search are drawn for all only while whoever compares them sees the table.
+  const marked = page.querySelector(".wb-compares");
+  const isOver = marked && !page.querySelector(".wb-searches")?.checkVisibility();
+  unseen = isOver ? unseen + 1 : 0;
+  if (unseen === LOOKS) page.getElementById(marked.dataset.ends)?.click();
+}
+
 function look() {
   // The mode is the scene's: what one moves by hand there, only that page knows.
   const shown = scene.contentDocument?.querySelector(".wb-mode");
   if (shown) {
     if (isHere) put("mode", shown.querySelector("b").textContent, shown.dataset.mode);
     document.getElementById("wait").hidden = true;
+    compare(scene.contentDocument);
   }
 }
 

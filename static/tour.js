@@ -29,9 +29,9 @@ const STEPS = [
   { name: "judge", title: word("See how grasps were judged"), on: word("Candidates"), isLook: true,
     row: ".wb-rows .wb-table tbody tr", says: word("The tab Candidates has each grasp with its verdict. Click a "
       + "row: the scene shows the hand there, and in red what it would meet.") },
-  { name: "preview", title: word("Watch the preview"), on: word("Plan"), press: [word("Pause"), word("Play")],
-    says: word("In the tab Plan press Play, and watch the see-through robot to the end. Nothing is sent. What "
-      + "you have not seen you cannot approve.") },
+  { name: "preview", title: word("Watch the preview"), on: word("Cycle"), press: [word("Pause"), word("Play")],
+    says: word("Press Play, and watch the see-through robot to the end. Nothing is sent. What you have not seen "
+      + "you cannot approve.") },
   { name: "approve", title: word("Approve"), on: word("Cycle"), press: [word("Approve")], dialog: APPROVE,
     says: word("Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
       + "button with your name. It holds for this plan, and for one sending.") },

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from chromium import find_chromium
 from forking import fork_workers
+from fronted import open_front
 from hands import pause
 from patient import PATIENT
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
@@ -293,3 +294,12 @@ def reaches(bench: Bench) -> Callable[..., State]:
         return state
 
     return reach
+
+
+@pytest.fixture
+def front(bench, tmp_path):
+    """The page behind its front, as people come to it."""
+    front, *ends = open_front(bench, tmp_path / "users.sqlite")
+    yield front
+    for end in ends:
+        end.close()

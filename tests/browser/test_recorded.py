@@ -45,6 +45,8 @@ def test_a_recording_is_framed_its_buttons_are_grey_and_its_events_can_be_jumped
     screen.shoot("recorded")
     rows.filter(has_text="An approval").click()
     wait(lambda: history.state.phase == "approved", "the moment of the approval")
+    # Play is pressed in what is seen: the page has to have come there too.
+    expect(screen.page.locator(".wb-status").first).to_contain_text("approved by demo")
     screen.tab("Cycle")
     for name in ("Scan", "Find parts", "Plan", "Approve", "Send", "Stop"):
         expect(screen.button(name)).to_be_disabled()

@@ -2,8 +2,7 @@
 
 import re
 
-import pytest
-from fronted import Window, open_front
+from fronted import Window
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import IDLE, SENDING, Shell
@@ -20,14 +19,6 @@ SCENE = """
 """
 
 
-@pytest.fixture
-def front(bench, tmp_path):
-    front, *ends = open_front(bench, tmp_path / "users.sqlite")
-    yield front
-    for end in ends:
-        end.close()
-
-
 class Tour(Window):
     """A window with the tour in it."""
 
@@ -38,7 +29,7 @@ class Tour(Window):
     def at(self, title, name, role="button"):
         """It has come to this step, points at this control, and covers neither it nor Stop."""
         expect(self.page.locator("#title")).to_have_text(title)
-        target = self.scene.get_by_role(role, name=name).first
+        target = self.scene.get_by_role(role, name=name, exact=True)
         ring = self.page.locator("#ring")
 
         def is_around():
@@ -109,13 +100,12 @@ def test_it_leads_through_a_pick_and_goes_on_when_something_was_really_done(
     tour.scene.locator(".wb-rows .wb-table tbody tr").first.wait_for()
     page.screenshot(path=shots / "tour-judge.png")
     tour.scene.locator(".wb-rows .wb-table tbody tr").first.click()
-    tour.at("Watch the preview", "Plan", role="tab").click()
+    tour.at("Watch the preview", "Cycle", role="tab").click()
     tour.scene.locator("body").press("l")
     expect(page.locator("html")).to_have_attribute("data-scheme", "dark")
     tour.at("Watch the preview", re.compile("^Play$")).click()
     expect(page.locator("#title")).to_have_text("Watch the preview")
     wait(lambda: bench.state.watched, "the end of the plan")
-    tour.at("Approve", "Cycle", role="tab").click()
     tour.at("Approve", re.compile("^Approve$")).click()
     dialog = tour.scene.get_by_role("dialog")
     dialog.locator("input").first.press_sequentially("Tamt", delay=100)

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from workbench.gui.incoming import gate
 from workbench.gui.page.server import serve
 
 LONG = 900.0
@@ -42,6 +43,12 @@ def shared_link(served, cell):
     """Where the robot's last link is for everybody."""
     scene = served._renderer._server.scene
     return np.array(scene.get_handle_by_name(f"/planned/{cell.arms[0].flange}").position)
+
+
+@pytest.fixture
+def unpacked(monkeypatch):
+    """Pictures of browsers as they are: the gate hands none of them on, since nobody needs them."""
+    monkeypatch.setattr(gate, "_picture", lambda payload: payload)
 
 
 def patches(client):
@@ -105,7 +112,9 @@ def test_a_page_that_is_not_drawn_has_not_watched(served, screen, bench, reaches
     assert bench.state.watched == ()
 
 
-def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(served, screen, bench, wait):
+def test_a_jogged_robot_is_drawn_over_the_shared_one_and_gives_it_back(
+    unpacked, served, screen, bench, wait
+):
     wait(lambda: len(served._renderer._visitors) == 1, "the browser")
     (visitor,) = served._renderer._visitors.values()
     client = visitor.client

@@ -31,7 +31,7 @@ class Tasks:
                 natives={**NATIVES, **waiting.natives()},
                 makers=MAKERS,
                 shared=self.shared,
-                signals=signals,
+                signals=dict.fromkeys(signals, "signaldo"),
                 told=task.told,
             )
 

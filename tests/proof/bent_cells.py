@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from bends import Case
+from bent_parts import PARTS, cell_text, write_part
 from judged_files import read
 
 from workbench.app.picking.pipeline import plan_pick
@@ -36,6 +37,13 @@ PILES = {
     "dual_fr3": ("keyed_cylinder", 5, ("coordinated", "alternated", "auto")),
     "pallet": ("puck", 3, ("auto",)),
     "layers": ("puck", 3, ("auto",)),
+    "yumi_full": ("keyed_cylinder", 6, ("alternated", "auto")),
+    "tx2_full": ("puck", 8, ("auto",)),
+    "cube_20": ("cube_20", 4, ("auto",)),
+    "plate_300": ("plate_300", 1, ("auto",)),
+    "bar_400": ("bar_400", 2, ("auto",)),
+    "block_20": ("block_20", 4, ("coordinated", "auto")),
+    "rod_180": ("rod_180", 2, ("auto",)),
 }
 """For each: the kind of its parts, how many, and how they are taken, in turn."""
 
@@ -56,6 +64,14 @@ def folder_of(name: str, made: Path) -> Path:
     if name == "nests":
         shipped = ROOT / "robots" / "yumi"
         return _beside(folder, shipped, (shipped / "nests.toml").read_text())
+    if name in ("yumi_full", "tx2_full"):
+        shipped = ROOT / "robots" / {"yumi_full": "yumi", "tx2_full": "tx2_90"}[name]
+        text = (shipped / "full_bin.toml").read_text()
+        return _beside(folder, shipped, text.replace('"../../parts', f'"{ROOT / "parts"}'))
+    if name in PARTS:
+        shipped = ROOT / "robots" / PARTS[name][0]
+        text = (shipped / "cell.toml").read_text()
+        return _beside(folder, shipped, cell_text(text, name, write_part(folder, name)))
     urdf, tolerance = URDFS[name]
     words = ("cell", "new", name, "--urdf", SHARE / urdf, "--out", folder)
     assert command([*map(str, words), "--tolerance-mm", str(tolerance)]) == 0

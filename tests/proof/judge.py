@@ -109,7 +109,7 @@ class _Run:
     def _key(self, ways) -> bytes:
         """All that a step depends on."""
         holds = [
-            (number, one.arm, one.T_tcp_part.homogeneous.tobytes(), number in self.placed)
+            (number, one.arm, self._held(one).tobytes(), number in self.placed)
             for number, one in sorted({**self.held, **self.placed}.items())
         ]
         runs = [(way.arm, way.leg.name, way.one.detection, way.leg.q.tobytes()) for way in ways]
@@ -126,6 +126,11 @@ class _Run:
 
     def _tcp(self, arm: str, q) -> np.ndarray:
         return self._flange(arm, q) @ pose_of(self.files.tool(arm)["tcp"])
+
+    def _held(self, one) -> np.ndarray:
+        """A part (4, 4) in the frame of the TCP that took it where it lay, whatever a plan says."""
+        T_part = self.plan.detections[one.detection].T_world_part.homogeneous
+        return np.linalg.inv(self._tcp(one.arm, one.leg("approach").q[-1])) @ T_part
 
     def _hands(self) -> str:
         """What is wrong with where hands are, before anything is looked at near them."""
@@ -189,12 +194,12 @@ class _Run:
             elif way.leg.name == "place":
                 del self.held[way.one.detection]
                 self.placed[way.one.detection] = way.one
-                T = self._tcp(way.arm, way.leg.q[-1]) @ way.one.T_tcp_part.homogeneous
+                T = self._tcp(way.arm, way.leg.q[-1]) @ self._held(way.one)
                 self.scene.put_parts({way.one.detection: T})
 
     def _step(self, ways) -> Refusal | None:
         held = {
-            number: (one.arm, pose_of(self.files.tool(one.arm)["tcp"]) @ one.T_tcp_part.homogeneous)
+            number: (one.arm, pose_of(self.files.tool(one.arm)["tcp"]) @ self._held(one))
             for number, one in self.held.items()
         }
         self.scene.hang(self.files, held)

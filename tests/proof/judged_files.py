@@ -2,13 +2,14 @@
 
 import copy
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import trimesh
 from judged_symmetry import about, made, unit
 
 
@@ -36,7 +37,8 @@ def pose_of(table) -> np.ndarray:
 class Files:
     """Of one cell: `cell` is its TOML file, `parts` and `grasps` are those of its kinds of parts.
 
-    They may be changed, as the cell may after a plan was made.
+    They may be changed, as the cell may after a plan was made.  `points` (n, 4) [m] are those of a
+    part's mesh.
     """
 
     folder: Path
@@ -46,11 +48,13 @@ class Files:
     joints: dict[str, tuple[float, float, float]] = field(default_factory=dict)
     chains: dict[str, list[str]] = field(default_factory=dict)
     never: set[frozenset[str | None]] = field(default_factory=set)
+    points: dict[str, np.ndarray] = field(default_factory=dict)
 
     def copied(self) -> "Files":
         """The same, to be changed."""
         cell, grasps = copy.deepcopy(self.cell), copy.deepcopy(self.grasps)
-        return Files(self.folder, cell, self.parts, grasps, self.joints, self.chains, self.never)
+        changed = {"cell": cell, "grasps": grasps}
+        return replace(self, **changed)
 
     def arm(self, name: str) -> dict[str, Any]:
         return next(arm for arm in self.cell["arm"] if arm["name"] == name)
@@ -131,14 +135,18 @@ class Files:
 def read(folder: Path, parts: Path, name: str = "cell.toml") -> Files:
     """A cell's file in a folder, and those of the parts that it names, there or by their path."""
     cell = tomllib.loads((folder / name).read_text())
-    kinds, grasps = {}, {}
+    kinds, grasps, points = {}, {}, {}
     for part in cell["parts"]:
         where = parts / part if (parts / part).is_dir() else folder / part
         table = tomllib.loads((where / "part.toml").read_text())
         kinds[table["name"]] = table
         found = tomllib.loads((where / "grasps.toml").read_text())["grasp"]
         grasps[table["name"]] = list(_grasps(found))
-    files = Files(folder, cell, kinds, grasps)
+        mesh = trimesh.load_mesh(where / table["mesh"]["file"])
+        scale = {"mm": 0.001, "m": 1.0}[table["mesh"]["unit"]]
+        corners = np.asarray(mesh.vertices) * scale
+        points[table["name"]] = np.column_stack([corners, np.ones(len(corners))])
+    files = Files(folder, cell, kinds, grasps, points=points)
     robot = ElementTree.parse(folder / cell["robot"]["urdf"]).getroot()
     above = {}
     for joint in robot.iter("joint"):

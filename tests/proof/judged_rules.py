@@ -13,8 +13,9 @@ LEGS = ("reach", "approach", "extract", "return", "place", "home")
 HOLDING = ("extract", "return", "place")
 STRAIGHT = ("approach", "extract")
 
-NEAR, NEAR_TURN = 0.001 + 1e-6, np.deg2rad(1.0) + 1e-6
-"""[m, rad] How far hand and part may be from where they belong, and what two libraries differ."""
+NEAR, SAID = 0.001 + 1e-6, 0.00005 + 1e-6
+"""[m] How far any point of a part may be from where it belongs, and from where a plan says that it
+is in the hand; and what two libraries differ."""
 
 ASIDE, ASIDE_BETWEEN, TURN = 0.002 + 1e-6, 0.0051, np.deg2rad(1.5) + 1e-4
 """[m, m, rad] How far a straight way may be off at and between waypoints, and what samples miss."""
@@ -236,7 +237,9 @@ def is_off(files: Files, scene, plan, one, hand) -> str:
     kind = plan.detections[one.detection].part
     T_part = plan.detections[one.detection].T_world_part.homogeneous
     T_grasp = hand(one.leg("approach").q[-1])
-    if not _near(T_grasp @ one.T_tcp_part.homogeneous, T_part):
+    points = files.points[kind]
+    T_tcp_part = np.linalg.inv(T_grasp) @ T_part
+    if _apart(points, one.T_tcp_part.homogeneous, T_tcp_part) > SAID:
         return "the hand closes beside the part"
     halves = [np.eye(4)]
     if len(files.tool(one.arm).get("finger", ())) == 2:
@@ -248,7 +251,11 @@ def is_off(files: Files, scene, plan, one, hand) -> str:
         stands = stood_on(files, one.station, kind, T_lies)
         if isinstance(stands, str):
             return stands
-    elif not any(_near(T_put, T @ half) for T in files.places(one.arm) for half in halves):
+    elif not any(
+        _apart(points, T_put @ T_tcp_part, T @ half @ T_tcp_part) <= NEAR
+        for T in files.places(one.arm)
+        for half in halves
+    ):
         T_lies, shall = T_put @ np.linalg.inv(T_grasp) @ T_part, files.part_places(one.arm, kind)
         came = T_put[:3, 3] - hand(one.leg("place").q[0])[:3, 3]
         there = [place for place in shall if _lies(place, T_lies, files.parts[kind])]
@@ -260,11 +267,10 @@ def is_off(files: Files, scene, plan, one, hand) -> str:
         wrong = stacked(files, scene, one.arm, kind, T_lies, _lies)
         if wrong:
             return wrong
-    T_part_tcp = np.linalg.inv(one.T_tcp_part.homogeneous)
     held = [
         grasp
         for grasp in files.meant(kind, one.grasp)
-        if any(_as_authored(grasp, T_part_tcp @ half) for half in halves)
+        if any(_as_authored(grasp, points, half @ T_tcp_part) for half in halves)
     ]
     if not held:
         return "the part is otherwise in the hand"
@@ -287,9 +293,9 @@ def _other_way(grasp, T_part, one, hand) -> str:
     return ""
 
 
-def _near(T, other) -> bool:
-    turn = np.arccos(np.clip((np.trace(T[:3, :3].T @ other[:3, :3]) - 1) / 2, -1, 1))
-    return np.linalg.norm(T[:3, 3] - other[:3, 3]) <= NEAR and turn <= NEAR_TURN
+def _apart(points, T, other) -> float:
+    """How far [m] two poses (4, 4) put any point (n, 4) of a part apart."""
+    return float(np.linalg.norm(points @ (T - other).T, axis=1).max())
 
 
 def _lies(place, T, part) -> bool:
@@ -311,16 +317,18 @@ def _lies(place, T, part) -> bool:
     return False
 
 
-def _as_authored(grasp, T_part_tcp) -> bool:
+def _as_authored(grasp, points, T_tcp_part) -> bool:
     """Whether a grasp leaves this free: a slide along x, a tilt about y, then a turn about z."""
-    off = np.linalg.inv(grasp["T"]) @ T_part_tcp
-    slide = abs(off[0, 3]) - grasp.get("slide_mm", 0) / 1000
-    if np.linalg.norm([max(slide, 0.0), off[1, 3], off[2, 3]]) > NEAR:
-        return False
-    turn = np.arctan2(off[1, 0], off[1, 1])
-    tilt = np.arctan2(off[0, 2], off[2, 2])
-    allowed = np.deg2rad([grasp.get("free_rotation_deg", 0), grasp.get("tilt_deg", 0)]) + NEAR_TURN
-    return bool((np.abs([turn, tilt]) <= allowed).all() and abs(off[1, 2]) <= np.sin(NEAR_TURN))
+    off = np.linalg.inv(grasp["T"]) @ np.linalg.inv(T_tcp_part)
+    slide = grasp.get("slide_mm", 0) / 1000
+    turn, tilt = grasp.get("free_rotation_deg", 0), grasp.get("tilt_deg", 0)
+    most = np.array([slide, tilt, turn])
+    tilted, turned_by = np.arctan2(off[0, 2], off[2, 2]), np.arctan2(off[1, 0], off[1, 1])
+    taken = np.clip([off[0, 3], *np.rad2deg([tilted, turned_by])], -most, most)
+    allowed = np.eye(4)
+    allowed[:3, :3] = turned((0, taken[1], 0)) @ turned((0, 0, taken[2]))
+    allowed[0, 3] = taken[0]
+    return _apart(points, T_tcp_part, np.linalg.inv(grasp["T"] @ allowed)) <= NEAR
 
 
 def _dense(path, hand):

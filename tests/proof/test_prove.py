@@ -125,7 +125,7 @@ def turned_in_hand(arm):
         (lambda p: replace(p, arms=(replace(p.arms[0], legs=p.arms[0].legs[1:]),)), "legs are not"),
         (
             lambda p: replace(p, arms=(turned_in_hand(p.arms[0]), *p.arms[1:])),
-            "not in the hand as grasp",
+            "not where the hand closes",
         ),
     ],
 )

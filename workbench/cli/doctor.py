@@ -18,7 +18,6 @@ from workbench.formats.files.whole_files import write_whole
 EXTRAS = {
     "opcua": "workbench serve --opcua, workbench opcua",
     "evidence": "workbench evidence --sign, report.pdf",
-    "rapid": "workbench rapid check, workbench controller --rapid",
     "mcap": "workbench session export --mcap",
     "egm": "robot links by Externally Guided Motion",
     "realsense": "the scanner realsense",

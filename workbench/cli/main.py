@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from workbench.cli.arguments import nested, part, scanner, studies, top
+from workbench.cli.arguments import bench, cell, part, scanner, session, studies, top
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.cli.loading import loading
 from workbench.model.errors import InputError, LinkError, WorkbenchError
@@ -16,7 +16,7 @@ from workbench.model.errors import InputError, LinkError, WorkbenchError
 DESCRIPTION = """\
 Plan, prove, approve and run robotic bin picks.
 
-Exit codes: 0 success, 2 bad input, 3 no plan or proof, 4 no robot controller, 1 anything else.
+Exit codes: 0 success, 2 bad input, 3 no plan, no proof or faults, 4 no controller, 1 anything else.
 
 Errors are one line on standard error.
 """
@@ -88,13 +88,14 @@ HOW: Mapping[type, str] = {
     top.Controller: "serving.controller:controller",
     top.RapidCommands: "authoring.rapid:rapid",
     top.ExportWorld: "picking.world:export_world",
-    nested.BenchPlanners: "measuring.studies:bench_planners",
-    nested.BenchMotion: "measuring.motion:motion",
-    nested.BenchBothArms: "measuring.both_arms:both_arms",
-    nested.BenchPick: "measuring.studies:bench_pick",
-    nested.BenchSoak: "measuring.soak:soak",
-    nested.BenchPage: "measuring.page_load:page_load",
-    nested.BenchShort: "measuring.short:short",
+    bench.BenchPlanners: "measuring.studies:bench_planners",
+    bench.BenchMotion: "measuring.motion:motion",
+    bench.BenchBothArms: "measuring.both_arms:both_arms",
+    bench.BenchPick: "measuring.studies:bench_pick",
+    bench.BenchSoak: "measuring.soak:soak",
+    bench.BenchPage: "measuring.page.load:page_load",
+    bench.BenchStalls: "measuring.page.stalls:stalls",
+    bench.BenchShort: "measuring.short:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyModels: "measuring.models:study_models",
     studies.StudyThreshold: "measuring.studies:study_threshold",
@@ -103,25 +104,25 @@ HOW: Mapping[type, str] = {
     studies.StudyPallets: "measuring.pallets:pallets",
     studies.StudyGrips: "measuring.grips:grips",
     studies.StudyBop: "measuring.bop:study_bop",
-    nested.CellNew: "authoring.new_cell:new_cell",
-    nested.CellCheck: "authoring.cell_check:check_cell",
-    nested.CellShow: "authoring.cell:show_cell",
-    nested.CellSchema: "authoring.cell:print_schema",
+    cell.CellNew: "authoring.new_cell:new_cell",
+    cell.CellCheck: "authoring.cell_check:check_cell",
+    cell.CellShow: "authoring.cell:show_cell",
+    cell.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",
     part.PartFromScans: "authoring.part_scans:from_scans",
     part.PartCheck: "authoring.part_check:check_part",
     part.PartList: "authoring.part:list_parts",
     top.Grasps: "authoring.grasps:grasps",
     top.Import: "authoring.new_cell:import_world",
-    nested.SessionList: "sessions.inspecting:list_sessions",
-    nested.SessionShow: "sessions.inspecting:show_session",
-    nested.SessionVerify: "sessions.inspecting:verify_session",
-    nested.SessionReplay: "sessions.inspecting:replay_session",
-    nested.SessionOpen: "serving.open_session:open_session",
-    nested.SessionExport: "sessions.files:export",
-    nested.SessionImport: "sessions.files:import_",
-    nested.SessionCases: "sessions.cases:cases",
-    nested.SessionPrune: "sessions.files:prune",
+    session.SessionList: "sessions.inspecting:list_sessions",
+    session.SessionShow: "sessions.inspecting:show_session",
+    session.SessionVerify: "sessions.inspecting:verify_session",
+    session.SessionReplay: "sessions.inspecting:replay_session",
+    session.SessionOpen: "serving.open_session:open_session",
+    session.SessionExport: "sessions.files:export",
+    session.SessionImport: "sessions.files:import_",
+    session.SessionCases: "sessions.cases:cases",
+    session.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
     top.OpcUaCommands: "serving.certificates:certificates",
     top.Statistics: "sessions.statistics:tell_statistics",

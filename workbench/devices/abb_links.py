@@ -6,7 +6,6 @@ from workbench.devices.abb_socket.link import send_messages, send_program
 from workbench.devices.abb_socket.program import LONGEST_WAY
 from workbench.devices.abb_socket.reports import watch_state
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
 from workbench.model.motion import MotionModel
 from workbench.model.release import RobotState
 from workbench.plugins.options import NoOptions
@@ -31,12 +30,8 @@ class AbbSocket:
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
         """The simulated controller, which speaks both, or RAPID modules that do."""
         if simulation.rapid is not None:
-            try:
-                from workbench.devices.rapid.serving import serve_modules
-            except ModuleNotFoundError as error:
-                raise InputError(
-                    "--rapid needs the library lark: pip install 'workbench[rapid]'"
-                ) from error
+            from workbench.devices.rapid.serving import serve_modules
+
             serve_modules(cell, simulation, ready)
             return
         # Every cell that is read loads this module; only the simulation needs so much.

@@ -24,18 +24,23 @@ def file_path(folder: Path, digest: str) -> Path:
     return folder / digest[:2] / digest
 
 
-def write_file(folder: Path, digest: str, content: bytes) -> None:
+Content = bytes | memoryview
+
+
+def write_file(folder: Path, digest: str, content: Content) -> None:
     """Put a file on the disk so that after a crash it is there wholly or not at all.
+
+    One that is there already stays, and its content is not looked at again.
 
     Raises:
         JournalError: the content does not have that digest, or the disk refuses.
     """
     path = file_path(folder, digest)
+    if path.exists():
+        return
     actual = hashlib.sha256(content).hexdigest()
     if actual != digest:
         raise JournalError(f"content announced as {digest} has the digest {actual}")
-    if path.exists():
-        return
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _write_durably(path, content)
@@ -65,7 +70,7 @@ def read_file(folder: Path, digest: str) -> bytes:
     return content
 
 
-def _write_durably(path: Path, content: bytes) -> None:
+def _write_durably(path: Path, content: Content) -> None:
     number, name = tempfile.mkstemp(dir=path.parent, prefix="writing-")
     try:
         with open(number, "wb") as stream:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from workbench.journal.files import read_file, write_file
+from workbench.journal.files import Content, read_file, write_file
 from workbench.journal.schema import migrate
 from workbench.journal.writer import Writer
 from workbench.model.errors import JournalError
@@ -27,7 +27,7 @@ FIRST = "0" * 64
 
 DATABASE = "journal.sqlite"
 
-NO_FILES: Mapping[str, bytes] = MappingProxyType({})
+NO_FILES: Mapping[str, Content] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,22 @@ class Journal:
         """The hash of the last entry: it stands for the whole journal up to here."""
         return self._head
 
-    def append(self, kind: str, body: bytes, files: Mapping[str, bytes] = NO_FILES) -> int:
+    def keep(self, files: Mapping[str, Content]) -> None:
+        """Write the files of an entry before it is appended, so that appending takes no time.
+
+        If it never is, nothing names them.
+
+        Args:
+            files: SHA-256 -> content.
+
+        Raises:
+            JournalError: one of them cannot be written.
+        """
+        if self._copy is None:
+            for digest, content in files.items():
+                write_file(self.folder / "files", digest, content)
+
+    def append(self, kind: str, body: bytes, files: Mapping[str, Content] = NO_FILES) -> int:
         """Write one entry; when this returns it is on the disk.
 
         Args:
@@ -255,7 +270,7 @@ class Journal:
         except sqlite3.Error as error:
             raise JournalError(f"{self._path}: cannot be read: {error}") from error
 
-    def _insert(self, row: Row, files: Mapping[str, bytes]) -> None:
+    def _insert(self, row: Row, files: Mapping[str, Content]) -> None:
         execute = self._connection.execute
         execute("BEGIN IMMEDIATE")
         try:

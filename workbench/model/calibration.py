@@ -207,7 +207,8 @@ class BinCheck:
     `T_world_bin` is where its rim, or its floor where it `has_walls` not, is seen, None when it is
     not; `shift` [m] and `turn` [rad] by how
     much that differs from the cell.  `fill` 0..1 is the share of its room that is taken as seen
-    from above, None when the inside is not seen; `above` [m] how far something sticks out of it.
+    from above, None when the inside is not seen; `above` [m] how far something sticks out of it,
+    which may be one part that stands: only a bin that `is_overfull` is too full.
     `findings` say in words what is not as it should be, the worst first.
     """
 

@@ -32,6 +32,10 @@ class Reason(enum.StrEnum):
     OUT_OF_TIME = "out of time"
 
 
+MARGIN_NOT_KEPT = "margin not kept"
+"""What is said of bodies that do not touch, and are nearer to each other than was asked."""
+
+
 class Stage(enum.StrEnum):
     """Where in the line a verdict was given, in the order of the line."""
 
@@ -85,6 +89,18 @@ class Verdict:
         if self.distance is not None:
             text += f", {self.distance * 1000:.1f} mm"
         return f"{text} ({self.note})" if self.note else text
+
+
+def kind_of(verdict: Verdict) -> str:
+    """What is said of a candidate: its reason, unless that is a collision that is none."""
+    is_apart = verdict.distance is not None and verdict.distance > 0
+    return kind_said(verdict.reason, is_apart=is_apart)
+
+
+def kind_said(reason: str, *, is_apart: bool) -> str:
+    """As `kind_of`, where all that is known besides is whether the distance is above 0."""
+    touching = reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
+    return MARGIN_NOT_KEPT if touching and is_apart else str(reason)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -9,6 +9,23 @@ Cancelled = Callable[[], bool]
 """Is asked now and then whether to give up."""
 
 
+def within(report: Report, begin: float, end: float) -> Report:
+    """Progress of a part of the work, which begins and ends at these shares of the whole."""
+    return lambda done, note: report(begin + (end - begin) * done, note)
+
+
+def rising(report: Report) -> Report:
+    """Progress that never falls: who looks a second time has not lost what is done."""
+    most = 0.0
+
+    def told(done: float, note: str) -> None:
+        nonlocal most
+        most = max(most, done)
+        report(most, note)
+
+    return told
+
+
 def silent(done: float, note: str) -> None:
     """Nobody wants to know how far it is."""
 

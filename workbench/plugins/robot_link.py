@@ -1,7 +1,8 @@
 """The seam of robot links: how an approved plan reaches a controller."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,6 +25,7 @@ from workbench.plugins.found import USUAL as USUAL_NAME
 from workbench.plugins.found import Group, load
 from workbench.plugins.options import Options, options_of
 from workbench.plugins.progress import Cancelled, never
+from workbench.plugins.reported import Receipts, check_state, check_status
 
 GROUP: Group = "workbench.robot_links"
 
@@ -325,8 +327,12 @@ def send(
 ) -> Iterator[Receipt]:
     """Send a plan to the controller of the cell, by the link of the cell; see `SteppedLink.send`.
 
+    Whatever the link is, every number that it hands on is looked at, and it has to tell that all
+    was done: `plugins.reported`.  Where one cannot be, the link is closed, and the robot stops.
+
     Raises:
         CommandRefused: also where the controller cannot run the plan as it was proven.
+        ProtocolError: the controller reports what cannot be, or ends too early.
     """
     check_approval(plan, approval, cell, now())
     if problem := misfit(plan, cell, approval.manner):
@@ -337,6 +343,40 @@ def send(
         if not link.motion.takes_steps:
             raise CommandRefused(f"the robot link {link.motion.link} cannot send step by step")
         words["let"] = let
-    yield from link.send(
-        plan, approval, cell, now=now, cancelled=cancelled, show=show, patience=patience, **words
+
+    def shown(status: LinkStatus) -> None:
+        check_status(status, cell)
+        show(status)
+
+    told = Receipts(plan, link.motion)
+    sending = link.send(
+        plan, approval, cell, now=now, cancelled=cancelled, show=shown, patience=patience, **words
     )
+    with _closing(sending):
+        for receipt in sending:
+            told.check(receipt)
+            yield receipt
+    told.check_end()
+
+
+def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
+    """What the controller of the cell reports, each state looked at; see `RobotLink.states`.
+
+    Raises:
+        ProtocolError: it reports what cannot be.
+    """
+    reports = link_named(cell.controller.link).states(cell, cancelled)
+    with _closing(reports):
+        for state in reports:
+            check_state(state, cell)
+            yield state
+
+
+@contextmanager
+def _closing(one: Iterator[Any]) -> Generator[None]:
+    """At the end the connection of an iterator is closed, where it has one."""
+    try:
+        yield
+    finally:
+        if isinstance(one, Generator):
+            one.close()

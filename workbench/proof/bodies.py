@@ -15,10 +15,11 @@ from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Shape
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Scene
 from workbench.proof.robot import Tree
+from workbench.proof.tolerances import turns_for
 
-TURNS, ALIKE = 24, 3e-4
-"""Turns by which a part is looked at whose roll is not known; and how much more room [m] a cylinder
-about the axis may need at all of them."""
+ALIKE = 3e-4
+"""[m] A cylinder about the axis fills the same room at every turn where it needs no more than this
+around it."""
 
 Kind = Literal["link", "tool", "still", "part"]
 
@@ -138,21 +139,38 @@ def room_of(piece: Solid, axis: Floats) -> tuple[Cylinder, pin.SE3]:
     return Cylinder(radius, top - low), pin.SE3(R, point + direction * (low + top) / 2)
 
 
+def roll_turns(part: Part, found: Detection) -> int:
+    """At how many turns about its axis a part is checked: one where its roll is known."""
+    if found.roll_known:
+        return 1
+    axis = roll_axis(part, found)
+    uneven = [room.radius for piece, room in _rooms(part, axis) if not _fills(piece, room)]
+    return turns_for(max(uneven, default=0.0))
+
+
+def _rooms(part: Part, axis: Floats) -> list[tuple[Solid, Cylinder]]:
+    return [(piece, room_of(piece, axis)[0]) for piece in part.pieces]
+
+
+def _fills(piece: Solid, room: Cylinder) -> bool:
+    """Whether a piece fills the same room at every turn."""
+    shape = piece.shape
+    return isinstance(shape, Cylinder) and (
+        max(room.radius - shape.radius, room.length - shape.length) < ALIKE
+    )
+
+
 def turned_pieces(part: Part, found: Detection) -> list[list[tuple[Shape, pin.SE3]]]:
-    """Each piece of a part as it may lie in the world: once, or at each of `TURNS` turns.
+    """Each piece of a part as it may lie in the world: once, or at each of `roll_turns` turns.
 
     These are of a part whose roll is not known, and whose piece is not the same at all of them.
     """
-    axis = roll_axis(part, found)
-    angles = np.arange(1 if found.roll_known else TURNS) * (2 * np.pi / TURNS)
+    axis, count = roll_axis(part, found), roll_turns(part, found)
+    angles = np.arange(count) * (2 * np.pi / count)
     every: list[list[tuple[Shape, pin.SE3]]] = []
-    for piece in part.pieces:
-        room, _ = room_of(piece, axis)
-        is_same = isinstance(piece.shape, Cylinder) and max(
-            room.radius - piece.shape.radius, room.length - piece.shape.length
-        ) < ALIKE  # fmt: skip
+    for piece, room in _rooms(part, axis):
         places: list[tuple[Shape, pin.SE3]] = []
-        for angle in angles[: 1 if is_same else len(angles)]:
+        for angle in angles[: 1 if _fills(piece, room) else count]:
             R = pin.exp3(axis[1] * angle)
             turn = pin.SE3(R, axis[0] - R @ axis[0])
             places.append((piece.shape, found.T_world_part * turn * piece.T_owner_shape))

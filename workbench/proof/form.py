@@ -18,8 +18,8 @@ from workbench.model.plan import (
 from workbench.model.scan import Detection, Obstacle, Scene
 
 SAME = 1e-9
-"""[rad] Where configurations travel as they are, so far one leg may begin from the end of another.
-"""
+"""[rad] So far from the end of a leg the next one may begin, and half of the smallest step that can
+be sent from a home that is no whole number of steps."""
 
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})
 LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
@@ -153,11 +153,15 @@ def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
     yield from problems
     if problems:
         return
-    same = max(cell.controller.motion.quantum, SAME)
-    ends = [np.asarray(arm.home), *(leg.q[-1] for leg in one.legs)]
-    starts = [*(leg.q[0] for leg in one.legs), np.asarray(arm.home)]
-    for name, end, start in zip((*LEG_NAMES, "home"), ends, starts, strict=True):
-        if np.abs(end - start).max() > same:
+    motion, (lower, upper, _) = cell.controller.motion, cell.robot.limits(arm.joints)
+    # A home at a limit between two steps cannot be sent: the last step before the limit is home.
+    home = np.clip(np.asarray(arm.home), *motion.limits(lower, upper))
+    ends = [home, *(leg.q[-1] for leg in one.legs)]
+    starts = [*(leg.q[0] for leg in one.legs), home]
+    at_home = SAME + motion.quantum / 2
+    off = [at_home, *[SAME] * (len(LEG_NAMES) - 1), at_home]
+    for name, end, start, most in zip((*LEG_NAMES, "home"), ends, starts, off, strict=True):
+        if np.abs(end - start).max() > most:
             yield Violation("does not start where the arm stands", arm.name, name)
 
 

@@ -11,16 +11,13 @@ from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
+from workbench.proof.grasps.rolls import roll_violations
+from workbench.proof.grasps.taking import grasp_violations, pair_violations
 from workbench.proof.places.layers import kept_box, pallet_violations
 from workbench.proof.places.standing import standing_after
 from workbench.proof.robot import tree_of
-from workbench.proof.rules import (
-    grasp_violations,
-    pair_violations,
-    roll_violations,
-)
 from workbench.proof.search import SIGHT
-from workbench.proof.stages import tcp
+from workbench.proof.stages import put_at
 from workbench.proof.timing.pace import pace_violations
 from workbench.proof.walk import Walk
 
@@ -104,9 +101,8 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
         if one.station:
             stand.append(standing_after(cell, tree, plan, one))
         elif not arm.passes_parts_on:
-            T_world_tcp = tcp(tree, tree.rest, arm, np.asarray(one.leg("place").q[-1]))
             known = (*plan.obstacles, *boxes)
-            boxes.append(kept_box(cell, known, found, T_world_tcp * one.T_tcp_part))
+            boxes.append(kept_box(cell, known, found, put_at(cell, tree, plan, one)))
     rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
     is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
     if stand and rest and not is_sure:

@@ -56,7 +56,7 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
     for step in steps_of(cell, tree, plan):
         for one in step.moving:
             if (one.arm.name, one.leg.name) == (place.arm, place.leg) and rows:
-                space.put_parts(plan, carried(cell, tree, step))
+                space.put_parts(plan, carried(cell, tree, plan, step))
                 return _found(tree, space, step, one, place, rows)
     return None
 

@@ -82,17 +82,31 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
                 placed[number] = held.pop(number)
 
 
-def carried(cell: Cell, tree: Tree, step: Step) -> dict[int, tuple[int, pin.SE3]]:
+def carried(cell: Cell, tree: Tree, plan: Plan, step: Step) -> dict[int, tuple[int, pin.SE3]]:
     """Parts in a hand or put down during a step: detection -> joint, and `T_joint_part`."""
     where: dict[int, tuple[int, pin.SE3]] = {}
-    for number, plan in step.held.items():
-        arm = cell.arm(plan.arm)
+    for number, one in step.held.items():
+        arm = cell.arm(one.arm)
         joint, T_joint_flange = tree.flange(arm)
-        where[number] = joint, T_joint_flange * arm.tool.T_flange_tcp * plan.T_tcp_part
-    for number, plan in step.placed.items():
-        q_place, arm = np.asarray(plan.leg("place").q[-1]), cell.arm(plan.arm)
-        where[number] = 0, tcp(tree, step.base, arm, q_place) * plan.T_tcp_part
+        T_flange_part = arm.tool.T_flange_tcp * in_hand(cell, tree, plan, one)
+        where[number] = joint, T_joint_flange * T_flange_part
+    for number, one in step.placed.items():
+        where[number] = 0, put_at(cell, tree, plan, one)
     return where
+
+
+def in_hand(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+    """`T_tcp_part` as the hand takes the part where it was found, whatever the plan states."""
+    q_grasp = np.asarray(one.leg("approach").q[-1])
+    T_world_part = plan.detections[one.detection].T_world_part
+    return tcp(tree, tree.rest, cell.arm(one.arm), q_grasp).actInv(T_world_part)
+
+
+def put_at(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+    """`T_world_part` where the hand lets go of the part, whatever the plan states."""
+    q_place = np.asarray(one.leg("place").q[-1])
+    T_world_tcp = tcp(tree, tree.rest, cell.arm(one.arm), q_place)
+    return T_world_tcp * in_hand(cell, tree, plan, one)
 
 
 def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> Iterator[Stage]:

@@ -10,7 +10,7 @@
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
 | lifted part and what it lies on, over the first `release` | not nearer than at the start |
-| the same, at every turn of a part whose roll is not known | see `rules.roll_violations` |
+| the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
 | hand and the part it has let go of, until it has left it once | not nearer than at the start |
 | everything else | `margin` |
 
@@ -187,7 +187,7 @@ class Table:
     def is_rolled(self, row: int) -> bool:
         """Whether one of a pair is the room of all turns: how deep it is says nothing of the part.
 
-        `rules.roll_violations` asks that.
+        `grasps.rolls` asks that.
         """
         return any(self._bodies[int(k[row])].is_rolled for k in (self.first, self.second))
 

@@ -10,9 +10,9 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
+from workbench.proof.grasps.straight import part_reach, straight_violations
 from workbench.proof.motion import Sets, moved
 from workbench.proof.robot import Tree
-from workbench.proof.rules import straight_violations
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
 from workbench.proof.stages import (
@@ -114,7 +114,7 @@ class Walk:
 
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
-        self._space.put_parts(self._plan, carried(self._cell, self._tree, step))
+        self._space.put_parts(self._plan, carried(self._cell, self._tree, self._plan, step))
         self._known.clear()
 
     # -- one arm, all others standing -----------------------------------------------------
@@ -127,7 +127,10 @@ class Walk:
             left_at = self._left_at(step, one)
             if left_at:
                 out = np.asarray(one.leg.q[: left_at + 1])
-                self._violations += straight_violations(self._tree, one.arm, "home", out)
+                reach = part_reach(self._cell, self._tree, self._plan, one.plan)
+                self._violations += straight_violations(
+                    self._tree, one.arm, "home", out, reach=reach
+                )
         now, all_pairs = None, None
         for stage in stages_of(self._cell, self._tree, step, one, left_at):
             if all_pairs is None or stage.now is not now:

@@ -11,7 +11,7 @@ from workbench.model.errors import CommandRefused, JobCancelled, LinkError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
 from workbench.plugins.progress import never
-from workbench.plugins.robot_link import LinkPatience, RobotLink, Running, Simulation, send
+from workbench.plugins.robot_link import LinkPatience, RobotLink, Running, Simulation, send, states
 from workbench.testing.options import check_options
 
 PATIENCE = 120.0
@@ -69,6 +69,7 @@ def check_robot_link(
         receipts = list(send(plan, approval, there, show=shown.append, patience=patience))
         _check_receipts(link, plan, receipts)
         assert shown, "nobody was told how the link stands"
+        _check_states(link, plan, there, receipts)
         for change in ("plan_digest", "cell_digest", "scan_digest"):
             other = replace(approval, **{change: "0" * 64})
             assert _refused(plan, other, there), f"an approval with another {change} was taken"
@@ -108,6 +109,19 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
     if link.motion.reports_progress:
         parts = {one.part.arm: one.part for one in receipts if one.part is not None}
         assert set(parts) == {arm.arm for arm in plan.arms}, "each part of the plan is told of"
+
+
+def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receipt]) -> None:
+    """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
+    began = time.monotonic()
+    reports = states(cell, lambda: time.monotonic() - began > PATIENCE)
+    is_told = any(one.part is not None for one in receipts)
+    is_told = is_told or not getattr(link, "tells_of_parts", True)
+    for state in reports:
+        # `states` has looked at every number of it.
+        if is_told or state.placed >= len(plan.arms):
+            return
+    assert is_told, "nobody tells what became of parts: `tells_of_parts = False` says so"
 
 
 def _check_steps(

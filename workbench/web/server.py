@@ -2,7 +2,6 @@
 
 import asyncio
 import concurrent.futures
-import errno
 import logging
 import socket
 import ssl
@@ -23,6 +22,7 @@ from workbench.web.access.lockout import Lockout
 from workbench.web.access.sessions import HOURS, Sessions
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
+from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.connection_limits import ConnectionLimits, room_for
 from workbench.web.http.gate import Gate, descriptors
 from workbench.web.http.listening import Certificate, listen
@@ -166,9 +166,7 @@ def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> No
     These end at any moment, in the libraries as well, and are no fault of anybody's here.
     """
     error = context.get("exception")
-    if isinstance(error, OSError) and (
-        isinstance(error, ConnectionError) or error.errno == errno.ENOTCONN
-    ):
+    if is_broken_off(error):
         log.debug("a connection broke off: %s", error)
     else:
         loop.default_exception_handler(context)

@@ -48,7 +48,7 @@ class Templates:
     def __init__(self, messages: Iterable[str]):
         """Of these messages."""
         found = [_template(message) for message in messages if _PLACE.search(message)]
-        found.sort(key=lambda one: (-letters(one.message), _places(one.message), one.message))
+        found.sort(key=lambda one: (*_says(one.message), _places(one.message), one.message))
         self.clear = tuple(one for one in found if not one.is_vague)
         self.vague = tuple(one for one in found if one.is_vague)
 
@@ -61,6 +61,11 @@ def filled(message: str, values: Mapping[str, str]) -> str:
 def letters(message: str) -> int:
     """How many letters are fixed in a message."""
     return sum(map(str.isalpha, _PLACE.sub("", message)))
+
+
+def _says(message: str) -> tuple[int, int]:
+    """What sorts the message first that says most: by its letters, then by all that is fixed."""
+    return -letters(message), -len(_PLACE.sub("", message))
 
 
 def _places(message: str) -> int:

@@ -7,8 +7,14 @@ MODULE WbEgm
     TASK PERS dnum wb_from{40};
 
     ! What is answered: version, the ticket that was begun last, the order that was
-    ! done last.  They stay when the controller starts anew: nothing is begun twice.
+    ! done last, the ticket that was refused last since it had been begun before.
     TASK PERS dnum wb_to{40};
+
+    ! The last tickets that were begun.  They stay when the controller starts anew:
+    ! nothing is begun twice.
+    CONST num WB_TICKETS:=16;
+    TASK PERS dnum wb_begun{16};
+    TASK PERS num wb_begins:=0;
 
     CONST num WB_BEGIN:=1;
     CONST num WB_GRIP:=2;
@@ -93,6 +99,12 @@ MODULE WbEgm
             RETURN;
         ENDIF
         IF command=WB_BEGIN AND wb_from{2}<>wb_to{2} THEN
+            IF is_begun(wb_from{2}) THEN
+                wb_to{4}:=wb_from{2};
+                RETURN;
+            ENDIF
+            wb_begins:=wb_begins MOD WB_TICKETS+1;
+            wb_begun{wb_begins}:=wb_from{2};
             wb_to{3}:=0;
             wb_to{2}:=wb_from{2};
             wb_runs:=TRUE;
@@ -114,6 +126,13 @@ MODULE WbEgm
         ENDTEST
         wb_to{3}:=wb_from{3};
     ENDTRAP
+
+    FUNC bool is_begun(dnum ticket)
+        FOR k FROM 1 TO WB_TICKETS DO
+            IF wb_begun{k}=ticket RETURN TRUE;
+        ENDFOR
+        RETURN FALSE;
+    ENDFUNC
 
     ! The Smart Gripper counts what one finger travels: half of the opening.
     FUNC bool has_set_fingers(num opening,bool on_part)

@@ -10,6 +10,7 @@ from line import NOW, Line
 from workbench.app.core.commands import (
     AcknowledgeFault,
     Approve,
+    ChangeCell,
     FindParts,
     ForgetAvoided,
     LinkEnded,
@@ -17,10 +18,17 @@ from workbench.app.core.commands import (
     ReportPick,
     SendPlan,
     TakeScan,
+    UseDetections,
     UseScan,
     WatchPlan,
 )
-from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, avoided_parts
+from workbench.app.core.outcomes import (
+    AVOID_SCANS,
+    MOST_FAILURES,
+    avoided_parts,
+    parts_sent_for,
+    sent_for,
+)
 from workbench.app.core.state import Phase
 from workbench.model.errors import CommandRefused
 from workbench.model.release import PartReport
@@ -151,6 +159,35 @@ def test_failures_in_a_row_stop_the_cycle_until_somebody_has_looked(line, sample
     assert "3 picks in a row have failed" in refused(line, TakeScan())
     state = line.do(AcknowledgeFault())
     assert (state.phase, state.failures) == (Phase.IDLE, 0)
+
+
+def test_what_became_of_a_part_can_be_said_after_a_fault_until_the_next_scan(line, samples):
+    send(line, samples)
+    line.do(ReportPick(0, True))
+    line.do(LinkEnded("the link was closed"))
+    state = line.do(AcknowledgeFault())
+    assert (state.phase, state.plan) == (Phase.IDLE, None)
+    assert parts_sent_for(state) == ((0, "right"),)
+    assert "ada has said so already" in refused(line, ReportPick(0, True))
+    state = line.do(ReportPick(0, False, "it fell"))
+    (outcome,) = sent_for(state).outcomes
+    assert (outcome.is_picked, outcome.why) == (False, "it fell")
+    assert (len(state.avoided), state.failures) == (1, 1)
+    line.do(UseScan(samples.scan(1)))
+    assert line.state.avoided and parts_sent_for(line.state) == ()
+    assert "nothing was sent" in refused(line, ReportPick(0, True))
+
+
+def test_what_became_of_a_part_can_be_said_after_a_change_of_the_cell(line, samples):
+    cycle(line, samples)
+    line.do(ReportPick(0, True))
+    bin_ = replace(line.state.cell.bin, size=(0.5, 0.5, 0.1))
+    state = line.do(ChangeCell(replace(line.state.cell, bin=bin_), "another bin"))
+    assert (state.phase, state.plan) == (Phase.IDLE, None)
+    line.do(ReportPick(0, False))
+    assert [one.is_picked for one in sent_for(line.state).outcomes] == [False]
+    line.do(UseDetections(samples.detections(), "from a file"))
+    assert parts_sent_for(line.state) == ()
 
 
 def test_a_failure_that_a_person_has_reported_before_the_link_counts_once(line, samples):

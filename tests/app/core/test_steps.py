@@ -165,3 +165,14 @@ def test_who_may_send_may_let_a_step_run(sending):
     for number in (True, 1.0, "1", None):
         assert "number" in refused(sending, NextStep(number))
     assert sending.do(NextStep(1), "ada").let == 1
+
+
+def test_what_the_robot_runs_is_told_by_the_step_that_it_reports(line):
+    digest = line.state.plan.digest
+    line.do(Approve(digest))
+    line.do(SendPlan(digest))
+    assert line.do(Sent(Receipt(NOW, "right", "in", "...", 5, 5))).message == "5 of 5 messages sent"
+    state = line.do(Sent(Receipt(NOW, "", "heard", "", 5, 5, "running 02", step=2)))
+    assert state.message.startswith("the robot runs step 2 of ")
+    state = line.do(Sent(Receipt(NOW, "", "heard", "", 5, 5, "running 02")))
+    assert state.message.startswith("the robot runs step 2 of ")

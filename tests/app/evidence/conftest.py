@@ -1,12 +1,11 @@
 """One bundle for all."""
 
-import json
 import shutil
 import zipfile
 from pathlib import Path
 
 import pytest
-from tampering import AT, OURS, Opened
+from tampering import AT, OURS, Opened, anchors_of
 
 from workbench.app.evidence.bundle import write_bundle
 from workbench.journal.journal import Journal
@@ -26,10 +25,5 @@ def made(tmp_path_factory):
         journal.close()
     with zipfile.ZipFile(folder / "bundle.zip") as archive:
         archive.extract("verify.py", folder)
-    anchors = [
-        {"session": "example", "number": one.number, "hash": one.hash}
-        for one in Opened(folder / "bundle.zip").entries
-        if one.kind == "Approve"
-    ]
-    (folder / "anchors").write_text("".join(json.dumps(one) + "\n" for one in anchors))
+    (folder / "anchors").write_text(anchors_of(Opened(folder / "bundle.zip")))
     return folder

@@ -12,12 +12,14 @@ from pathlib import Path
 
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
-from workbench.app.evidence import verify
+from workbench.app.evidence import packing, verify
 from workbench.app.evidence.signing import signature_of
+from workbench.formats.files.archives import write_archive
 
 OURS = Ed25519PrivateKey.from_private_bytes(b"o" * 32)
 THEIRS = Ed25519PrivateKey.from_private_bytes(b"t" * 32)
 PUBLIC = OURS.public_key().public_bytes_raw().hex()
+ENDS = (packing.MANIFEST, packing.SIGNATURE)
 AT = 1_800_000_000.0
 
 UNCHAINED = "DROP TRIGGER IF EXISTS entries_stay; DROP TRIGGER IF EXISTS entries_remain;"
@@ -26,13 +28,16 @@ UNCHAINED = "DROP TRIGGER IF EXISTS entries_stay; DROP TRIGGER IF EXISTS entries
 class Opened:
     """The files of a bundle by name, to be changed."""
 
-    def __init__(self, path: Path) -> None:
-        with zipfile.ZipFile(path) as archive:
+    def __init__(self, source: Path | dict[str, bytes]) -> None:
+        if isinstance(source, dict):
+            self.files = source
+            return
+        with zipfile.ZipFile(source) as archive:
             self.files = {name: archive.read(name) for name in archive.namelist()}
 
     @property
     def manifest(self) -> dict:
-        return json.loads(self.files[verify.MANIFEST])
+        return json.loads(self.files[packing.MANIFEST])
 
     def sql(self, script: str) -> None:
         """Change the journal's database by SQL."""
@@ -66,27 +71,56 @@ class Opened:
     def stated(self, **changes) -> None:
         """Say something else in the manifest."""
         text = json.dumps(self.manifest | changes, indent=1, sort_keys=True) + "\n"
-        self.files[verify.MANIFEST] = text.encode()
+        self.files[packing.MANIFEST] = text.encode()
 
     def made_good(self, key=None) -> None:
         """Have everything but the signature agree with the journal; `key` signs anew."""
         entries = self.entries
         self.files |= verify.derived(entries)
-        kept = {verify.MANIFEST, verify.SIGNATURE}
         files = {
             name: {"size": len(content), "sha256": hashlib.sha256(content).hexdigest()}
-            for name, content in self.files.items()
-            if name not in kept
+            for name, content in self._content().items()
         }
         self.stated(files=files, entries=len(entries), head=entries[-1].hash)
+        self.repacked()
         if key is not None:
-            self.files[verify.SIGNATURE] = signature_of(key, self.files[verify.MANIFEST])
+            self.signed(key)
+
+    def repacked(self) -> None:
+        """Have the manifest say how all before it is packed now."""
+        with tempfile.TemporaryDirectory() as folder:
+            told: list[str] = []
+            write_archive(
+                Path(folder) / "x.zip", self._content(), lambda one: told.append(one) or {}
+            )
+        self.stated(packed=told[0])
+
+    def signed(self, key) -> None:
+        self.files[packing.SIGNATURE] = signature_of(key, self.files[packing.MANIFEST])
+
+    def as_of_0_2_0(self) -> None:
+        """Say nothing of how it is packed, and sign that."""
+        about = {key: value for key, value in self.manifest.items() if key != "packed"}
+        self.files[packing.MANIFEST] = json.dumps(about, indent=1).encode()
+        self.signed(OURS)
 
     def packed(self, path: Path) -> Path:
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            for name, content in self.files.items():
-                archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+        """Write the bundle as the workbench packs it."""
+        last = {name: self.files[name] for name in ENDS if name in self.files}
+        write_archive(path, self._content(), lambda _: last)
         return path
+
+    def _content(self) -> dict[str, bytes]:
+        return {name: content for name, content in self.files.items() if name not in ENDS}
+
+
+def anchors_of(one: Opened) -> str:
+    """The approvals of a bundle as anchors that are kept elsewhere, a line each."""
+    approvals = (entry for entry in one.entries if entry.kind == "Approve")
+    return "".join(
+        json.dumps({"session": "example", "number": entry.number, "hash": entry.hash}) + "\n"
+        for entry in approvals
+    )
 
 
 def verified(made, bundle, *words):

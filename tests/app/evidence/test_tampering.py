@@ -2,14 +2,12 @@
 
 import hashlib
 import re
-import zipfile
 from pathlib import Path
 
 import pytest
-from tampering import OURS, PUBLIC, THEIRS, Opened, verified
+from tampering import OURS, PUBLIC, THEIRS, Opened, anchors_of, verified
 
-from workbench.app.evidence import verify
-from workbench.app.evidence.signing import signature_of
+from workbench.app.evidence import packing, verify
 
 
 def with_other_words(number, body):
@@ -81,19 +79,19 @@ def signed_by_another(one):
 
 
 def the_name_of_the_key_exchanged(one):
-    words = one.files[verify.SIGNATURE].split()
+    words = one.files[packing.SIGNATURE].split()
     theirs = THEIRS.public_key().public_bytes_raw().hex().encode()
-    one.files[verify.SIGNATURE] = b"\n".join((theirs, words[1]))
+    one.files[packing.SIGNATURE] = b"%s\n%s\n" % (theirs, words[1])
 
 
 def the_signature_removed(one):
-    del one.files[verify.SIGNATURE]
+    del one.files[packing.SIGNATURE]
 
 
 def the_signature_of_something_else(one):
     public = OURS.public_key().public_bytes_raw().hex()
-    signature = OURS.sign(one.files[verify.MANIFEST]).hex()
-    one.files[verify.SIGNATURE] = f"{public}\n{signature}\n".encode()
+    signature = OURS.sign(one.files[packing.MANIFEST]).hex()
+    one.files[packing.SIGNATURE] = f"{public}\n{signature}\n".encode()
 
 
 def the_report_edited(one):
@@ -166,7 +164,7 @@ def a_journal_that_is_none(one):
 
 
 def a_manifest_that_is_none(one):
-    one.files[verify.MANIFEST] = b"[]"
+    one.files[packing.MANIFEST] = b"[]"
 
 
 TAMPERINGS = [
@@ -217,12 +215,25 @@ def test_the_document_tells_of_each_tampering_once():
     }
 
 
-def test_an_untouched_bundle_is_whole_also_when_packed_again(made, tmp_path):
+def test_an_untouched_bundle_is_whole_also_when_the_workbench_packs_it_again(made, tmp_path):
     assert verified(made, "bundle.zip", "--key", PUBLIC)[0] == 0
     again = Opened(made / "bundle.zip").packed(tmp_path / "again.zip")
     code, said = verified(made, again, "--key", PUBLIC, "--anchors", made / "anchors")
     assert code == 0, said
     assert "whole, as it was signed" in said
+
+
+def test_a_bundle_of_0_2_0_is_whole_and_each_changed_byte_around_its_files_is_found(made, tmp_path):
+    """Written by it from the example session; it does not say how its files are packed."""
+    older, anchors = Path(__file__).with_name("of_0_2_0.zip"), tmp_path / "anchors"
+    anchors.write_text(anchors_of(Opened(older)))
+    code, said = verified(made, older, "--key", PUBLIC, "--anchors", anchors)
+    assert (code, "whole, as it was signed" in said) == (0, True), said
+    content, path = older.read_bytes(), tmp_path / "bundle.zip"
+    directory = content.index(b"PK\1\2")
+    for place in (*range(30), *range(directory, len(content), 17)):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 4]) + content[place + 1 :])
+        assert verify.problems_of(path, bytes.fromhex(PUBLIC), None)[0], place
 
 
 @pytest.mark.parametrize("tamper", TAMPERINGS, ids=lambda one: one.__name__)
@@ -257,7 +268,8 @@ def test_what_contradicts_the_journal_is_found_whoever_signs_it(made, tmp_path, 
         content = one.files[name]
         files[name] = {"size": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     one.stated(files=files)
-    one.files[verify.SIGNATURE] = signature_of(OURS, one.files[verify.MANIFEST])
+    one.repacked()
+    one.signed(OURS)
     code, said = verified(made, one.packed(tmp_path / "bundle.zip"), "--key", PUBLIC)
     assert code == 1, said
     assert "signed with another key" not in said and SAID[tamper.__name__][1] in said
@@ -301,26 +313,6 @@ def test_without_a_key_nobody_says_that_it_is_whole(made, tmp_path):
     assert (code, "anybody may have made it" in said) == (2, True)
 
 
-@pytest.mark.parametrize("hide", ["before", "between", "after", "twice", "comment"])
-def test_nothing_hides_in_the_zip_file(made, tmp_path, hide):
-    path, content = tmp_path / "bundle.zip", (made / "bundle.zip").read_bytes()
-    path.write_bytes(b"#!/bin/sh\n" * (hide == "before") + content + b"x" * (hide == "after"))
-    if hide == "between":
-        with zipfile.ZipFile(path, "a") as archive:
-            archive.fp.seek(archive.start_dir)
-            archive.fp.write(b"hidden")
-            archive.start_dir += 6
-            archive._didModify = True
-    if hide == "twice":
-        with zipfile.ZipFile(path, "a") as archive, pytest.warns(UserWarning, match="Duplicate"):
-            archive.writestr("report.html", "another")
-    if hide == "comment":
-        with zipfile.ZipFile(path, "a") as archive:
-            archive.comment = b"hidden"
-    code, said = verified(made, path, "--key", PUBLIC)
-    assert code == 1, said
-
-
 @pytest.mark.parametrize("content", [b"", b"PK", b"PK\x03\x04" + b"\xff" * 200, None])
 def test_what_is_no_bundle_is_told_in_one_sentence(made, tmp_path, content):
     path = tmp_path / "bundle.zip"
@@ -345,7 +337,4 @@ def test_a_byte_anywhere_in_the_bundle_is_found(made, tmp_path):
         bent[number * 7919 % len(content)] ^= 0x10
         path.write_bytes(bytes(bent))
         problems, _, _ = verify.problems_of(path, bytes.fromhex(PUBLIC), None)
-        # Some bytes of the frame say nothing: the time of a file, the version of what packed it.
-        if not problems:
-            with zipfile.ZipFile(path) as one, zipfile.ZipFile(made / "bundle.zip") as other:
-                assert all(one.read(name) == other.read(name) for name in other.namelist())
+        assert problems, number

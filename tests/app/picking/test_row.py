@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import workbench.app.picking.row as row_module
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
     check_picks,
@@ -13,17 +14,20 @@ from workbench.app.picking.row import (
     prove_row,
 )
 from workbench.formats.cells.reading import read_cell
+from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import MOST_PICKS
 from workbench.model.digest import digest_of
-from workbench.model.errors import CommandRefused, InputError
+from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import parts_taken, renumbered
-from workbench.model.scan import Detection, Scene
+from workbench.model.plan import PlanResult, parts_taken, renumbered
+from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.prove import may_have_moved, prove, scene_after
 
 GAP = 0.01
+
+NONE = PlanResult((), None, None, Verdict(Reason.OUT_OF_REACH, Stage.GRASP), {})
 
 
 def lying(cell, x, y, yaw, **about):
@@ -289,3 +293,56 @@ def test_a_plan_does_not_follow_one_that_takes_a_part_of_a_heap(cell, near):
     second = plan_pick(cell, scene.detections, scene.scan_digest, strategy="right").plan
     with pytest.raises(CommandRefused, match=r"plan 2 of the row cannot follow.* may move"):
         prove_row(cell, (first, second))
+
+
+def told_by(monkeypatch, cell, parts, picks, *, is_enough, **about):
+    """What a planning tells of its progress in which every look goes from nothing to its end."""
+    told: list[float] = []
+
+    def look(cell, detections, scan_digest, *, report, **asked):
+        for done in (0.0, 0.5, 1.0):
+            report(done, "looking")
+        return plan_pick(cell, detections, scan_digest, **asked) if is_enough(len(told)) else NONE
+
+    monkeypatch.setattr(row_module, "plan_pick", look)
+    asked(cell, parts, picks, report=lambda done, note: told.append(done), **about)
+    return told
+
+
+def test_progress_never_falls_and_is_full_with_the_last_plan_alone(monkeypatch, cell, apart):
+    told = told_by(monkeypatch, cell, apart, 2, is_enough=lambda count: True)
+    assert told == sorted(told) and len(told) == 6
+    assert [round(one, 3) for one in told] == [0.0, 0.25, 0.5, 0.5, 0.75, 1.0]
+
+
+def test_progress_leaves_room_for_a_second_look_with_less_around(monkeypatch, cell, apart):
+    wall = Obstacle(pose_from_rpy((5.0, 5.0, 0.0), (0, 0, 0)), (0.1, 0.1, 0.1))
+    told = told_by(monkeypatch, cell, apart, 1, is_enough=lambda count: count > 3, unseen=(wall,))
+    assert told == sorted(told) and len(told) == 6
+    assert told[2] == told[3] < 0.7 and told[5] == pytest.approx(1.0)
+
+
+def test_planning_tells_how_many_hands_it_has_tried_and_is_full_at_its_end_alone(cell, apart):
+    told: list[tuple[float, str]] = []
+    result = plan_pick(
+        cell, apart[:1], "a scan", report=lambda done, note: told.append((done, note))
+    )
+    shares = [done for done, _ in told]
+    assert shares == sorted(shares) and max(shares) < 1.0
+    count = len(result.candidates)
+    notes = [note for _, note in told]
+    assert notes[: count + 1 : count] == [f"hand check 1 of {count}", f"candidate 1 of {count}"]
+    assert notes[count - 1] == f"hand check {count} of {count}"
+
+
+def test_planning_ends_between_two_hands(cell, apart):
+    looks, told = iter(range(100)), list[str]()
+    with pytest.raises(JobCancelled):
+        plan_pick(
+            cell,
+            apart,
+            "a scan",
+            report=lambda done, note: told.append(note),
+            cancelled=lambda: next(looks) > 1,
+        )
+    assert [note.split(" of ")[0] for note in told] == ["hand check 1", "hand check 2"]

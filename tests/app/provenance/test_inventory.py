@@ -50,8 +50,9 @@ BEFORE = Inventory(
         ({"parts": {"peg": "2" * 64}, "cell_digest": "0" * 64}, "of the cell part peg differ"),
         ({"calibration": "0" * 64, "cell_digest": "0" * 64}, "the scanner's pose differs"),
         ({"cell_digest": "0" * 64}, "the cell differs"),
-        ({"users": {"Anna": "viewer"}}, "user Anna engineer is viewer now"),
-        ({"users": {}}, "user Anna engineer has gone"),
+        ({"users": {"Anna": "viewer"}}, "user Anna is viewer now, was engineer"),
+        ({"users": {}}, "user Anna (engineer) is gone"),
+        ({"users": {"Anna": "engineer", "Eve": "viewer"}}, "new user Eve (viewer)"),
     ],
 )
 def test_each_change_is_one_phrase_and_another_digest(changed, says):

@@ -155,10 +155,10 @@ def test_commands_on_record_by_their_first_names_are_read():
         return entry_of(2, kind, json.dumps(body).encode(), None)[0].command
 
     planned = MakePlan(overrides=PlanOverrides(planner="sbl"))
-    form = command_form(planned).form
+    form = json.loads(command_form(planned).form)
     assert form["wishes"]["planner"] == "sbl" and "overrides" not in form
     assert canonical(read("MakePlan", form)) == form
-    sought = command_form(FindParts(3, SearchOverrides(0.5, 0.1))).form
+    sought = json.loads(command_form(FindParts(3, SearchOverrides(0.5, 0.1))).form)
     assert sought["wishes"]["detail"] == 0.5 and canonical(read("FindParts", sought)) == sought
     left = {"sightings": [], "says": "none is left"}
     assert isinstance(read("UseSightings", left), UseObservations)

@@ -89,7 +89,7 @@ def test_nothing_is_sent_before_it_is_acknowledged(samples, cell, ran):
     digest = planned(samples, line)
     assert line.state.approval.ran == another(ran).digest
     assert "numpy 1 is 2 now" in obstacle(line.state, SendPlan)
-    with pytest.raises(CommandRefused, match="an engineer acknowledges: the software has changed"):
+    with pytest.raises(CommandRefused, match="an engineer acknowledges: this has changed"):
         line.do(SendPlan(digest))
     line.do(AcknowledgeChanges(another(ran).digest))
     assert line.do(SendPlan(digest)).phase is Phase.SENDING

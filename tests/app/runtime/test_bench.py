@@ -30,6 +30,7 @@ from workbench.app.picking import facts
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
+from workbench.journal import files
 from workbench.journal.journal import Journal
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, JournalError
@@ -159,6 +160,36 @@ def test_a_stop_is_carried_out_even_when_it_cannot_be_recorded(bench, journal, n
     other.close()
     assert isinstance(noted[0].ran[-1], StopSending)
     assert bench.state.phase is Phase.SENDING
+
+
+def test_a_stop_waits_for_no_scan_on_its_way_to_the_disk(bench, journal, samples, monkeypatch):
+    digest = approved(bench, samples)
+    writing, may_end = threading.Event(), threading.Event()
+    write = files._write_durably
+
+    def slow(path, content):
+        writing.set()
+        assert may_end.wait(PATIENCE)
+        write(path, content)
+
+    monkeypatch.setattr(files, "_write_durably", slow)
+    scan = samples.scan(seed=7, points=5000)
+
+    def use():
+        # By then something is sent.
+        with pytest.raises(CommandRefused):
+            bench.do(UseScan(scan), "ada")
+
+    thread = threading.Thread(target=use)
+    thread.start()
+    try:
+        assert writing.wait(PATIENCE)
+        bench.do(SendPlan(digest), "ada")
+        assert bench.do(Stop(), "ada").phase is Phase.SENDING
+    finally:
+        may_end.set()
+        thread.join()
+    assert journal.verify() == ()
 
 
 def test_an_approval_is_on_the_disk_before_anything_is_sent(cell, journal, clock, samples):

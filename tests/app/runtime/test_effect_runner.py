@@ -105,6 +105,18 @@ def test_an_approved_plan_goes_out_and_the_parts_are_counted(cell, controller, b
     assert kinds[-7:] == ["Approve", "SendPlan", *["Sent"] * 4, "LinkEnded"]
 
 
+def test_what_a_controller_reported_last_is_known_when_it_reports_no_more(
+    cell, controller, bench_at
+):
+    simulated = controller(speed=200)
+    bench = bench_at(at(cell, simulated.port, simulated.state_port))
+    wait_until(lambda: bench.live.joints)
+    simulated.stop()
+    wait_until(lambda: not bench.live.joints)
+    assert bench.live.last_joints == {"joint_1": 0.0}
+    assert bench.live.reported_at > 0
+
+
 def test_a_stop_closes_the_link_in_the_middle_of_a_motion(cell, controller, bench_at):
     simulated = controller(speed=0.001)
     bench = bench_at(at(cell, simulated.port, simulated.state_port))

@@ -11,12 +11,13 @@ import textwrap
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from job_listener import worker_of, workers
 from waiting import PATIENCE, wait_until
 
 from workbench.app.runtime.jobs import Jobs
-from workbench.app.runtime.worker import packed
+from workbench.app.runtime.worker import Request, in_parts, packed
 from workbench.model.errors import FileError, JobCancelled, WorkbenchError
 
 HERE = Path(__file__).parents[1]
@@ -40,6 +41,20 @@ def test_a_scan_goes_there_and_back_with_its_digest_and_stays_read_only(jobs, li
     assert back.digest == scan.digest
     assert not back.points.flags.writeable
     assert not back.pixels.flags.writeable
+
+
+def test_a_large_scan_is_not_copied_before_it_goes(samples):
+    scan = samples.scan(points=50_000)
+    head, *_ = parts = in_parts(Request(1, "give_back", {"scan": scan, "few": np.arange(3)}, b""))
+    assert any(np.shares_memory(np.frombuffer(part, np.uint8), scan.points) for part in parts)
+    assert sum(len(part) for part in parts) - scan.points.nbytes - scan.pixels.nbytes < 10_000
+    assert len(head) == 4
+
+
+def test_a_large_array_that_may_be_written_to_comes_back_so(jobs, listener):
+    jobs.start(1, "give_back", {"scan": np.zeros(100_000)})
+    _, back = listener.result()
+    back[0] = 1.0
 
 
 def test_progress_is_told_step_by_step(jobs, listener):

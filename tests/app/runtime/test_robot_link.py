@@ -11,7 +11,7 @@ from waiting import PATIENCE, wait_until
 from workbench.app.core.commands import LinkEnded
 from workbench.app.runtime import robot_link
 from workbench.app.runtime.robot_link import LinkRunner
-from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.release import LinkStatus, Receipt, RobotState
 from workbench.plugins.robot_link import USUAL
 
@@ -24,10 +24,9 @@ class Rig:
     def __init__(self, monkeypatch, cell, plan, send, states, report) -> None:
         self.shown, self.told, self.plan = {}, [], plan
         self.connections = 0
-        self.robot = SimpleNamespace(states=self._states)
         self._tell = states
         monkeypatch.setattr(robot_link, "send", send)
-        monkeypatch.setattr(robot_link, "link_named", lambda name: self.robot)
+        monkeypatch.setattr(robot_link, "states", self._states)
         patience = dataclasses.replace(USUAL, report=report)
         self.link = LinkRunner(cell, self._do, time.time, self._show, patience=patience)
 
@@ -150,6 +149,28 @@ def test_joints_told_before_a_stop_are_not_shown_after_it(rig):
     one.link.stop()
     one.ended()
     assert one.shown["joints"] == {} and one.shown["robot"] == ""
+
+
+def test_a_robot_of_which_nonsense_is_reported_goes_on_with_no_plan(rig):
+    begun = threading.Event()
+
+    def send(plan, approval, cell, *, cancelled, **_):
+        yield Receipt(0.0, "right", "program", "a program", 0, 2)
+        begun.set()
+        while not cancelled():
+            time.sleep(0.01)
+        raise JobCancelled("the controller reported that it stands")
+
+    def states(connection, cancelled):
+        yield state()
+        while not begun.is_set() and not cancelled():
+            time.sleep(0.01)
+        raise ProtocolError("the controller reports joint_1 at 1e+308 degrees")
+
+    one = rig(send, states)
+    one.link.send(one.plan, APPROVAL)
+    says = "the controller reports joint_1 at 1e+308 degrees; the controller reported that it"
+    assert one.ended().fault.startswith(says)
 
 
 def test_a_fault_that_no_journal_can_hold_is_an_end_all_the_same(rig):

@@ -2,6 +2,8 @@
 
 import csv
 import io
+import json
+from dataclasses import replace
 
 import pytest
 from line import Line
@@ -152,6 +154,17 @@ def test_a_fault_ends_a_cycle_and_its_parts_are_unknown(written, samples):
     written.cycle(samples, LinkEnded("the link broke", 1))
     counted = statistics(written.rows)
     assert counted.cycles[0].end == "fault" and results(counted) == ["unknown"]
+
+
+def test_a_margin_that_is_not_kept_is_counted_as_the_candidates_tell_it(written, samples):
+    written.plan(samples, is_possible=False)
+    row = written.rows[-1]
+    body = json.loads(row.body)
+    (one,) = (one for one in body["command"]["result"]["plan"]["candidates"])
+    for distance, kind in ((0.001, "margin not kept"), (-0.001, "in collision")):
+        one["verdict"]["distance"] = distance
+        changed = replace(row, body=json.dumps(body).encode())
+        assert statistics((*written.rows[:-1], changed)).refusals == ((kind, 1),)
 
 
 def test_causes_of_refusal_are_counted_and_no_plan_is_an_end(written, samples):

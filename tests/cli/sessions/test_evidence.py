@@ -75,7 +75,7 @@ def test_a_certificate_says_what_ran_when_the_plan_was_made(example, tmp_path):
         rows = list(journal.entries())
 
         def started(one):
-            start = command_form(Started(one)).form
+            start = json.loads(command_form(Started(one)).form)
             body = json.dumps({"command": start, "after": {}}).encode()
             return replace(rows[0], kind="Started", body=body)
 

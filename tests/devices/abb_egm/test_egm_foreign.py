@@ -79,5 +79,5 @@ def test_the_foreign_sensor_moves_the_twin_and_gives_its_module_orders(planned):
             )
         reached = [*state.joint_angles, *state.external_axes]
         assert reached == pytest.approx(goal, abs=0.05) and state.mci_convergence_met
-        assert list(state.rapid_from_robot) == [wire.VERSION, 99.0, 1.0]
+        assert list(state.rapid_from_robot) == [wire.VERSION, 99.0, 1.0, 0.0], "none is refused"
         assert twin.arms[0].orders == [tuple(orders)], "said many times, done once"

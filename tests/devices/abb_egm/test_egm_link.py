@@ -212,6 +212,23 @@ def test_whoever_goes_away_leaves_a_robot_that_stands(planned):
             list(sending)
 
 
+def test_where_nobody_leads_the_arms_any_more_they_go_home_when_asked_to(planned):
+    cell, plan, approval = planned
+    with twin_of(cell, home_after=0.5, faults=["motors-off@1"]) as (twin, there):
+        with pytest.raises(LinkError, match="the motors are off"):
+            list(send(plan, approval, there, patience=replace(PATIENT, stop=1.0)))
+        homes = [one.arm.to_axes(one.arm.home) for one in twin.arms]
+
+        def are_home():
+            return all(np.array_equal(a.axes, q) for a, q in zip(twin.arms, homes, strict=True))
+
+        wait_until(lambda: are_home() and all(one.motors == wire.MOTORS_ON for one in twin.arms))
+        again = replace(approval, at=approval.at - 1)
+        twin._faults.clear()
+        receipts = list(send(plan, again, there, patience=PATIENT))
+        assert receipts[-1].done == receipts[-1].total
+
+
 def test_states_are_reported_also_while_nothing_is_sent(planned):
     cell, _, _ = planned
     with twin_of(cell, speed=20.0) as (twin, there):

@@ -86,6 +86,23 @@ def test_a_plan_is_led_through_the_modules_and_not_begun_again(planned):
         assert one.written == []
 
 
+def begun_and_stopped(plan, approval, there):
+    """Both arms have begun it, and were told to end."""
+    sending = send(plan, approval, there, patience=PATIENT)
+    assert [next(sending).heard for _ in TASKS] == ["done: begin"] * 2
+    sending.close()
+
+
+def test_a_plan_that_was_begun_before_others_is_not_begun_again(planned):
+    cell, plan, approval = planned
+    with modules_run(cell) as (one, there):
+        for earlier in (0, 1):
+            begun_and_stopped(plan, replace(approval, at=approval.at - earlier), there)
+            wait_until(lambda: all(arm.is_guided for arm in one.mechanisms.values()))
+        with pytest.raises(LinkError, match="has begun this plan already; nothing runs twice"):
+            list(send(plan, approval, there, patience=PATIENT))
+
+
 def test_whoever_goes_away_leaves_an_arm_that_stands_until_a_person_has_looked(planned):
     cell, plan, approval = planned
     with modules_run(cell) as (one, there):
@@ -170,6 +187,10 @@ def test_every_statement_of_the_modules_is_executed(planned):
                     list(sending)
             else:
                 list(sending)
+                begun_and_stopped(plan, replace(approval, at=approval.at - 1), there)
+                wait_until(lambda: all(arm.is_guided for arm in one.mechanisms.values()))
+                with pytest.raises(LinkError, match="already"):
+                    list(send(plan, approval, there, patience=PATIENT))
             covered, keys = covered | one.covered, keys | one.keys
     lines = {path.name: path.read_text().splitlines() for path in FOLDER.glob("*.mod")}
     left = {(module, line) for module, line, _ in keys - covered}

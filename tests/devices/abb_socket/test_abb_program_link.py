@@ -3,6 +3,7 @@
 import itertools
 import json
 import random
+import select
 import socket
 import threading
 import time
@@ -18,6 +19,7 @@ from waiting import PATIENCE, wait_until
 from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_links import AbbProgram
 from workbench.devices.abb_simulated.faults import Fault
+from workbench.devices.abb_socket import link
 from workbench.devices.abb_socket.frames import framed
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.model.errors import JobCancelled, LinkError
@@ -243,6 +245,26 @@ def test_a_client_that_falls_silent_stops_the_robot(controller, cell, at, plan, 
     assert "the client was silent for 2 s while the robot moved" in one.state()["fault"]
     with pytest.raises(LinkError):
         list(receipts)
+
+
+def test_a_process_that_stood_still_hears_first_what_has_come_meanwhile(
+    controller, at, plan, approval, monkeypatch
+):
+    clock, stood_still = Hurried(), []
+    received = link._received
+
+    def stand_still(ours, talk):
+        data = received(ours, talk)
+        if not data and talk.status.step and not stood_still:
+            clock.let_pass(2 * PATIENT.silence)
+            stood_still.append(select.select([ours], [], [], PATIENCE)[0])
+        return data
+
+    monkeypatch.setattr(link, "_received", stand_still)
+    one = controller(speed=0.5)
+    target = at(one.port, protocol="abb-socket/2")
+    *_, last = send(plan, approval, target, patience=replace(PATIENT, clock=clock))
+    assert stood_still != [] and "done" in last.heard
 
 
 def test_a_robot_that_has_much_to_catch_up_with_is_heard_of_meanwhile(

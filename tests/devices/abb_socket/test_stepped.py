@@ -108,6 +108,17 @@ def test_a_stop_while_a_step_waits_is_acknowledged(controller, at, plan, stepped
     assert person.sent("next") == [] and one.state()["fault"] == "stopped by the client"
 
 
+def test_a_link_that_ends_while_a_step_waits_names_that_step(controller, at, plan, stepped):
+    one = controller()
+    person = Person(one, at(one.port, protocol="abb-socket/2"), plan, stepped)
+    for number in (1, 2, 3):
+        wait_until(lambda: person.waits == number)  # noqa: B023
+        person.let = number if number < 3 else 2
+    one.stop()
+    joined(person)
+    assert f"at step 3 of {len(plan.sequence)}, which had not begun" in str(person.error)
+
+
 def test_silence_while_a_step_waits_is_a_fault(controller, at, plan, stepped):
     clock = Hurried()
     one = controller(patience=replace(PATIENT, clock=clock))

@@ -17,7 +17,7 @@ def test_each_kind_of_mistake_is_told_where_it_is():
     assert problems(body, rest) == [
         (4, 2, "index 4 is outside 1 to 3"),
         (5, 8, "num = string is no expression"),
-        (6, 1, "nobody is not declared or not known here"),
+        (6, 1, "nobody is not known here"),
         (8, 1, "this is never reached"),
     ]
 
@@ -37,7 +37,7 @@ def test_what_is_not_executed_here_is_named(tmp_path):
         "        ENDTEST\n    ENDWHILE\nENDPROC\nENDMODULE\n"
     )
     found = [str(one) for one in check_modules([path])]
-    assert found == ["server.mod:8:5: ConfL is not declared or not known here"]
+    assert found == ["server.mod:8:5: ConfL is not executed here"]
 
 
 def test_a_task_needs_a_main_without_parameters(tmp_path):
@@ -55,9 +55,9 @@ def test_a_task_needs_a_main_without_parameters(tmp_path):
     ("rest", "says"),
     [
         ("ALIAS num num;\nVAR num x;", "the type num is declared already"),
-        ("ALIAS b a;\nALIAS a b;", "there is no type b"),
-        ("RECORD r\nr inner;\nENDRECORD\nVAR r x;", "there is no type r"),
-        ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD\nVAR a y;", "there is no type b"),
+        ("ALIAS b a;\nALIAS a b;", "the type b contains itself"),
+        ("RECORD r\nr inner;\nENDRECORD\nVAR r x;", "the type r contains itself"),
+        ("RECORD a\nb x;\nENDRECORD\nRECORD b\na x;\nENDRECORD", "the type b contains itself"),
         ("VAR num x:=1E999;", "1e999 is larger than a num can be"),
         (f"VAR num x:=0x{'F' * 300};", f"0x{'f' * 300} is larger than a num can be"),
         (f"VAR num x:=0x{'F' * 40};", f"0x{'f' * 40} is larger than a num can be"),

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rapid_bench import problems, written
 
-from workbench.formats.rapid.grammar import parse
 from workbench.formats.rapid.problems import BadModule
+from workbench.formats.rapid.syntax.grammar import parse
 from workbench.formats.rapid.texts import number_text
 from workbench.formats.rapid.values import single
 
@@ -152,6 +152,70 @@ def test_every_control_structure_goes_its_ways():
     ]  # fmt: skip
 
 
+def test_goto_goes_to_its_label_in_the_same_block_or_around_it():
+    body = """
+        again:
+        n:=n+1;
+        TPWrite "turn"\\Num:=n;
+        WHILE TRUE DO
+            FOR k FROM 1 TO 3 DO
+                IF k=2 GOTO out;
+                TPWrite "k"\\Num:=k;
+            ENDFOR
+        ENDWHILE
+        out:
+        IF n<2 THEN
+            GOTO again;
+        ENDIF
+        GOTO done;
+        TPWrite "never";
+        done:
+        TPWrite "end";"""
+    assert written(body, "VAR num n:=0;") == ["turn1", "k1", "turn2", "k1", "end"]
+
+
+def test_a_goto_without_a_label_or_into_a_block_is_told():
+    body = "GOTO inside;\nGOTO nowhere;\nIF TRUE THEN\ninside:\nENDIF"
+    assert problems(body) == [
+        (4, 1, "GOTO into a block is not executed here"),
+        (5, 1, "main has no label nowhere"),
+        (5, 1, "this is never reached"),
+        (6, 1, "this is never reached"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("expression", "expected"),
+    [
+        ("p*2", "[2,4,6]"), ("2*p", "[2,4,6]"), ("p/2", "[0.5,1,1.5]"), ("-p", "[-1,-2,-3]"),
+        ("p+q", "[1,2,4]"), ("p*q", "[2,-1,0]"),
+    ],
+)  # fmt: skip
+def test_positions_are_scaled_turned_and_added(expression, expected):
+    rest = "VAR pos r; CONST pos p:=[1,2,3]; CONST pos q:=[0,0,1];"
+    body = f'r:={expression};\nIF r={expected} TPWrite "yes";'
+    assert written(body, rest) == ["yes"]
+
+
+def test_orientations_are_multiplied_as_scipy_does():
+    import scipy.spatial.transform as judge
+
+    a, b = judge.Rotation.random(2, random_state=4)
+    one, other = (f"[{w:.9f},{x:.9f},{y:.9f},{z:.9f}]"
+                  for x, y, z, w in (a.as_quat(), b.as_quat()))  # fmt: skip
+    rest = f"VAR orient r; CONST orient a:={one}; CONST orient b:={other};"
+    body = "r:=a*b;\n" + "".join(f"TPWrite NumToStr(r.q{k},6);\n" for k in (1, 2, 3, 4))
+    found = np.array([float(text) for text in written(body, rest)])
+    x, y, z, w = (a * b).as_quat()
+    assert abs(found @ [w, x, y, z]) == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_dnum_is_computed_with_more_digits():
+    body = 'd:=4503599627370496*2-1;\nIF d=9007199254740991 TPWrite "same";'
+    body += '\nd:=-d;\nIF d<0 TPWrite "less";'
+    assert written(body, "VAR dnum d;") == ["same", "less"]
+
+
 def test_functions_return_optional_arguments_are_there_or_not():
     rest = """
         FUNC num f(num a \\num b | switch c)
@@ -265,10 +329,13 @@ def test_both_sides_of_and_are_computed():
 
 def test_nobody_reads_a_module_that_is_none():
     for text, says in [
-        ("MODULE m\nPROC main()\nIF TRUE THEN\nENDPROC\nENDMODULE", "m:4:1: 'ENDPROC' cannot"),
+        (
+            "MODULE m\nPROC main()\nIF TRUE THEN\nENDPROC\nENDMODULE",
+            "m:4:1: ENDIF of line 3 is missing",
+        ),
         ("MODULE m\nPROC main()\nx:=;\nENDPROC\nENDMODULE", "m:3:4: ';' cannot stand here"),
         ("MODULE m\nVAR num x:=@;\nENDMODULE", "m:2:12: '@;' is no RAPID"),
-        ("MODULE m\nPROC main()", "m:2:1: the end of the file cannot stand here"),
+        ("MODULE m\nPROC main()", "m:2:1: the file ends in the middle: PROC main"),
         (f'MODULE m\nCONST string s:="{"x" * 81}";\nENDMODULE', "m:2:17: a string of 81"),
         (f"MODULE m\nVAR num {'x' * 33};\nENDMODULE", "m:2:9: the name x"),
         ("MODULE m\nVAR num step;\nENDMODULE", "m:2:9: 'step' cannot stand here"),

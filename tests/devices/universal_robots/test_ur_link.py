@@ -262,6 +262,10 @@ def test_cells_and_wishes_that_it_cannot_serve_are_refused(planned):
         ("def a():\n  movej([nan, 0, 0, 0, 0, 0], a=1.0, v=1.0)\nend\n", "line 2"),
         ("def a():\n  set_tcp(p[0.0, 0.0, 0.1, 0.0, 0.0, 0.0])\nend\n", "line 2: 'set_tcp"),
         ("def a():\n  sleep(1.0)\n  halt\nend\n", "line 3: 'halt'"),
+        ("def a():\n  sleep(1.0)\n  end\nend\n", "line 3: 'end'"),
+        ("def a():\n  if read_output_integer_register(1) == 2:\n    halt\nend\n", "no end"),
+        ("def a():\n  if True:\n    halt\n  end\nend\n", "line 2: 'if True:'"),
+        ("def a():\n  write_output_integer_register(1, 1e9)\nend\n", "line 2"),
     ],
 )
 def test_the_twin_refuses_what_it_does_not_know(text, says):

@@ -9,9 +9,9 @@ import workbench
 from workbench.devices.universal_robots import link as ur_link
 from workbench.devices.universal_robots.link import UrRtde
 from workbench.devices.universal_robots.program import program_of
-from workbench.devices.universal_robots.rtde import RTDE_PORT, STOPPED
+from workbench.devices.universal_robots.rtde import PLAYING, RTDE_PORT, STOPPED
 from workbench.devices.universal_robots.sending import Sending
-from workbench.model.errors import LinkError
+from workbench.model.errors import JobCancelled, LinkError
 from workbench.plugins.robot_link import USUAL, controller_by
 
 
@@ -72,7 +72,7 @@ class Slow:
         self.seconds, self.said, self.looks = 0.0, [], 0
         there = {"runtime": STOPPED, "mode": 7, "safety": 1}
         begin = {"at": 1.0, "q": to_axes(program.q_start), "leg": program.ticket - 1}
-        end = {"at": 2.0, "q": to_axes(program.q_end), "leg": program.ticket + len(program.legs)}
+        end = {"at": 60.0, "q": to_axes(program.q_end), "leg": program.ticket + len(program.legs)}
         self.begin, self.end = begin | there, end | there | {"leg": end["leg"] + 1}
 
     def clock(self):
@@ -89,20 +89,72 @@ class Slow:
         return {1: self.begin, 2: None}.get(self.looks, self.end)
 
 
-def test_how_long_it_takes_to_connect_ends_no_motion(cell):
+class Stopped(Slow):
+    """A client whose controller takes a stop, and then tells `states`, one at each question."""
+
+    def __init__(self, program, to_axes, *states):
+        super().__init__(program, to_axes)
+        self.states, self.is_stopped = list(states), False
+
+    def say(self, **asked):
+        super().say(**asked)
+        self.is_stopped = self.is_stopped or "stop" in asked
+
+    def hear(self, seconds):
+        self.seconds += seconds
+        if not self.is_stopped:
+            return self.begin
+        if {"stopping": True} not in self.said:
+            self.said.append({"stopping": True})
+            return {"stopping": True}
+        return self.begin | self.states.pop(0) if self.states else None
+
+
+@pytest.fixture(scope="module")
+def program(cell):
     parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
     result = workbench.plan(cell, parts)
     approval = workbench.approve(cell, result.plan, result.proof, "tester")
-    program = program_of(cell, result.plan, approval, 0, 0.5, USUAL.silence)
-    client = Slow(program, cell.arms[0].to_axes)
-    talk = Sending(
+    return program_of(cell, result.plan, approval, 0, 0.5, USUAL.silence)
+
+
+def talking(cell, program, client):
+    return Sending(
         client,
-        cell.arms[0],
+        cell,
         program,
         now=time.time,
         show=lambda status: None,
         patience=replace(USUAL, clock=client.clock),
     )
-    receipts = list(talk.run(lambda: None, lambda: False))
+
+
+STANDS, RUNS, MOVED = {"runtime": STOPPED}, {"runtime": PLAYING}, {"q": [0.5] * 6}
+
+
+@pytest.mark.parametrize(
+    "states",
+    [
+        [STANDS, STANDS, STANDS],
+        [{"at": 2.0} | STANDS],
+        [{"at": 2.0} | STANDS, {"at": 2.0} | STANDS],
+        [{"at": 2.0} | STANDS, {"at": 3.0} | RUNS, {"at": 4.0} | STANDS, {"at": 4.0} | STANDS],
+        [{"at": 2.0} | STANDS, {"at": 3.0} | STANDS | MOVED],
+        [{"at": 2.0} | STANDS, {"at": float("nan")} | STANDS],
+    ],
+)
+def test_a_stop_is_not_believed_by_what_was_on_its_way_or_by_a_robot_that_moves(
+    cell, program, states
+):
+    client = Stopped(program, cell.arms[0].to_axes, *states)
+    receipts = []
+    with pytest.raises(JobCancelled, match="did not report that it stands: use the emergency stop"):
+        for receipt in talking(cell, program, client).run(lambda: None, lambda: bool(receipts)):
+            receipts.append(receipt)
+
+
+def test_how_long_it_takes_to_connect_ends_no_motion(cell, program):
+    client = Slow(program, cell.arms[0].to_axes)
+    receipts = list(talking(cell, program, client).run(lambda: None, lambda: False))
     assert receipts[-1].kind == "end"
     assert {"stop": True} not in client.said

@@ -36,6 +36,12 @@ def test_they_lie_beside_the_cell():
     assert predictions_path("yumi").parts[-2:] == ("yumi", "threshold.json")
 
 
+def test_another_cell_of_the_same_folder_has_none_of_them():
+    beside = predictions_path("robots/yumi/full_bin.toml")
+    assert beside.parts[-2:] == ("yumi", "full_bin.threshold.json")
+    assert read_predictions(beside) is None
+
+
 def test_the_nearest_forecast_speaks_for_a_threshold():
     assert PREDICTIONS.near(0.15).threshold == 0.1
     assert PREDICTIONS.near(5.0).threshold == 0.3

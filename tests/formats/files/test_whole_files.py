@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from workbench.formats.files import whole_files
-from workbench.formats.files.whole_files import file_name, read_whole, write_whole
-from workbench.model.errors import FileError
+from workbench.formats.files.whole_files import file_name, read_whole, uploaded, write_whole
+from workbench.model.errors import FileError, InputError
 
 
 def test_a_file_of_the_largest_size_is_read(tmp_path: Path) -> None:
@@ -169,3 +169,23 @@ def test_a_folder_that_cannot_be_synced_holds_the_file_all_the_same(
     monkeypatch.setattr(os, "fsync", only_files)
     write_whole(tmp_path / "a", b"x")
     assert (tmp_path / "a").read_bytes() == b"x"
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", ".", "..", "/etc/passwd", "../part.stl", "C:\\a.stl", "a\0.stl", "a\n.stl", "\udc80"],
+)
+def test_a_name_that_no_file_has_is_refused_in_a_sentence(name) -> None:
+    with (
+        pytest.raises(InputError, match="is not the name of a file"),
+        uploaded(name, b"content"),
+    ):
+        pytest.fail("it was taken")
+
+
+@pytest.mark.parametrize("name", ["part.stl", "Bild 3.06.ply", ".hidden", "ä" * 200, "..a"])
+def test_a_file_that_was_sent_is_there_for_a_while_by_its_name(name) -> None:
+    with uploaded(name, memoryview(b"content")) as file:
+        assert file.read_bytes() == b"content"
+        assert name.endswith(file.name)
+    assert not file.parent.exists()

@@ -13,6 +13,7 @@ from workbench.formats.parts.grasp_files import as_written, save_grasps
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.reading import read_grasps, read_part
 from workbench.formats.parts.saves import (
+    DRAFT,
     draft_of,
     drop_draft,
     save_part,
@@ -198,6 +199,20 @@ def test_versions_are_kept_with_who_and_why(folder):
     assert lines[1]["changes"] == ["side: opening 40 mm → 44 mm"]
     assert "# ours" in (folder / "part.toml").read_text()
     assert "fold = 1" in (folder / "part.toml").read_text()
+
+
+def test_a_draft_that_says_what_is_saved_is_none(folder):
+    part = read_part("keyed_cylinder")
+    save_grasps(folder / "grasps.toml", part.library)
+    side = part.library.entries[0]
+    paired = replace(part.library, pairs=(GraspPair(side.name, side.name),))
+    write_draft(folder, paired)
+    assert len(draft_of(folder).pairs) == 1
+    write_draft(folder, part.library)
+    assert draft_of(folder) is None and not (folder / DRAFT).is_file()
+    # An earlier version of the workbench has left such drafts.
+    save_grasps(folder / DRAFT, part.library)
+    assert draft_of(folder) is None
 
 
 def test_broken_lines_of_the_log_are_passed_over(folder):

@@ -1,6 +1,5 @@
 """CAD files that become parts, and those that cannot: refused with the reason, nothing left."""
 
-import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +13,6 @@ from mutations import mutated, only_file_errors
 from step_files import step_of_prism
 from waiting import wait_until
 
-from workbench.formats.meshes import cad_files
 from workbench.formats.meshes.cad_files import read_cad
 from workbench.formats.parts.new_part import import_mesh, write_part
 from workbench.formats.parts.reading import read_part
@@ -146,27 +144,6 @@ def test_files_that_are_none_are_refused(tmp_path):
     header = "ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\n"
     header += "property float x\nproperty float y\nproperty float z\nend_header\n"
     assert refusal("counts.ply", header.encode())
-
-
-@pytest.mark.parametrize(
-    ("does", "said"),
-    [
-        ("kill -SEGV $$", r"made its reader end \(code -11\)"),
-        ("exec sleep 600", "could not be read within 1 s"),
-        ("exit 0", r"made its reader end \(code 0\)"),
-    ],
-)
-def test_a_reader_that_crashes_or_hangs_takes_nothing_along(does, said, box, tmp_path, monkeypatch):
-    script = tmp_path / "reader"
-    script.write_text(f"#!/bin/sh\n{does}\n")
-    script.chmod(script.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setattr(cad_files.sys, "executable", str(script))
-    if "sleep" in does:
-        monkeypatch.setattr(cad_files, "LONGEST", 1.0)
-    path = tmp_path / "box.stl"
-    box.export(path)
-    with pytest.raises(FileError, match=said):
-        read_cad(path, "mm")
 
 
 def _valid(kind: str) -> bytes:

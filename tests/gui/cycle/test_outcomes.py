@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.commands import ReportPick
-from workbench.app.core.state import Outcome, Phase
+from workbench.app.core.state import Outcome, Phase, SentFor, State
 from workbench.gui.cycle.outcomes import OutcomeInputs
 
 
@@ -115,3 +115,21 @@ def test_a_word_is_of_what_was_shown_and_not_of_what_was_sent_since(inputs, brok
 def test_the_reason_is_typed_below_all_rows(inputs, broken_off, view_of):
     inputs.show(None, view_of(broken_off))
     assert max(one._failed.order for one in inputs._rows) < inputs._why.order
+
+
+def test_an_acknowledged_fault_leaves_the_parts_to_be_told_of(inputs, broken_off, view_of):
+    sent = SentFor(broken_off.plans[:2], (Outcome(1, True, "Ada"),))
+    after = State(broken_off.cell, message="fault acknowledged", unscanned=sent)
+    inputs.show(None, view_of(broken_off))
+    before = shown(inputs)
+    inputs.state = after
+    inputs.show(view_of(broken_off), view_of(after))
+    assert inputs._folder.visible
+    assert [names for _, *names in shown(inputs)] == [names for _, *names in before]
+    assert "part-2 picked" in [text for text, *_ in shown(inputs)]
+    press(inputs._rows[0]._failed)
+    assert [(one.detection, one.why) for one in inputs.given] == [(0, "slipped")]
+    scanned = replace(after, phase=Phase.SCANNED, unscanned=None)
+    inputs.state = scanned
+    inputs.show(view_of(after), view_of(scanned))
+    assert not inputs._folder.visible and shown(inputs) == []

@@ -4,10 +4,12 @@ import re
 from dataclasses import replace
 from html import unescape
 
+from workbench.app.core.state import Phase
 from workbench.gui.cycle.approval_views import facts_html
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.plan.views import plan_html
-from workbench.gui.shared.views import send_line
 from workbench.model.plan import parts_taken
+from workbench.model.release import Receipt
 
 
 def read(html):
@@ -52,7 +54,16 @@ def test_messages_are_those_of_the_plan_that_is_named(row, states):
     onward = replace(
         sending, plan=second.plan, proof=second.proof, sent_before=(first,), row=(third,)
     )
-    assert read(send_line(onward)) == "Plan 2: 3 of 40 messages sent"
+    assert read(send_line(onward)) == "3 of 40 messages sent (plan 2)"
+
+
+def test_once_the_robot_reports_steps_these_are_told(states):
+    steps = len(states.sending.plan.sequence)
+    told = (*states.sending.receipts, Receipt(0.0, "", "heard", "", 76, 76, step=4))
+    sending = replace(states.sending, receipts=told)
+    assert read(send_line(sending)) == f"Step 4 of {steps}"
+    assert read(send_line(replace(sending, phase=Phase.FAULT))) == f"Ended in step 4 of {steps}"
+    assert read(send_line(replace(sending, phase=Phase.DONE))) == f"All {steps} steps done"
 
 
 def test_a_plan_alone_says_nothing_of_a_row(states):

@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from dataclasses import replace
+from types import SimpleNamespace
 
 import msgspec
 import numpy as np
@@ -18,14 +19,16 @@ from workbench.app.picking.glance import Glance
 from workbench.app.runtime.bench import Bench
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
-from workbench.gui.dragging.views import dragged_html
+from workbench.gui.dragging.views import Room, dragged_html
 from workbench.gui.page.server import serve
-from workbench.gui.scene.live import live_words
+from workbench.gui.scene.live import _covered, beside, live_words
+from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.things import moving
 from workbench.journal.journal import Journal
 from workbench.model.candidate import Reason
 from workbench.model.errors import WorkbenchError
+from workbench.model.part import Region
 
 HERE = pin.SE3.Identity()
 
@@ -202,6 +205,53 @@ def test_the_words_count_every_kind(states):
     assert dragged_html(None) == ""
 
 
+def test_there_is_room_for_the_words_before_a_drag_begins(states):
+    told = dragged_html(Dragged(glance(1), HERE, states.localized))
+    before, without = dragged_html(None, Room.TOLD), dragged_html(None, Room.EMPTY)
+    assert without == '<div class="wb-live"></div>'
+    assert told.startswith('<div class="wb-live">') and before.startswith('<div class="wb-live">')
+
+
+def test_the_words_stand_beside_bin_and_parts_as_they_are_seen(states, cell):
+    dragged = Dragged(glance(1), cell.bin.T_world_bin, states.localized)
+    position, target = first_look(cell)
+    away = (target - position) / np.linalg.norm(target - position)
+    right = np.cross(away, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+
+    def across(p):
+        seen = p - position
+        return (seen @ right) / (seen @ away)
+
+    covered = _covered(dragged)
+    parts = [one.T_world_part.translation for one in states.localized.detections]
+    camera = SimpleNamespace(position=position, up_direction=(0.0, 0.0, 1.0))
+    words = beside(camera, covered)
+    assert across(words) > max(across(p) for p in covered) > max(across(p) for p in parts)
+    # Not out of the picture.
+    assert across(words) < np.tan(FIELD_OF_VIEW / 2)
+
+
+@pytest.mark.parametrize("thing", ["bin", "scanner", "robot", "table", "region left"])
+def test_what_is_drawn_of_a_thing_goes_where_it_is_dragged(cell, thing):
+    one = Region("left", pin.SE3.Identity(), np.full(3, 0.1))
+    regional = replace(cell, bin=replace(cell.bin, regions=(one,)))
+    T = pin.SE3(np.eye(3), np.array([0.3, 0.1, 0.2]))
+    nodes = nodes_with(regional, thing, T)
+    moved_cell = replace(regional, **moving(regional, thing, T))
+    for name, T_node in nodes.items():
+        kind = name.split("/")[1]
+        wanted = {
+            "bin": moved_cell.bin.T_world_bin,
+            "scanner": moved_cell.scanner.T_world_scanner,
+            "robot": moved_cell.T_world_robot * regional.T_world_robot.inverse(),
+            "fixtures": moved_cell.fixtures[0].T_world_fixture,
+            "regions": moved_cell.bin.T_world_bin * moved_cell.bin.regions[0].T_bin_region,
+        }[kind]
+        np.testing.assert_allclose(T_node.homogeneous, wanted.homogeneous, atol=1e-12)
+    assert nodes
+
+
 class Answering(Idle):
     """Answers as a worker does that is a little busy: the newest question, from another thread."""
 
@@ -245,6 +295,14 @@ def test_a_flood_from_one_browser_ends_in_its_own_view_and_another_sees_nothing_
     def own(number):
         return renderer._visitors[number].own.now.dragged
 
+    def bin_of(number):
+        node = renderer._visitors[number].client.scene.get_handle_by_name("/bin")
+        return None if node is None else np.array(node.position)
+
+    def is_at(number, p) -> bool:
+        shown = bin_of(number)
+        return shown is not None and np.allclose(shown, p, atol=1e-5)
+
     def take_gizmo() -> int:
         wait_until(lambda: len(renderer._panels) == 2)
         number = min(renderer._panels)
@@ -264,11 +322,18 @@ def test_a_flood_from_one_browser_ends_in_its_own_view_and_another_sees_nothing_
                 await asyncio.to_thread(wait_until, lambda: own(number) is not None)
                 other = max(renderer._visitors)
                 seen.append((other, renderer._visitors[other].own.now.dragged))
+                # What is dragged is where the hand has it, in this browser alone.
+                last = np.array(at)
+                await asyncio.to_thread(wait_until, lambda: is_at(number, last))
+                assert bin_of(other) is None
                 assert bench.state is before, "nothing is done before somebody lets go"
                 if lets_go:
                     await browser.send(message("DragEnd"))
                     await asyncio.to_thread(wait_until, lambda: bench.state is not before)
                     await asyncio.to_thread(wait_until, lambda: own(number) is None)
+                    await asyncio.to_thread(wait_until, lambda: bin_of(number) is None)
+                    bin = renderer._server.scene.get_handle_by_name("/bin")
+                    np.testing.assert_allclose(bin.position, last, atol=1e-5)
 
     try:
         asyncio.run(flood())

@@ -44,7 +44,7 @@ class Hands:
         return next(one for one in self.renderer._panels[self.number] if isinstance(one, kind))
 
     def play(self):
-        self.panel(PlanPanel)._play_or_pause()
+        self.panel(PlanPanel)._play.press()
 
     def jog(self):
         self.panel(CellPanel)._jog._turn()

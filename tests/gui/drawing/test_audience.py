@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 from waiting import wait_until
 
-from workbench.gui.drawing.audience import Audience, joined
+from workbench.gui.drawing.audience import Audience, joined, without
 
 END = 3.0
 
@@ -62,3 +62,33 @@ def test_a_stretch_that_begins_a_little_behind_what_was_seen_begins_there(audien
 )
 def test_stretches_that_meet_are_one(spans, expected):
     assert joined(*spans) == expected
+
+
+def test_what_was_drawn_without_the_hands_is_missing_until_it_was_played_with_them(audience):
+    at = audience.begin(0.0)
+    for time in (0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, END):
+        if 0.8 < time < 2.0:
+            audience.out(at, time)
+        at = time
+        audience.drawn(time)
+        wait_until(lambda time=time: audience._seen == time, "the browser to draw")
+    audience.stop()
+    assert audience.unseen(END) == audience.hidden(END) == ((0.8, 1.6),)
+    played(audience, 0.8, 1.0)
+    assert audience.unseen(END) == audience.hidden(END) == ((1.0, 1.6),)
+    played(audience, 1.0, 1.6)
+    assert audience.unseen(END) == audience.hidden(END) == ()
+
+
+@pytest.mark.parametrize(
+    ("outs", "expected"),
+    [
+        ((), ((0.0, 3.0),)),
+        (((1.0, 2.0),), ((0.0, 1.0), (2.0, 3.0))),
+        (((0.0, 1.0), (2.5, 4.0)), ((1.0, 2.5),)),
+        (((0.0, 3.0),), ()),
+        (((3.5, 4.0),), ((0.0, 3.0),)),
+    ],
+)
+def test_what_is_left_of_a_stretch(outs, expected):
+    assert without((0.0, 3.0), outs) == expected

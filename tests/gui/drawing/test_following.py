@@ -9,6 +9,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.drawing.following import keep_up
 from workbench.gui.shared.look import SharedLook
 from workbench.gui.shared.playback import joint_values, moments, timeline
+from workbench.model.scan import Search, SearchOverrides
 
 
 @pytest.fixture
@@ -92,3 +93,52 @@ def test_a_preview_after_a_fault_ends_where_the_robot_was(look, states, go):
     look.change(is_playing=True, browser=1)
     look.change(candidate=2, pose=0)
     assert look.now.time == there and look.now.follows and not look.now.is_playing
+
+
+@pytest.fixture
+def compared(states, look, go):
+    """Two searches in one scan; the second one is looked at, and what was rejected."""
+    first, other = states.localized.detections, states.localized.detections[:1]
+    searches = (
+        Search(3, 0, SearchOverrides(), first, 1.0),
+        Search(5, 1, SearchOverrides(), other, 1.0),
+    )
+    state = replace(states.localized, searches=searches)
+    go(state)
+    look.change(search=5, searcher=1, rejected=True)
+    go(replace(state, message="somebody has taken control"))
+    assert look.now.search == 5 and look.now.rejected
+    return state
+
+
+@pytest.mark.parametrize("phase", ["planning", "planned", "approved", "sending", "done"])
+def test_parts_of_a_compared_search_are_gone_with_the_plan_and_what_follows(
+    look, states, go, compared, phase
+):
+    go(replace(getattr(states, phase), searches=compared.searches))
+    assert look.now.search is None and not look.now.rejected
+
+
+@pytest.mark.parametrize("after", ["approved", "sending"])
+def test_parts_compared_beside_a_plan_are_gone_when_it_is_let_out(look, states, go, after):
+    go(states.planned)
+    look.change(search=5, searcher=1)
+    go(replace(states.planned, message="somebody has taken control"))
+    assert look.now.search == 5
+    go(getattr(states, after))
+    assert look.now.search is None
+
+
+def test_parts_of_a_compared_search_are_gone_with_another_scan_or_when_they_are_taken(
+    look, states, go, compared
+):
+    go(replace(compared, detections=compared.searches[1].detections))
+    assert look.now.search is None
+    look.change(search=3)
+    go(replace(compared, scan=None, searches=()))
+    assert look.now.search is None
+
+
+def test_a_veto_leaves_what_is_compared(look, states, go, compared):
+    go(replace(compared, detections=compared.detections[1:]))
+    assert look.now.search == 5

@@ -16,10 +16,14 @@ from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.calibration.panel import CalibrationPanel
 from workbench.gui.cell.panel import CellPanel
+from workbench.gui.cycle.panel import CyclePanel
 from workbench.gui.drawing.audience import STEP
+from workbench.gui.drawing.in_view import Way, are_seen
 from workbench.gui.drawing.own_scene import OwnScene
 from workbench.gui.grasps.panel import GraspsPanel
+from workbench.gui.page.modes import mode_html
 from workbench.gui.shared.playback import joint_values, moments
+from workbench.model.errors import CommandRefused
 from workbench.planning.kinematics.robot import Kinematics
 
 
@@ -191,3 +195,57 @@ def test_points_that_one_measures_between_are_in_that_browser_alone(page, sit_do
     assert bob.visitor.client.scene.get_handle_by_name("/measured/line") is None
     assert page._renderer._server.scene.get_handle_by_name("/measured/line") is None
     assert isinstance(ada.panel(OwnScene), OwnScene)
+
+
+SKY = (0.0, -3.0, 1.0), (0.1, -3.0, 9.0)
+"""A camera that looks up."""
+
+
+def test_playing_brings_the_camera_to_where_the_hands_and_the_bin_are_seen(page, planned, sit_down):
+    hands, cell = sit_down(), planned.state.cell
+    hands.browser.look(*SKY)
+    time.sleep(0.5)
+    hands.play()
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+    camera = hands.visitor.client.camera
+    way = Way(cell, Kinematics(cell), page._renderer._runs)
+    end = page._renderer._drawn.plan_seconds
+    assert are_seen(camera, way.along(((0.0, end),)))
+    assert are_seen(camera, cell.bin.T_world_bin.translation[None])
+    # Who has seen it may look as closely as they like.
+    close = hands.browser.looks_from * 0.3
+    hands.browser.look(close, cell.bin.T_world_bin.translation)
+    wait_until(lambda: np.allclose(camera.position, close), "the camera")
+    look = page._renderer._look
+    hands.play()
+    wait_until(lambda: look.now.time > 1.0 and look.now.is_playing, "the plan to play")
+    assert np.allclose(hands.visitor.client.camera.position, close)
+
+
+def test_what_plays_with_the_hands_out_of_the_picture_was_not_watched(page, planned, sit_down):
+    hands, look = sit_down(), page._renderer._look
+    hands.play()
+    wait_until(lambda: look.now.time > 1.0, "the plan to play")
+    seen = hands.browser.looks_from, hands.browser.looks_at
+    hands.browser.look(*SKY)
+    wait_until(lambda: bool(page._renderer._drawn.hidden), "the hands to be out of the picture")
+    assert "does not count as watched" in mode_html(page._renderer._drawn)
+    wait_until(lambda: look.now.time > 3.0, "the plan to play")
+    hands.browser.look(*seen)
+    wait_until(lambda: not look.now.is_playing, "the end of the plan")
+    ((begin, end),) = page._renderer._drawn.hidden
+    wait_until(lambda: page._renderer._drawn.unseen == ((begin, end),), "all else to be drawn")
+    assert 0.9 < begin < 3.0 < end < page._renderer._drawn.plan_seconds
+    words = f"The hands were out of view from {begin:.1f} s to {end:.1f} s; play that part again"
+    wait_until(lambda: words in mode_html(page._renderer._drawn), "what has to be played")
+    assert planned.state.watched == ()
+    with pytest.raises(CommandRefused, match="has not been played to its end"):
+        planned.do(Approve(planned.state.plan.digest), "Ada")
+    line = hands.panel(CyclePanel)._approval_line
+    wait_until(lambda: words in line.content, "what the tab says of it")
+    # Play begins with that part, and it is enough.
+    hands.play()
+    wait_until(lambda: look.now.is_playing and look.now.time < end, "the plan to play")
+    assert look.now.time >= begin
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+    assert look.now.time < page._renderer._drawn.plan_seconds

@@ -13,8 +13,9 @@ from workbench.app.core.commands import ChangeCell
 from workbench.app.core.people import Role
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
+from workbench.formats.parts.grasp_files import save_grasps
 from workbench.formats.parts.reading import read_part
-from workbench.formats.parts.saves import versions, write_draft
+from workbench.formats.parts.saves import Version, versions, write_draft
 from workbench.gui.grasps.coverage import CoverageControls, axis_words
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
@@ -22,10 +23,10 @@ from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.views import check_line, refused_text
+from workbench.gui.grasps.views import check_line, refused_text, versions_html
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary
+from workbench.model.part import Grasp, GraspLibrary, GraspPair
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasps.firmness import Firmness, in_words
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspFinding
@@ -279,3 +280,28 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
     library._remark.value = "another one"
     library.show(saved, editing.part, problem="")
     assert library._remark.value == "another one"
+
+
+def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench, tmp_path):
+    editing = Editing(visitor)
+    library = LibraryControls(visitor, editing)
+    visitor.folders = {PART: tmp_path}
+    state, part = bench.state, editing.part
+    saved = replace(state, saved=state.cell.digest)
+    save_grasps(tmp_path / "grasps.toml", part.library)
+    save_grasps(tmp_path / "grasps.draft.toml", part.library)
+    library.show(saved, part, problem="")
+    assert library._draft.content == "" and not library._take.visible
+    first = part.library.entries[0].name
+    write_draft(tmp_path, replace(part.library, pairs=(GraspPair(first, first),)))
+    library.show(saved, part, problem="")
+    assert "a draft with 1 change that nobody saved" in library._draft.content
+    assert library._take.visible and library._drop.visible
+
+
+def test_versions_are_told_in_the_zone_that_all_times_are_told_in(tmp_path):
+    said = [
+        versions_html((Version(1, at, "Ada", "first", tmp_path),))
+        for at in ("2026-01-01T00:05:00Z", "some day")
+    ]
+    assert "2026-01-01 00:05 UTC" in said[0] and "some day" in said[1]

@@ -13,6 +13,8 @@ from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, 
 from workbench.gui.shared.look import Look
 from workbench.gui.shared.things import pose_of, things
 from workbench.model.errors import InputError
+from workbench.words.catalogs import LANGUAGES
+from workbench.words.words import words_of
 
 
 def seen(camera, points):
@@ -28,14 +30,14 @@ def seen(camera, points):
     )
 
 
-@pytest.mark.parametrize("name", ["Home", "Top", "Front"])
+@pytest.mark.parametrize("name", ["Default view", "Top", "Front"])
 def test_the_whole_cell_is_seen_from_everywhere(states, cell, name):
     assert seen(camera_of(name, states.idle, Look()), interesting_points(cell))
 
 
 def test_each_look_is_from_where_it_says(states, cell):
     cameras = {name: camera_of(name, states.planned, Look(candidate=0)) for name in KEYS}
-    np.testing.assert_allclose(cameras["Home"], first_look(cell))
+    np.testing.assert_allclose(cameras["Default view"], first_look(cell))
     steep = {
         name: (position - centre)[2] / np.linalg.norm(position - centre)
         for name, (position, centre) in cameras.items()
@@ -103,3 +105,10 @@ def test_keys_leave_the_camera_alone_while_the_part_stands_alone(visitor, cell):
     visitor.client.scene.remove_by_name(STAGE)
     looks._typed("Top")
     assert camera.position is not position
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_no_look_is_called_what_the_rest_of_a_robot_is_called(language):
+    words = words_of(language)
+    home = words.say("home").casefold()
+    assert [name for name in KEYS if home in words.say(name).casefold()] == []

@@ -3,12 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from workbench.app.runtime.live import Live
 from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
-from workbench.gui.shared.look import FilmMoment, Jogged, Look, SharedLook
+from workbench.gui.shared.look import FilmMoment, Jogged, Look, Pose, SharedLook
 from workbench.gui.shared.own import Own, Showing
+from workbench.model.geometry import Box
+from workbench.model.scan import LocalizationResult, Search, SearchOverrides
 
 
 @pytest.fixture
@@ -41,6 +44,22 @@ def test_one_joint_that_is_not_reported_is_no_report(states, view_of, live):
     assert mode_of(view_of(states.idle, live=some)) is Mode.NO_REPORT
 
 
+def test_a_robot_that_is_not_reported_any_more_is_grey_and_its_last_report_has_a_time(
+    states, view_of, live
+):
+    now = view_of(states.fault).at
+    lost = Live(last_joints=live.joints, reported_at=now - 47)
+    view = view_of(states.fault, live=lost)
+    html = mode_html(view)
+    assert mode_of(view) is Mode.NO_REPORT
+    assert "Grey: last reported at 08:52:33 UTC; it may be elsewhere now" in html
+    assert "Solid:" not in html and "at home" not in html
+    yesterday = replace(lost, reported_at=now - 86_400)
+    assert "at 2025-10-08 08:53:20 UTC" in mode_html(view_of(states.fault, live=yesterday))
+    never = mode_html(view_of(states.fault))
+    assert "Grey: drawn at home; the controller does not report where it is" in never
+
+
 def test_a_preview_says_so_until_its_end_and_there_too(states, view_of, live, result):
     end = result.plan.cycle_seconds
     for time, playing, mode in (
@@ -51,7 +70,9 @@ def test_a_preview_says_so_until_its_end_and_there_too(states, view_of, live, re
     ):
         view = view_of(states.planned, Look(time=time, is_playing=playing, follows=False), live)
         assert mode_of(view) is mode
-    assert "nothing was sent" in mode_html(view_of(states.planned, Look(time=end, follows=False)))
+    assert "not yet fallen; nothing was sent" in mode_html(
+        view_of(states.planned, Look(time=end, follows=False))
+    )
 
 
 def test_after_a_cycle_the_start_of_its_plan_is_no_live_picture(states, view_of, live):
@@ -132,4 +153,20 @@ def test_a_candidate_and_a_preview_take_each_others_place():
 def test_the_legend_names_the_candidate_that_is_looked_at(states, view_of, live):
     chosen, none = (view_of(states.planned, Look(candidate=k), live) for k in (0, None))
     assert "the chosen candidate" in mode_html(chosen)
+    assert "come too close" not in mode_html(chosen)
+    met = Pose("failed", None, 0.03, "no", ((Box(np.full(3, 0.1)), pin.SE3.Identity()),))
+    assert "Red: the bodies that come too close there" in mode_html(replace(chosen, poses=(met,)))
     assert "the chosen candidate" not in mode_html(none)
+
+
+def test_the_legend_says_what_parts_of_searches_are(states, view_of, live):
+    found = states.localized.detections
+    searches = tuple(Search(number, 0, SearchOverrides(), found, 1.0) for number in (3, 5))
+    state = replace(states.localized, searches=searches)
+    findings = LocalizationResult(found, (object(),))
+    html = mode_html(view_of(state, Look(search=5), replace(live, findings=findings)), "end")
+    assert "Violet: parts of search 2, to be compared; not taken" in html
+    assert 'data-ends="end"' in html and "rejected" not in html
+    html = mode_html(view_of(state, Look(rejected=True), replace(live, findings=findings)), "end")
+    assert "Red, see-through: poses that the search rejected" in html
+    assert "Violet" not in html and "data-ends" not in html

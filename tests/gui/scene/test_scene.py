@@ -11,6 +11,7 @@ from workbench.app.runtime.live import Live
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.cloud import GRID
 from workbench.gui.scene.picture import Scene, is_other_robot
+from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import joint_values, part_poses
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -184,6 +185,50 @@ def test_where_nothing_is_reported_a_preview_is_not_drawn_beside_a_robot_at_home
     assert arm.visible and not node(server, "/planned").visible
 
 
+def grey(colour):
+    return max(colour) - min(colour) <= 16
+
+
+@pytest.mark.parametrize("phase", ["localized", "planned", "fault"])
+def test_a_robot_that_is_not_reported_any_more_stays_where_it_was_and_loses_its_colours(
+    server, scene, cell, states, view_of, phase
+):
+    def colours():
+        return [mesh.color for mesh in scene._robot._meshes]
+
+    state, here = getattr(states, phase), reported(cell, 0.1)
+    alive = view_of(state, Look(time=3.0), here)
+    lost = replace(alive, live=Live(last_joints=here.joints, reported_at=alive.at))
+    scene.draw(None, alive)
+    own, stands = colours(), placed(server, "/robot/right_link_6")
+    scene.draw(alive, lost)
+    np.testing.assert_array_equal(placed(server, "/robot/right_link_6"), stands)
+    assert node(server, "/robot/right_link_6").visible
+    assert all(map(grey, colours())) and max(map(max, colours())) < 190
+    scene.draw(lost, alive)
+    assert colours() == own
+
+
+def test_hands_of_a_robot_that_is_not_reported_any_more_keep_what_they_held(
+    server, scene, cell, states, view_of
+):
+    held = next(one for one in view_of(states.planned).runs if one.leg.holding)
+    time = (held.start + held.end) / 2
+    here = reported(cell, 0.1)
+    lost = Live(last_joints=here.joints, reported_at=5.0)
+    fault = view_of(states.fault, Look(time=time, followed=time), lost)
+    scene.draw(None, fault)
+    assert node(server, "/lost") is None and node(server, f"/lost/{held.arm}") is None
+    seen = view_of(states.scanned, live=lost)
+    scene.draw(fault, seen)
+    T_tcp_part = states.planned.plan.arm(held.arm).T_tcp_part
+    T = Kinematics(cell).tcp_pose(cell.arm(held.arm), seen.real[held.arm].q) * T_tcp_part
+    np.testing.assert_allclose(placed(server, f"/lost/{held.arm}"), T.translation)
+    # Whoever hears of the robot again looks what its hands hold.
+    scene.draw(seen, view_of(states.scanned, live=here))
+    assert node(server, f"/lost/{held.arm}") is None
+
+
 def test_the_points_of_a_part_go_where_the_part_goes(server, scene, cell, states, view_of, scan):
     """What was scanned of a part does not stay in the bin like its shadow."""
     found = states.localized.detections
@@ -230,6 +275,23 @@ def test_a_chosen_candidate_shows_its_tool_and_goes_with_the_choice(server, scen
     scene.draw(chosen, none)
     assert node(server, "/candidate") is None
     assert node(server, "/grasps") is None
+
+
+def test_a_candidate_refused_without_an_arm_shows_its_hand_and_what_it_meets_in_red(
+    server, scene, states, view_of
+):
+    state, stands = states.localized, pose_from_rpy((0.5, 0.1, 0.2), (np.pi, 0, 0))
+    wall = (Box(np.full(3, 0.1)), pose_from_rpy((0.4, 0.1, 0.0), (0, 0, 0)))
+    pose = Pose("failed", None, 0.03, "no", (wall,), stands)
+    view = view_of(replace(state, candidates=states.planned.candidates[:1]), Look(candidate=0))
+    scene.draw(None, replace(view, poses=(pose,)))
+    np.testing.assert_allclose(node(server, "/candidate").position, stands.translation)
+    assert node(server, "/candidate/tool_0") is not None
+    met = node(server, "/meets/0")
+    np.testing.assert_allclose(met.position, wall[1].translation)
+    assert met.color == rgb_of(BAD)
+    scene.draw(replace(view, poses=(pose,)), view_of(state))
+    assert node(server, "/meets/0") is None
 
 
 def test_a_candidate_refused_at_a_configuration_shows_the_arm_there(

@@ -17,6 +17,7 @@ def inputs(visitor, bench, scan, detections):
 def test_a_search_that_is_clicked_is_looked_at(inputs, visitor, bench):
     inputs._chosen(0)
     assert visitor.look.now.search == bench.state.searches[0].number
+    assert visitor.look.now.searcher == visitor.number
 
 
 def test_who_may_not_choose_is_told_why(inputs, visitor, bench):

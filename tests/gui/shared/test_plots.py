@@ -32,6 +32,15 @@ def test_ticks_are_few_round_and_inside(low, width):
         assert first == pytest.approx(round(first), rel=1e-6) and round(first) in (1, 2, 5)
 
 
+def test_between_two_cycles_there_is_no_mark():
+    assert ticks(1.0, 2.0, is_whole=True) == (1.0, 2.0)
+    assert ticks(1.0, 2.0) != (1.0, 2.0)
+    curve = Curve("send", "#000", np.array([1.0, 2.0]))
+    html = plot_html(Plot("t", "s", np.array([1.0, 2.0]), (curve,), along="cycle"), 2.0)
+    marks = html[html.index('class="wb-times"') :]
+    assert re.findall(r">([\d.]+)</b>", marks) == ["1", "2"]
+
+
 def test_every_plot_of_a_plan_has_a_cursor_and_goes_to_the_slider(cell, result):
     runs, seconds = timeline(result.plan), result.plan.cycle_seconds
     plots = plots_of(cell, runs, seconds, [result.proof])

@@ -7,14 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.gui.shared.colours import (
-    BUSY,
-    GOOD,
-    KINDS,
-    MARGIN_NOT_KEPT,
-    kind_of,
-    verdict_colour,
-)
+from workbench.gui.shared.colours import BUSY, GOOD, KINDS, verdict_colour
 from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
@@ -30,7 +23,7 @@ from workbench.gui.shared.tables import (
     stages_html,
 )
 from workbench.gui.shared.views import verdict_words
-from workbench.model.candidate import Candidate, Reason, Stage, Verdict
+from workbench.model.candidate import MARGIN_NOT_KEPT, Candidate, Reason, Stage, Verdict, kind_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 

@@ -11,6 +11,7 @@ from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
 from workbench.gui.plan.views import outlines_html, plan_html
@@ -302,7 +303,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.plan_line(state),
         views.plan_line(replace(state, plan=None)),
         approval_line(state, view.at, ""),
-        views.send_line(state),
+        send_line(state),
         facts_html(state, {}, view.at),
         plan_html(state),
         link_views.link_html(view),
@@ -375,17 +376,17 @@ def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(sta
 
 def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
     assert views.changes_html(states.planning) == ""
-    changed = ("numpy 1 is 2 now", "user <b>Eve</b> viewer has come")
+    changed = ("numpy 1 is 2 now", "new user <b>Eve</b> (viewer)")
     state = replace(states.planning, changed=changed, changed_since="session x")
     html = views.changes_html(state)
     assert "<b>Eve" not in html
     text = Reader(html).text
     assert "session x" in text and "numpy 1 is 2 now" in text and "Eve" in text
+    # Who may come in is no software.
+    assert "software" not in text
 
 
-def test_a_plans_clearances_are_two_figures_with_their_names_wherever_they_are_told(
-    states, view_of
-):
+def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
     """A single smallest clearance was contradicted by the curve of the straight ways."""
     state = replace(states.planned, message="plan ready: alternated, smallest clearance 1.0 mm")
     free, straight = state.proof.clearance, views.straight_bound(state.proof)

@@ -12,6 +12,11 @@ def cycle(*results: str, grasp: str = "side-1") -> CycleRecord:
     return CycleRecord(2, 0.0, 36.0, "right", "done", picks, {"plan": 0.25})
 
 
+def test_hours_are_told_in_the_zone_that_all_times_are_told_in():
+    text = statistics_html(Statistics((cycle("picked"),)))
+    assert "Parts taken in each hour [UTC]" in text and ">00:00<" in text
+
+
 def test_without_a_cycle_there_is_a_hint():
     assert "counted here" in statistics_html(Statistics())
 

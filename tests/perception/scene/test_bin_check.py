@@ -62,9 +62,16 @@ def test_a_bin_in_its_place_is_no_news(cell, parts, seed):
     assert not (check.is_elsewhere or check.is_empty)
     assert error(check, truth)[0] < 0.5
     assert 0.01 < check.fill < 0.3
-    if not check.is_overfull:
+    assert not check.is_overfull
+    if check.above < 0.01:
         assert check.light == "good" and check.findings == ()
         assert "is where it should be" in check.says
+
+
+def test_a_part_that_stands_above_the_rim_makes_no_bin_too_full(cell):
+    check = check_bin(scanned(cell, 4, seed=1)[0], cell.bin)
+    assert check.fill < 0.2 and not check.is_overfull
+    assert check.findings == ("a part stands 30 mm above the rim",) and check.light == "warning"
 
 
 def test_an_empty_bin_is_told(cell):
@@ -93,7 +100,7 @@ def test_an_overfull_bin_is_told_and_not_taken_for_a_moved_one(cell, seed):
     check = check_bin(scanned(cell, 20, seed=seed)[0], cell.bin)
     assert check.is_overfull and check.above > 0.01
     assert not check.is_elsewhere, check.says
-    assert "above" in check.findings[0]
+    assert check.findings[0].startswith("the bin is too full: parts lie ")
     more, less = check, check_bin(scanned(cell, 2, seed=seed)[0], cell.bin)
     assert (more.fill or 1.0) > 2 * less.fill
 

@@ -128,9 +128,9 @@ def test_spares_do_not_take_the_time_of_a_plan_that_there_could_be(cell, monkeyp
     """With half of 1000 s over when spares come, one arm is planned for, and none are tried."""
     gone, propose = [0.0], pipeline.propose
 
-    def proposed(world, *, priorities):
+    def proposed(world, *, priorities, looked):
         gone[0] = late if -1 in priorities else 0.0
-        return propose(world, priorities=priorities)
+        return propose(world, priorities=priorities, looked=looked)
 
     monkeypatch.setattr(pipeline, "propose", proposed)
     monkeypatch.setattr(pipeline, "processor_time", lambda: processor_time() + gone[0])

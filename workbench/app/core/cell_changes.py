@@ -17,6 +17,7 @@ from workbench.app.core.commands import (
     TryEmptying,
 )
 from workbench.app.core.effects import KeepDrafts, UseCell
+from workbench.app.core.outcomes import before_a_scan
 from workbench.app.core.release import without_approval
 from workbench.app.core.state import Phase, PlanState, ScanState, State, begun, stale_by
 from workbench.app.core.value_checks import (
@@ -154,7 +155,7 @@ def _with_cell(state: State, cell: Cell, message: str) -> Changed:
     same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
     scan = state.scan if same_view and state.phase is not Phase.DONE else None
     stale = stale_by(state, difference(state.cell, cell))
-    state = replace(state, cell=cell)
+    state = replace(before_a_scan(state), cell=cell)
     if scan is None:
         return begun(state, ScanState, stale=stale, message=message), (UseCell(cell),)
     after = begun(
@@ -174,7 +175,7 @@ def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
     changed = tuple(p for p in cell.parts if p.digest != state.cell.part(p.name).digest)
     effects = (UseCell(cell), KeepDrafts(changed)) if changed else (UseCell(cell),)
     stale = stale_by(state, difference(state.cell, cell))
-    after = replace(state, cell=cell)
+    after = replace(before_a_scan(state), cell=cell)
     if state.phase is Phase.DONE:
         return begun(after, ScanState, stale=stale, message=message), effects
     if state.detections is None:

@@ -37,6 +37,7 @@ from workbench.app.core.effects import (
 )
 from workbench.app.core.outcomes import (
     after_sending,
+    before_a_scan,
     with_outcome,
     with_receipt,
     with_step,
@@ -131,7 +132,8 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.AcknowledgeFault():
             # Nobody knows how the bin looks after a fault: only a new scan can tell.
             message = f"fault acknowledged by {entry.actor}; take a new scan"
-            return begun(replace(state, failures=0), ScanState, message=message), ()
+            kept = replace(before_a_scan(state), failures=0)
+            return begun(kept, ScanState, message=message), ()
         case commands.ReportPick() as command:
             return with_outcome(state, command, entry.actor, entry.at), ()
         case commands.ForgetAvoided():

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from workbench.app.core.commands import LinkEnded, ReportPick
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.state import Avoided, Outcome, Phase, State, counted
+from workbench.app.core.state import Avoided, Outcome, Phase, SentFor, State, counted
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, number_in, parts_taken
 from workbench.model.release import PartReport, Receipt
@@ -33,7 +33,18 @@ def with_receipt(state: State, receipt: Receipt) -> State:
     if state.let:
         # What is told of a step is who has let it run.
         return state
+    step = step_reported(state)
+    if state.plan is not None and 0 < step <= len(steps):
+        return replace(state, message=f"the robot runs {step_said(state.plan, step)}")
     return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+
+
+def step_reported(state: State) -> int:
+    """The step that the robot has reported last, to run or to wait before it, counted from 1.
+
+    0 where it has reported none, as links do that know no steps.
+    """
+    return max((one.step or one.waits for one in state.receipts), default=0)
 
 
 def step_said(plan: Plan, number: int) -> str:
@@ -138,7 +149,8 @@ def _still_placed(state: State, ended: LinkEnded) -> tuple[Detection, ...]:
 
 def outcome_problem(state: State, command: ReportPick) -> str:
     """Why an outcome cannot be taken; empty when it can."""
-    if state.plan is None:
+    sent = sent_for(state)
+    if sent is None:
         return "there is no plan whose parts were picked"
     if command.is_picked not in (True, False):
         return f"a pick has succeeded or failed, {command.is_picked!r} is neither"
@@ -146,7 +158,7 @@ def outcome_problem(state: State, command: ReportPick) -> str:
     if command.detection not in taken:
         parts = ", ".join(f"part-{number + 1}" for number in taken)
         return f"the plan does not take that part; it takes {parts}"
-    for one in state.outcomes:
+    for one in sent.outcomes:
         if (one.detection, one.is_picked) == (command.detection, command.is_picked):
             return f"{one.by} has said so already"
     return ""
@@ -163,20 +175,24 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         actor: who says it.
         at: when [s since the epoch].
     """
-    if state.plan is None:
+    sent = sent_for(state)
+    if sent is None:
         return state
-    detection = state.plans[0].detections[command.detection]
+    detection = sent.plans[0].detections[command.detection]
     outcome = Outcome(command.detection, command.is_picked, actor, command.why)
-    others = tuple(one for one in state.outcomes if one.detection != command.detection)
+    others = tuple(one for one in sent.outcomes if one.detection != command.detection)
+    said_of = {"outcomes": (*others, outcome)}
+    if state.plan is None:
+        said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
     elsewhere = tuple(one for one in state.avoided if not _is_at(state.cell, detection, one))
     said = "was picked" if command.is_picked else "failed"
     why = f": {command.why}" if command.why else ""
     state = replace(
         state,
-        outcomes=(*others, outcome),
         failures=0 if command.is_picked else state.failures + 1,
         avoided=elsewhere,
         message=f"part-{command.detection + 1} {said}, says {actor}{why}",
+        **said_of,
     )
     if not command.is_picked:
         state = replace(
@@ -193,11 +209,26 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
 
 def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
     """Each part of every plan that was sent, by its index in the first one, and the arm for it."""
+    sent = sent_for(state)
+    if sent is None:
+        return ()
     return tuple(
         (number, one.arm)
-        for plan in _begun(state)
-        for number, one in zip(parts_taken(state.plans[0], plan), plan.arms, strict=True)
+        for plan in sent.plans
+        for number, one in zip(parts_taken(sent.plans[0], plan), plan.arms, strict=True)
     )
+
+
+def sent_for(state: State) -> SentFor | None:
+    """The plans of whose parts people can say what became of them; None where nothing was sent."""
+    return state.unscanned if state.plan is None else SentFor(_begun(state), state.outcomes)
+
+
+def before_a_scan(state: State) -> State:
+    """The state that remembers what was sent when its plan goes and no scan has come since."""
+    if state.phase not in (Phase.DONE, Phase.FAULT):
+        return state
+    return replace(state, unscanned=sent_for(state))
 
 
 def _begun(state: State) -> tuple[Plan, ...]:

@@ -24,6 +24,9 @@ from workbench.model.release import Approval, Manner, Vote
 LEAST_MOVED = 0.001
 """[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
 
+NOT_PLAYED = "the plan has not been played to its end; play it first"
+"""What is to be done next with a new plan; nothing is wrong."""
+
 SAME_THRESHOLD = 0.0005
 """[m] Thresholds are typed in whole millimetres."""
 
@@ -128,13 +131,16 @@ def said_already(state: State, actor: str, now: float, manner: Manner) -> str:
     return f"{actor} has approved already; {wanted} different people have to"
 
 
+NOT_PLAYED = "the plan has not been played to its end; play it first"
+
+
 def unwatched(state: State, actor: str) -> str:
     """Why a person has to see the plan before approving it; empty when that has happened.
 
     What was played in a browser without a login was played before whoever was there.
     """
     seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
-    return "" if seen else "the plan has not been played to its end; play it first"
+    return "" if seen else NOT_PLAYED
 
 
 def has_seen(state: State, actor: str) -> bool:

@@ -1,5 +1,6 @@
 """Tasks of the worker, and what they and people have brought: parts found, a plan, or why not."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -28,6 +29,12 @@ from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Scan, Search
 
+FAILURE = re.compile(
+    r"task '\w+' failed: |no plan\b|a plan was found, but its proof does not hold\b|0 parts found\b"
+    r"|poses from outside cannot be used\b|the cell file cannot be used\b"
+)
+"""How messages of a state begin that tell of something that has failed."""
+
 Begun = tuple[State, tuple[StartJob, ...]]
 """The state, and the task that has begun with it, if one has."""
 
@@ -36,6 +43,11 @@ MOST_SEARCHES, MOST_REMARKS = 6, 30
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
+
+
+def is_failure(message: str) -> bool:
+    """Whether a message of a state tells of something that has failed."""
+    return FAILURE.match(message) is not None
 
 
 def compared(state: State, search: Search) -> State:
@@ -75,7 +87,7 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
     elif state.detections:
         before = (state.detections, *before)
     return begun(
-        state,
+        replace(state, unscanned=None),
         ScanState if is_picked else PartsState,
         phase=Phase.LOCALIZED,
         remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
@@ -322,7 +334,7 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
     return begun(
-        replace(state, avoided=after_one_more_scan(state.avoided, at)),
+        replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
         ScanState,
         phase=Phase.SCANNED,
         scan=scan,

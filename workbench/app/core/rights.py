@@ -164,13 +164,16 @@ def changes_said(state: State) -> str:
     """What has changed since the start before and nobody has acknowledged, in one sentence."""
     first, more = state.changed[:MOST_SAID], len(state.changed) - MOST_SAID
     rest = f"; and {more} more" if more > 0 else ""
-    return f"the software has changed since {state.changed_since}: {'; '.join(first)}{rest}"
+    return f"this has changed since {state.changed_since}: {'; '.join(first)}{rest}"
 
 
 def what_is_missing(state: State, command: type) -> str:
     """What has to be done before a command of this type is in order; empty when nothing."""
     right = RIGHTS[command]
     if state.phase in right.phases:
+        return ""
+    if command is commands.ReportPick and state.phase is Phase.IDLE and state.unscanned:
+        # Its plan is gone, and no scan shows the bin as it is now.
         return ""
     missing = right.otherwise or NEXT[state.phase]
     if state.phase is Phase.FAULT and state.fault:

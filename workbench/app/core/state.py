@@ -107,6 +107,17 @@ class Avoided:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class SentFor:
+    """The plans that were sent, in order, and what people and grippers said of their parts.
+
+    Each outcome names its part by the index in the first plan.
+    """
+
+    plans: tuple[Plan, ...]
+    outcomes: tuple[Outcome, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Ahead:
     """What is worked on for the next cycle while a plan is sent.
 
@@ -134,6 +145,8 @@ class SessionState:
     the session `changed_since`, until somebody has acknowledged it.
     `control` is the name of who is in control, empty while nobody is; `asking` are those who have
     asked for it, the first one first.
+    `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
+    fault that was acknowledged, or another cell.
     """
 
     cell: Cell = field(kw_only=False)
@@ -152,6 +165,7 @@ class SessionState:
     changed_since: str = ""
     control: str = ""
     asking: tuple[str, ...] = ()
+    unscanned: SentFor | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workbench import __version__
-from workbench.app.evidence import ed25519, steps, verify, zip_frame
+from workbench.app.evidence import ed25519, packing, steps, verify
 from workbench.app.evidence.pages import html_page, pdf_pages
 from workbench.app.evidence.report import Moment, clock, tables_of
 from workbench.app.evidence.signing import signature_of
 from workbench.app.records.certified import certificates
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
+from workbench.formats.files import zip_frame
 from workbench.formats.files.archives import write_archive
 from workbench.journal.files import file_path
 from workbench.journal.journal import DATABASE, Journal
@@ -40,7 +41,11 @@ verify.py   tells whether anything was changed; it needs Python 3.11 or later, a
     python verify.py BUNDLE.zip --key PUBLIC_KEY
 
 Take the public key from whoever signs, not from here, and verify.py from where you trust it.
+Pass the zip file on as it is: unpacked and packed again, it is no longer what was signed.
 """
+
+STANDARD = re.compile(r"^(?:from (?!workbench)(\S+) )?import (.*)\n", re.MULTILINE)
+"""A line that imports from Python's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,30 +100,40 @@ def write_bundle(
             content["report.pdf"] = pdf
         content["README.txt"] = README.encode()
         content["verify.py"] = verify_script()
-        manifest = _manifest(journal.folder.name, entries, at, content)
-        content[verify.MANIFEST] = manifest
-        if key is not None:
-            content[verify.SIGNATURE] = signature_of(key, manifest)
-        write_archive(path, content)
-    return Bundle(len(entries), entries[-1].hash, manifest, pdf is not None)
+        manifests: list[bytes] = []
+
+        def last(packed: str) -> Mapping[str, bytes]:
+            manifest = _manifest(journal.folder.name, entries, at, content, packed)
+            manifests.append(manifest)
+            signed = {} if key is None else {packing.SIGNATURE: signature_of(key, manifest)}
+            return {packing.MANIFEST: manifest, **signed}
+
+        write_archive(path, content, last)
+    return Bundle(len(entries), entries[-1].hash, manifests[0], pdf is not None)
 
 
 def verify_script() -> bytes:
     """`verify.py` as one file: what it imports of ours is put where it is imported."""
-    script = inspect.getsource(verify)
-    for module, name, says in (
-        (ed25519, "is_signed", "Ed25519, after RFC 8032, section 5.1.7"),
-        (steps, "approval_problems, step_problems", "Approvals, rows, speed and steps"),
-        (zip_frame, "frame_problems", "The zip file"),
+    head, _, script = inspect.getsource(verify).partition('"""\n\n')
+    for module, says in (
+        (ed25519, "Ed25519, after RFC 8032, section 5.1.7"),
+        (packing, "The files of a bundle"),
+        (zip_frame, "The zip file"),
+        (steps, "Approvals, rows, speed and steps"),
     ):
-        inside = inspect.getsource(module).partition('"""\n\n')[2]
-        inside = re.sub(r"^(import|from) .*\n", "", inside, flags=re.MULTILINE).strip()
-        line = f"from {module.__name__} import {name}\n"
-        before, found, after = script.partition(line)
-        if not found:
-            raise AssertionError(f"verify.py does not have the line {line!r}")
-        script = f"{before}\n\n# {says}\n\n{inside}\n{after}"
-    return script.encode()
+        imported = re.compile(
+            rf"^from {module.__name__} import (\([^)]*\)|[^(\n]*)\n", re.MULTILINE
+        )
+        inside = inspect.getsource(module).partition('"""\n\n')[2].strip()
+        before, _, after = imported.split(script, 1)
+        script = f"{before}\n\n# {says}\n\n{inside}\n{imported.sub('', after)}"
+    taken: dict[str, set[str]] = {}
+    for source, names in STANDARD.findall(script):
+        taken.setdefault(source and f"from {source} ", set()).update(names.split(", "))
+    lines = [f"import {name}" for name in sorted(taken.pop(""))]
+    lines += [f"{source}import {', '.join(sorted(taken[source]))}" for source in sorted(taken)]
+    rest = STANDARD.sub("", script).lstrip()
+    return "\n".join((f'{head}"""', "", *lines, "", "", rest)).encode()
 
 
 def _moments(journal: Journal, count: int) -> tuple[list[Moment], str]:
@@ -150,11 +165,16 @@ def _head(journal: Journal, entries: list[verify.Entry], at: float) -> Mapping[s
 
 
 def _manifest(
-    session: str, entries: list[verify.Entry], at: float, content: Mapping[str, Path | bytes]
+    session: str,
+    entries: list[verify.Entry],
+    at: float,
+    content: Mapping[str, Path | bytes],
+    packed: str,
 ) -> bytes:
+    """The manifest; `packed` is the SHA-256 of all that the zip file has before it."""
     files = {name: _named(source) for name, source in sorted(content.items())}
-    about = {"format": verify.FORMAT, "session": session, "made_at": at, "made_with": __version__}
-    about |= {"entries": len(entries), "head": entries[-1].hash, "files": files}
+    about = {"format": packing.FORMAT, "session": session, "made_at": at, "made_with": __version__}
+    about |= {"entries": len(entries), "head": entries[-1].hash, "files": files, "packed": packed}
     return (json.dumps(about, indent=1, sort_keys=True) + "\n").encode()
 
 

@@ -1,6 +1,6 @@
 """Whether what went to the robot is what was approved: by whom, in which row, speed and steps.
 
-`verify.py` carries it along, so it imports nothing that `verify.py` does not.
+`verify.py` carries it along, so it imports nothing but Python's own.
 """
 
 import hashlib

@@ -14,31 +14,35 @@ change, but no key was given or the bundle is not signed, so anybody may have ma
 import argparse
 import hashlib
 import json
+import re
 import sqlite3
-import struct
 import sys
 import tempfile
-import zipfile
-import zlib
 from collections.abc import Iterable, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from workbench.app.evidence.ed25519 import is_signed
+from workbench.app.evidence.packing import (
+    SIGNATURE,
+    Bundle,
+    Problem,
+    file_problems,
+    manifest_of,
+    packing_problems,
+    signed_message,
+)
 from workbench.app.evidence.steps import approval_problems, step_problems
-from workbench.app.evidence.zip_frame import frame_problems
 
-FORMAT = "workbench-evidence/1"
-MANIFEST, SIGNATURE = "manifest.json", "manifest.sig"
 JOURNAL, FILES = "session/journal.sqlite", "session/files"
 DERIVED = ("log.json", "wire.txt", "approvals.json")
 """Made from the journal alone, so they are made again and compared."""
 
 FIRST = "0" * 64
-LARGEST_MANIFEST = 64 * 2**20
-BLOCK = 2**20
-UNREADABLE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError)
+SIGNED_BY = re.compile(rb"([0-9a-f]{64})\n([0-9a-f]{128})\n")
+"""Public key and signature; nothing else may stand beside them, since nothing signs that file."""
+
 KNOWN = {
     *(("table", name) for name in ("entries", "files", "entry_files", "sqlite_sequence")),
     *(("trigger", name) for name in ("entries_stay", "entries_remain")),
@@ -60,10 +64,6 @@ class Entry(NamedTuple):
     files: tuple[str, ...]
     previous: str
     hash: str
-
-
-class Problem(Exception):
-    """What ends the verification, as a sentence."""
 
 
 # The chain
@@ -217,48 +217,8 @@ def derived(entries: list[Entry]) -> dict[str, bytes]:
 # The bundle
 
 
-def manifest_of(archive: zipfile.ZipFile) -> tuple[bytes, dict[str, Any]]:
-    """The manifest as bytes and as values."""
-    try:
-        if archive.getinfo(MANIFEST).file_size > LARGEST_MANIFEST:
-            raise Problem("the manifest is longer than any")
-        content = archive.read(MANIFEST)
-        manifest = json.loads(content)
-        if manifest["format"] != FORMAT:
-            raise Problem(f"the format is {manifest['format']!r}, expected {FORMAT!r}")
-        if not all({"size", "sha256"} <= set(about) for about in manifest["files"].values()):
-            raise KeyError("size or sha256")
-        return content, manifest
-    except (KeyError, TypeError, ValueError, AttributeError):
-        raise Problem("there is no manifest, or it cannot be read") from None
-
-
-def file_problems(archive: zipfile.ZipFile, manifest: dict[str, Any]) -> Iterator[str]:
-    """Files that are not as the manifest has them, are missing, or that it does not name."""
-    there = set(archive.namelist()) - {MANIFEST, SIGNATURE}
-    for name in sorted(set(manifest["files"]) - there):
-        yield f"{name} is missing"
-    for name in sorted(there - set(manifest["files"])):
-        yield f"{name} is not in the manifest"
-    for name in sorted(there & set(manifest["files"])):
-        about = manifest["files"][name]
-        whole, left = hashlib.sha256(), about["size"]
-        if archive.getinfo(name).file_size != left:
-            yield f"{name} has another length than the manifest says"
-            continue
-        try:
-            with archive.open(name) as file:
-                while block := file.read(BLOCK):
-                    whole.update(block)
-        except UNREADABLE:
-            yield f"{name} is damaged"
-            continue
-        if whole.hexdigest() != about["sha256"]:
-            yield f"{name} is not the file that was signed"
-
-
 def journal_problems(
-    archive: zipfile.ZipFile, manifest: dict[str, Any], entries: list[Entry]
+    bundle: Bundle, manifest: dict[str, Any], entries: list[Entry]
 ) -> Iterator[str]:
     """Where journal, manifest and what was made from the journal do not agree."""
     yield from chain_problems(entries)
@@ -271,13 +231,8 @@ def journal_problems(
             if manifest["files"].get(name, {}).get("sha256") != digest:
                 yield f"the file {digest[:12]} of entry {entry.number} is missing or another one"
     for name, content in derived(entries).items():
-        if name not in manifest["files"] or archive.read(name) != content:
+        if name not in manifest["files"] or bundle.read(name, len(content)) != content:
             yield f"{name} does not tell what the journal tells"
-
-
-def signed_message(manifest: bytes) -> bytes:
-    """What is signed: the manifest, and what it is, so that no other signature passes for it."""
-    return FORMAT.encode() + b"\n" + manifest
 
 
 # All of it
@@ -289,16 +244,22 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
     remarks: list[str] = []
     missing: list[str] = []
     try:
-        with zipfile.ZipFile(path) as archive, tempfile.TemporaryDirectory() as folder:
-            problems.extend(frame_problems(path, archive))
-            content, manifest = manifest_of(archive)
-            problems.extend(_signature_problems(archive, content, key, missing))
-            problems.extend(file_problems(archive, manifest))
+        with path.open("rb") as file, tempfile.TemporaryDirectory() as folder:
+            try:
+                bundle = Bundle(file)
+            except ValueError as error:
+                raise Problem(f"the zip file cannot be read: {error}") from None
+            content, manifest = manifest_of(bundle)
+            problems.extend(_signature_problems(bundle, content, key, missing))
+            problems.extend(packing_problems(bundle, manifest))
+            problems.extend(file_problems(bundle, manifest))
             if problems:
                 return problems, remarks, missing
-            database = Path(archive.extract(JOURNAL, folder)).resolve()
+            database = Path(folder).resolve() / "journal.sqlite"
+            with database.open("wb") as copy:
+                copy.writelines(bundle.blocks(JOURNAL))
             entries = entries_of(database)
-            problems.extend(journal_problems(archive, manifest, entries))
+            problems.extend(journal_problems(bundle, manifest, entries))
             remarks.extend(clock_remarks(entries))
             if anchors is not None:
                 problems.extend(anchor_problems(entries, manifest["session"], anchors))
@@ -306,26 +267,24 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
             remarks.append(f"  {manifest['head']}")
     except Problem as problem:
         problems.append(str(problem))
-    except (*UNREADABLE, OSError, LookupError, TypeError, ValueError, struct.error) as error:
+    except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
         problems.append(f"cannot be read: {error}")
     return problems, remarks, missing
 
 
 def _signature_problems(
-    archive: zipfile.ZipFile, content: bytes, key: bytes | None, missing: list[str]
+    bundle: Bundle, content: bytes, key: bytes | None, missing: list[str]
 ) -> Iterator[str]:
-    if SIGNATURE not in archive.namelist():
+    if SIGNATURE not in bundle.members:
         missing.append("the bundle is not signed: anybody may have made it")
         if key is not None:
             yield "the bundle is not signed, and a key was given"
         return
-    with archive.open(SIGNATURE) as file:
-        words = file.read(1000).decode("ascii", "replace").split()
-    try:
-        public_key, signature = (bytes.fromhex(word) for word in words)
-    except ValueError:
+    words = SIGNED_BY.fullmatch(bundle.read(SIGNATURE, 1000))
+    if words is None:
         yield "the signature cannot be read"
         return
+    public_key, signature = (bytes.fromhex(word.decode()) for word in words.groups())
     if not is_signed(public_key, signature, signed_message(content)):
         yield "the signature is not that of the manifest"
     elif key is None:

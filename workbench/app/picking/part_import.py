@@ -136,7 +136,7 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
         InputError: the file cannot be used, see `make_part`.
     """
     # Its own name goes into the part's file.
-    with uploaded(command.file, command.content.tobytes()) as file:
+    with uploaded(command.file, command.content.data) as file:
 
         def go_on(done: float, note: str) -> None:
             if cancelled():

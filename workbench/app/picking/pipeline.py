@@ -1,7 +1,7 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -17,13 +17,16 @@ from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time, working_time
-from workbench.plugins.progress import Cancelled, Report, never, silent
+from workbench.plugins.progress import Cancelled, Report, never, silent, within
 from workbench.plugins.robot_link import misfit
 from workbench.proof.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
 NOTHING: Mapping[int, str] = MappingProxyType({})
+
+TRIED, JUDGED = 0.2, 0.75
+"""Shares of a look at candidates after which the hands were tried, and all candidates judged."""
 
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
@@ -87,13 +90,13 @@ def plan_pick(
     results: list[PlanResult] = []
     levels = levels_of(cell)
     for number, level in enumerate(levels):
-        found = propose(world, priorities=level)
+        # The last tenth is for the proof.
+        part = within(report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
+        found = propose(world, priorities=level, looked=_counting(part, cancelled))
         lap("propose")
-        share = (number / len(levels), (number + 1) / len(levels))
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and strategy == "auto" else world.deadline
-        within = _within(report, *share)
-        _judge(world, _without(avoided, found), looked, seed, within, cancelled, until)
+        _judge(world, _without(avoided, found), looked, seed, part, cancelled, until)
         lap("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
@@ -105,6 +108,7 @@ def plan_pick(
             plan, verdict, proof, bound = None, _summary(looked.candidates), None, 0.0
             plans: tuple[Plan, ...] = ()
             if looked.picks:
+                part(JUDGED, "looking for the motion")
                 plans, verdict = planned(
                     world, looked.picks, one, threshold, scan_digest, seed, cancelled
                 )
@@ -204,7 +208,8 @@ def judge(
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
     world, looked = World(cell, detections, obstacles), _Looked()
-    _judge(world, propose(world), looked, seed, report, cancelled, world.deadline)
+    found = propose(world, looked=_counting(report, cancelled))
+    _judge(world, found, looked, seed, report, cancelled, world.deadline)
     return tuple(looked.candidates)
 
 
@@ -219,9 +224,15 @@ class _Looked:
     )
 
 
-def _within(report: Report, begin: float, end: float) -> Report:
-    """Progress of a part of the work."""
-    return lambda done, note: report(begin + (end - begin) * done, note)
+def _counting(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
+    """Tells how many hands were tried, of how many, until `cancelled` ends that."""
+
+    def looked(count: int, of: int) -> None:
+        if cancelled():
+            raise JobCancelled("planning was cancelled")
+        report(TRIED * count / of, f"hand check {count} of {of}")
+
+    return looked
 
 
 def _judge(
@@ -237,9 +248,8 @@ def _judge(
     for number, candidate in enumerate(candidates):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        report(
-            0.05 + 0.6 * number / len(candidates), f"candidate {number + 1} of {len(candidates)}"
-        )
+        done = TRIED + (JUDGED - TRIED) * number / len(candidates)
+        report(done, f"candidate {number + 1} of {len(candidates)}")
         verdict = candidate.verdict
         if verdict.is_ok:
             others = looked.working.setdefault((candidate.arm, candidate.detection), [])

@@ -12,7 +12,7 @@ from workbench.model.cell import Cell, PlanOverrides, Policy
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
 from workbench.planning.planners.clock import processor_time, working_time
-from workbench.plugins.progress import Cancelled, Report, never, silent
+from workbench.plugins.progress import Cancelled, Report, never, silent, within
 from workbench.proof.prove import prove, scene_after
 
 MOST_PARTS = 4
@@ -70,7 +70,7 @@ def regrasped(
     words = "no pose on a station from which it can be taken to a place"
     for count, number in enumerate(numbers):
         kind = scene.detections[number].part
-        told = _within(report, count / len(numbers), (count + 1) / len(numbers))
+        told = within(report, count / len(numbers), (count + 1) / len(numbers))
         if kind not in stands:
             stands[kind] = search.stands(kind, told)
         refusals: list[Verdict] = []
@@ -172,8 +172,3 @@ def _all_but(number: int, scene: Scene) -> dict[int, str]:
     """Parts that are left alone while one is taken over a station."""
     why = "another part is brought to its place over a station"
     return {other: why for other in range(len(scene.detections)) if other != number}
-
-
-def _within(report: Report, begin: float, end: float) -> Report:
-    """Progress of a part of the work."""
-    return lambda done, note: report(begin + (end - begin) * done, note)

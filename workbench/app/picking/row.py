@@ -15,9 +15,12 @@ from workbench.model.scan import GOES_UNSEEN, Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
 from workbench.planning.planners.clock import working_time
-from workbench.plugins.progress import Report, silent
+from workbench.plugins.progress import Report, rising, silent, within
 from workbench.proof.prove import may_have_moved, scene_after
 from workbench.proof.prove import prove as prove_in
+
+USUALLY = 2 / 3
+"""Share of the progress for a look that usually brings a plan, before one that is made else."""
 
 TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
 
@@ -61,11 +64,14 @@ def plan_row(
     """
     check_picks(cell, picks)
     scene = Scene(scan_digest, detections, obstacles)
+    report = rising(report)
     if unseen:
         clear = replace(scene, obstacles=(*obstacles, *unseen))
-        result = _rows(cell, clear, picks, avoided, strategy, report, **asked)
+        first = within(report, 0.0, USUALLY)
+        result = _rows(cell, clear, picks, avoided, strategy, first, **asked)
         if _holds(result):
             return result
+        report = within(report, USUALLY, 1.0)
     result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
     return _noted(cell, scene, result, GOES_UNSEEN) if unseen and _holds(result) else result
 
@@ -126,8 +132,8 @@ def _rows(
     if strategy != "both" or picks == 1:
         return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
     rows = [
-        _row(cell, scene, picks, avoided, _named(report, one), strategy=one, **asked)
-        for one in BOTH
+        _row(cell, scene, picks, avoided, _of(report, one, k, len(BOTH)), strategy=one, **asked)
+        for k, one in enumerate(BOTH)
     ]
     return best_of(cell, rows)
 
@@ -149,7 +155,8 @@ def _row(
 ) -> PlanResult:
     """A plan and those after it, all by one strategy."""
     left = dict(avoided)
-    first = _next(cell, scene, left, report, is_last=picks == 1, **asked)
+    told = within(report, 0.0, 1.0 / picks)
+    first = _next(cell, scene, left, told, is_last=picks == 1, **asked)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
@@ -165,7 +172,7 @@ def _row(
             ends = ends or "no part is left"
             break
         done += 1
-        told = _named(report, f"plan {done} of {picks}")
+        told = _of(report, f"plan {done} of {picks}", done - 1, picks)
         result = _next(cell, scene, left, told, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             words = f"no plan after that: {result.verdict}"
@@ -196,27 +203,30 @@ def _next(
     Where no part can be put to its place, two plans that bring one there over a station.
     """
 
-    def planned(left: Mapping[int, str]) -> PlanResult:
+    def planned(left: Mapping[int, str], begin: float, end: float) -> PlanResult:
         return plan_pick(
             cell,
             scene.detections,
             scene.scan_digest,
             obstacles=scene.obstacles,
             avoided=left,
-            report=report,
+            report=within(report, begin, end),
             **asked,
         )
 
+    whole = USUALLY if cell.stations else 1.0
     heaps = World(cell, scene.detections, scene.obstacles).part_ways.heaps
     heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
     result: PlanResult | None = None
     if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):
-        result = planned({**dict.fromkeys(heaped, TAKEN_LAST), **avoided})
+        lonely = {**dict.fromkeys(heaped, TAKEN_LAST), **avoided}
+        result = planned(lonely, 0.0, USUALLY * whole)
     if result is None or not _holds(result):
-        result = planned(avoided)
+        result = planned(avoided, 0.0 if result is None else USUALLY * whole, whole)
     if _holds(result) or not cell.stations:
         return result
-    return regrasped(cell, scene, result, avoided=avoided, report=report, **asked)
+    told = within(report, whole, 1.0)
+    return regrasped(cell, scene, result, avoided=avoided, report=told, **asked)
 
 
 def _holds(result: PlanResult) -> bool:
@@ -230,5 +240,7 @@ def _left(plan: Plan, avoided: Mapping[int, str]) -> dict[int, str]:
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
 
 
-def _named(report: Report, name: str) -> Report:
-    return lambda done, note: report(done, f"{name}: {note}")
+def _of(report: Report, name: str, number: int, count: int) -> Report:
+    """Progress of one of so many plans or rows, counted from 0, with its name before each note."""
+    part = within(report, number / count, (number + 1) / count)
+    return lambda done, note: part(done, f"{name}: {note}")

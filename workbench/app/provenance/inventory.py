@@ -75,24 +75,34 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
         yield "the scanner's pose differs"
     if not parts and old.calibration == new.calibration and old.cell_digest != new.cell_digest:
         yield "the cell differs"
-    yield from _told(_users(old), _users(new))
+    yield from _people(old.users, new.users)
 
 
 def _versions(inventory: Inventory) -> Mapping[str, str]:
     return {one.name: one.version for one in inventory.distributions}
 
 
-def _users(inventory: Inventory) -> Mapping[str, str]:
-    return {f"user {name}": role for name, role in inventory.users.items()}
+def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+    """Who may come in now, or may not any more, or in another role; both are name -> role."""
+    return _changed(
+        old, new, "new user {name} ({has})", "user {name} ({was}) is gone",
+        "user {name} is {has} now, was {was}",
+    )  # fmt: skip
 
 
 def _told(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
     """What came, went or changed in a mapping from names to something short."""
+    return _changed(
+        old, new, "{name} {has} has come", "{name} {was} has gone", "{name} {was} is {has} now"
+    )
+
+
+def _changed(
+    old: Mapping[str, str], new: Mapping[str, str], come: str, gone: str, other: str
+) -> Iterator[str]:
+    """A sentence for each name whose value `was` and `has` differ, by three templates."""
     for name in sorted({*old, *new}):
         was, has = old.get(name), new.get(name)
-        if was is None:
-            yield f"{name} {has} has come"
-        elif has is None:
-            yield f"{name} {was} has gone"
-        elif was != has:
-            yield f"{name} {was} is {has} now"
+        if was != has:
+            template = come if was is None else gone if has is None else other
+            yield template.format(name=name, was=was, has=has)

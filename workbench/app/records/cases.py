@@ -100,14 +100,14 @@ def write_case(path: Path, case: Case) -> None:
         "part_digests": {part.name: part.digest for part in case.cell.parts},
         "scan_digest": case.scan.digest,
     }
-    content: dict[str, Path | bytes] = {
+    content: dict[str, Path | bytes | memoryview] = {
         "case.json": json.dumps(head, indent=1, ensure_ascii=False).encode(),
         "cell.json": json.dumps(cell, ensure_ascii=False).encode(),
         "scan.json": json.dumps(scan).encode(),
     }
     arrays = large_arrays(case)
     content |= {f"files/{digest}": arrays[digest] for digest in sorted(arrays)}
-    size = sum(len(one) for one in content.values() if isinstance(one, bytes))
+    size = sum(len(one) for one in content.values() if not isinstance(one, Path))
     if size > LARGEST:
         raise FileError(path, f"would have {size / MB:.0f} MB; up to {LARGEST / MB:.0f} are kept")
     write_archive(path, content)

@@ -22,7 +22,9 @@ from workbench.model.digest import LARGE, canonical, digest_of
 from workbench.model.plan import Strategy
 from workbench.plugins.robot_link import link_named
 
-ReadFile = Callable[[str], bytes]
+Content = bytes | memoryview
+
+ReadFile = Callable[[str], Content]
 """SHA-256 -> content."""
 
 
@@ -30,9 +32,12 @@ PLAIN = frozenset({str, int, float, bool})
 """Types that JSON has."""
 
 
-def large_arrays(value: Any) -> dict[str, bytes]:
-    """The bytes of all arrays in a value that its canonical form names by digest only."""
-    found: dict[str, bytes] = {}
+def large_arrays(value: Any) -> dict[str, memoryview]:
+    """The bytes of all arrays in a value that its canonical form names by digest only.
+
+    None is copied: no other thread runs while Python copies bytes, and scans have many.
+    """
+    found: dict[str, memoryview] = {}
     _collect(value, found)
     return found
 
@@ -138,11 +143,12 @@ def _restored_array(form: Any, read: ReadFile) -> np.ndarray[Any, Any]:
     return np.frombuffer(read(shape["sha256"]), dtype=shape["type"]).reshape(shape["shape"])
 
 
-def _collect(value: Any, found: dict[str, bytes]) -> None:
+def _collect(value: Any, found: dict[str, memoryview]) -> None:
     match value:
         case np.ndarray():
             if value.size > LARGE:
-                content = cast(np.ndarray[Any, Any], value).tobytes()
+                block: np.ndarray[Any, Any] = np.ascontiguousarray(value)
+                content = block.reshape(-1).view(np.uint8).data
                 found[hashlib.sha256(content).hexdigest()] = content
         case Mapping():
             for item in cast(Mapping[Any, Any], value).values():

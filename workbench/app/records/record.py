@@ -5,6 +5,7 @@ and when, and what the state was afterwards, so that people can read a session w
 program and `replay` can check that it still computes the same.
 """
 
+import functools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +20,8 @@ from workbench.app.core.commands import (
 )
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
-from workbench.app.records.forms import ReadFile, large_arrays, restored
+from workbench.app.records.forms import Content, ReadFile, large_arrays, restored
+from workbench.formats.files.json_pieces import encoded
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.digest import canonical, digest_of
@@ -67,16 +69,19 @@ class Record:
 
     kind: str
     body: bytes
-    files: Mapping[str, bytes]
+    files: Mapping[str, Content]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CommandForm:
-    """A command ready to be written; made apart, as the arrays of a scan take a while."""
+    """A command ready to be written; made apart, as the arrays of a scan take a while.
+
+    `form` is its JSON.
+    """
 
     kind: str
-    form: Any
-    files: Mapping[str, bytes]
+    form: bytes
+    files: Mapping[str, Content]
 
 
 def session_record(cell: Cell, at: float, after: Mapping[str, Any] | None = None) -> Record:
@@ -106,7 +111,7 @@ def command_form(command: Command) -> CommandForm:
         form = {"number": command.number, "result": _result_form(command.result)}
     else:
         form = canonical(command)
-    return CommandForm(type(command).__name__, form, large_arrays(command))
+    return CommandForm(type(command).__name__, _json(form), large_arrays(command))
 
 
 def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
@@ -117,10 +122,8 @@ def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
         command: the form of the entry's command.
         after: the state that follows from it.
     """
-    body = {
-        "at": entry.at,
-        "actor": entry.actor,
-        "command": command.form,
+    begins = _json({"at": entry.at, "actor": entry.actor})
+    body: dict[str, Any] = {
         "after": summary(after),
         "approval": None if after.approval is None else canonical(after.approval),
     }
@@ -128,7 +131,8 @@ def entry_record(entry: Entry, command: CommandForm, after: State) -> Record:
         body["role"] = str(entry.role)
     if entry.joints:
         body["joints"] = dict(entry.joints)
-    return Record(command.kind, _json(body), command.files)
+    whole = b'%s,"command":%s,%s' % (begins[:-1], command.form, _json(body)[1:])
+    return Record(command.kind, whole, command.files)
 
 
 def summary(state: State) -> Mapping[str, Any]:
@@ -157,9 +161,15 @@ def summary(state: State) -> Mapping[str, Any]:
         "control": state.control or None,
         "ran": None if state.ran is None else state.ran.digest,
         "changed": list(state.changed) or None,
-        "emptied": None if state.emptying is None else digest_of(state.emptying),
+        "emptied": None if state.emptying is None else _digest_of(state.emptying),
         "asking": list(state.asking) or None,
     }
+
+
+@functools.lru_cache(maxsize=2)
+def _digest_of(emptying: Emptying) -> str:
+    """Worked out once: every entry of a motion has it."""
+    return digest_of(emptying)
 
 
 def entry_of(
@@ -243,4 +253,4 @@ def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
 
 
 def _json(body: Mapping[str, Any]) -> bytes:
-    return json.dumps(body, ensure_ascii=False, separators=(",", ":")).encode()
+    return encoded(body, allow_nan=True)

@@ -1,17 +1,13 @@
 """A backup put back: all of it is read first, and then it is there wholly or not at all.
 
-Run as a program it looks into a backup, or restores it, for whoever must not do so: reading what
+A process of its own looks into a backup, or restores it, for whoever must not do so: reading what
 comes from outside may end a process, and cells name parts below the working directory.
 """
 
 import contextlib
 import filecmp
 import json
-import os
-import subprocess
-import sys
-import tempfile
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
@@ -19,10 +15,12 @@ from typing import Literal
 from workbench.app.records.keeping import FORMAT, KINDS, MANIFEST, files_of, things_in
 from workbench.app.records.session_archive import check_journal
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.apart import Answer, apart, finish
 from workbench.formats.files.archives import unpacked_beside
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError, WorkbenchError
+from workbench.plugins.progress import Cancelled, never
 
 KEPT_USERS = "users.json"
 """The users in a backup, if it has them."""
@@ -31,7 +29,7 @@ LARGEST = 10 * 2**20
 """[bytes] Of the manifest, and of the users."""
 
 LONGEST = 300.0
-"""[s] That a process of its own may take for a backup."""
+"""[s] Of processor time that a process of its own may take for a backup."""
 
 Fate = Literal["new", "replaced", "the same", "left as it is"]
 
@@ -150,13 +148,19 @@ def put_in_place(root: Path, backup: Unpacked) -> None:
         raise
 
 
-def look_apart(file: Path, root: Path) -> tuple[Thing, ...]:
+def look_apart(file: Path, root: Path, *, cancelled: Cancelled = never) -> tuple[Thing, ...]:
     """What restoring a backup would do below a working directory, told by a process of its own.
+
+    Args:
+        file: the backup.
+        root: the working directory.
+        cancelled: True once nobody wants to know any more.
 
     Raises:
         InputError: it cannot be restored.
+        JobCancelled: it was cancelled.
     """
-    return _apart(file, root)
+    return _apart(file, root, is_put=False, cancelled=cancelled)
 
 
 def restore_apart(file: Path, root: Path) -> tuple[Thing, ...]:
@@ -165,52 +169,33 @@ def restore_apart(file: Path, root: Path) -> tuple[Thing, ...]:
     Raises:
         InputError: nothing was restored, and why.
     """
-    return _apart(file, root, PUT)
+    return _apart(file, root, is_put=True, cancelled=never)
 
 
-PUT = "put"
-
-
-def _apart(file: Path, root: Path, *more: str) -> tuple[Thing, ...]:
-    command = [sys.executable, "-m", __name__, str(file.resolve()), str(root.resolve()), *more]
-    # The same packages as here, wherever this process has them from.
-    places = os.pathsep.join(os.path.abspath(place) for place in sys.path)
-    with tempfile.TemporaryFile() as out:
-        try:
-            ended = subprocess.run(
-                command,
-                env={**os.environ, "PYTHONPATH": places},
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=subprocess.DEVNULL,
-                timeout=LONGEST,
-            )
-        except subprocess.TimeoutExpired:
-            raise InputError(f"the backup could not be read within {LONGEST:g} s") from None
-        out.seek(0)
-        try:
-            told = json.loads(out.read())
-        except ValueError:
-            raise InputError(
-                f"the backup cannot be read: it made its reader end (code {ended.returncode})"
-            ) from None
-    if isinstance(told, str):
-        raise InputError(told)
-    return tuple(Thing(**one) for one in told)
-
-
-def _main(arguments: Sequence[str]) -> None:
-    file, root = Path(arguments[0]), Path(arguments[1])
+def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tuple[Thing, ...]:
     try:
-        with unpacked(file, root) as backup:
+        answer = apart(
+            file, looked_into, str(root.resolve()), is_put, longest=LONGEST, cancelled=cancelled
+        )
+    except FileError as error:
+        # Where the file lies for now says nothing to anybody.
+        raise InputError(f"{file.name}: {error.problem}") from None
+    return tuple(Thing(**one) for one in answer.told)
+
+
+def looked_into(file: Path, root: str, is_put: bool) -> Answer:
+    """What the process of its own does.
+
+    Raises:
+        InputError: as `look_apart` has it.
+    """
+    try:
+        with unpacked(file, Path(root)) as backup:
             if backup.users is not None:
                 raise InputError("the backup holds users: restore it from a shell")
-            if PUT in arguments[2:]:
-                put_in_place(root, backup)
-            print(json.dumps([asdict(thing) for thing in backup.things]))
+            if is_put:
+                finish()
+                put_in_place(Path(root), backup)
+            return Answer([asdict(thing) for thing in backup.things])
     except WorkbenchError as error:
-        print(json.dumps(str(error).replace(str(file), file.name)))
-
-
-if __name__ == "__main__":
-    _main(sys.argv[1:])
+        raise InputError(str(error).replace(str(file), file.name)) from None

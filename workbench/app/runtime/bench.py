@@ -24,7 +24,7 @@ from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKE
 from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import check_installed, with_facts
-from workbench.app.records.record import command_form, entry_record
+from workbench.app.records.record import CommandForm, command_form, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import begin
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -152,8 +152,10 @@ class Bench:
         allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
         command = with_facts(self._state, command)
-        # A scan takes a while to become bytes: nobody else should wait for that.
+        # A scan takes a while to become bytes, and to reach the disk: nobody else waits for that,
+        # least of all a stop.
         form = command_form(command)
+        self._keep(form)
         with self._changed:
             if self._is_ending and actor not in MACHINES:
                 raise CommandRefused("the workbench is closing")
@@ -184,6 +186,14 @@ class Bench:
             self._publish(after)
             self._run(effects)
         return after
+
+    def _keep(self, form: CommandForm) -> None:
+        try:
+            self._journal.keep(form.files)
+        except JournalError as error:
+            raise NotRecorded(
+                f"the journal cannot be written, so nothing was done: {error}"
+            ) from error
 
     def _asks_for_joints(self, command: Command) -> bool:
         """Whether how the robot stands counts in a command: where it lets a plan go out."""

@@ -211,6 +211,8 @@ class EffectRunner:
         return read_cell(self._cell_file), f"saved: {', '.join(told)}"
 
     def _show(self, **changes: Any) -> None:
+        if joints := changes.get("joints"):
+            changes |= {"last_joints": joints, "reported_at": self._now()}
         with self._lock:
             self._live = replace(self._live, **changes)
 

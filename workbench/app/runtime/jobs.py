@@ -7,7 +7,6 @@ new one takes its place.
 
 import logging
 import multiprocessing
-import pickle
 import signal
 import threading
 import time
@@ -29,8 +28,11 @@ from workbench.app.runtime.worker import (
     Request,
     Success,
     Unable,
+    in_parts,
     packed,
+    receive,
     run_worker,
+    send,
 )
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, WorkbenchError
@@ -362,12 +364,12 @@ class _Worker:
 
     def send(self, request: Request) -> None:
         try:
-            self.connection.send_bytes(packed(request))
+            send(self.connection, in_parts(request))
         except OSError:
             log.warning("the worker process ended before it could be given a task")
 
     def receive(self) -> Message:
-        return pickle.loads(self.connection.recv_bytes())
+        return receive(self.connection)
 
     def kill(self, *, patience: float = 0.0) -> str:
         """End the process, unless it ends by itself within `patience` [s], and say how it ended."""

@@ -19,8 +19,10 @@ class Live:
 
     `job` is the number of the job that `done` (0..1), `note` and `started` [s since the epoch]
     belong to, 0 before the first.  `getting_ready` is what jobs wait for just now, if anything;
-    it does not count as their time.  `joints` (name -> rad) is what the controller reported
-    last, `robot` its own word for what it does; both are empty while it reports nothing.  `link`
+    it does not count as their time.  `joints` (name -> rad) is what the controller reports,
+    `robot` its own word for what it does; both are empty while it reports nothing.  `last_joints`
+    (name -> rad) is what it reported last, at `reported_at` [s since the epoch], also when it
+    reports nothing any more; empty before its first report.  `link`
     is how the last connection for motion stands, or how it ended.
     `findings` are of the last search for parts, with what it rejected: the journal keeps the
     parts alone, since the rest decides nothing and can be computed again.  So are `films` of the
@@ -35,6 +37,8 @@ class Live:
     started: float = 0.0
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
     robot: str = ""
+    last_joints: Mapping[str, float] = field(default_factory=dict[str, float])
+    reported_at: float = 0.0
     link: LinkStatus = field(default_factory=LinkStatus)
     findings: LocalizationResult | None = None
     films: Filmed | None = None

@@ -15,11 +15,17 @@ from workbench.app.core.release import moved_away
 from workbench.app.core.state import State
 from workbench.app.runtime.insisting import insist
 from workbench.model.cell import Cell
-from workbench.model.errors import CommandRefused, JobCancelled, LinkError, WorkbenchError
+from workbench.model.errors import (
+    CommandRefused,
+    JobCancelled,
+    LinkError,
+    ProtocolError,
+    WorkbenchError,
+)
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, PartReport, Receipt, RobotState
-from workbench.plugins.robot_link import USUAL, LinkPatience, link_named, send
+from workbench.plugins.robot_link import USUAL, LinkPatience, send, states
 
 log = logging.getLogger(__name__)
 
@@ -101,6 +107,8 @@ class LinkRunner:
         # Connections for reports that were wanted, and the one that the report came by.
         self._wanted = self._told = 0
         self._runs: queue.SimpleQueue[tuple[Run, Approval] | None] = queue.SimpleQueue()
+        # The sending that goes on, and the same where the reports alone say what is done.
+        self._going: Run | None = None
         self._run: Run | None = None
         self._current: Run | None = None
         self._used: set[str] = set()
@@ -163,7 +171,7 @@ class LinkRunner:
         except Exception as error:
             # Whatever it is, the sending must not seem to go on for ever.
             log.exception("the end of a sending cannot be told as it was")
-            self._run = None
+            self._going = self._run = None
             # A text that no journal can hold may have been the reason.
             self._end((fault or _internal(error)).encode("ascii", "backslashreplace").decode())
             self._show_link(replace(self._status, phase="closed"))
@@ -177,7 +185,7 @@ class LinkRunner:
                 raise JobCancelled("stopped before anything of this plan was sent")
             self._spend(approval)
             # Where the link says nothing, nobody else compares what is done with what was said.
-            self._run = run if is_silent else None
+            self._going, self._run = run, run if is_silent else None
             receipts = send(
                 run.plan,
                 approval,
@@ -209,7 +217,7 @@ class LinkRunner:
 
     def _outcome(self, run: Run, fault: str) -> tuple[int, tuple[PartReport, ...]]:
         """How many parts were put down, and what is known of each."""
-        self._run = None
+        self._going = self._run = None
         self._show_link(replace(self._status, phase="closed"))
         parts = self._parts(run)
         placed = sum(part.is_picked is True for part in parts)
@@ -324,9 +332,11 @@ class LinkRunner:
                 return self._closing.is_set() or self._wanted != wanted
 
             try:
-                link = link_named(cell.controller.link)
-                for report in link.states(cell, is_over):
+                for report in states(cell, is_over):
                     self._take(report, wanted)
+            except ProtocolError as error:
+                log.debug("what the robot reports makes no sense: %s", error)
+                self._doubt(str(error))
             except LinkError as error:
                 log.debug("no report from the robot: %s", error)
             except Exception:
@@ -344,6 +354,12 @@ class LinkRunner:
             self._show(joints=self._by_joint(report.joints), robot=_words(report))
         elif before is not None:
             self._show(joints={}, robot="")
+
+    def _doubt(self, why: str) -> None:
+        """A robot of which nonsense is reported goes on with no plan."""
+        run = self._going
+        if run is not None and not run.doubt:
+            run.doubted_at, run.doubt = self._patience.clock(), why
 
     def _compare(self, report: RobotState) -> None:
         """Whether a report fits what was sent; if not, the sending is to stop."""

@@ -113,12 +113,60 @@ class Failure:
 Message = GettingReady | Ready | Unable | Progress | Success | Failure
 
 
-def packed(message: Message | Request | Cell) -> bytes:
-    """Bytes for the other process.
+Parts = tuple[bytes | memoryview, ...]
+"""A message as it goes to the other process: itself, then its large arrays as they lie in memory.
+
+While Python copies bytes no other thread runs, and a scan has a hundred million of them.
+"""
+
+LARGE = 2**16
+"""[bytes] Arrays with more are not copied."""
+
+
+def packed(cell: Cell) -> bytes:
+    """Bytes of a cell for the other process.
 
     Protocol 5 brings read-only arrays back as read-only ones; the older default does not.
     """
-    return pickle.dumps(message, protocol=5)
+    return pickle.dumps(cell, protocol=5)
+
+
+def in_parts(message: Message | Request) -> Parts:
+    """A message for the other process, which brings read-only arrays back as read-only ones."""
+    large: list[memoryview] = []
+
+    def stays_inside(buffer: pickle.PickleBuffer) -> bool:
+        block = buffer.raw()
+        # What may be written to has to come back so.
+        if not block.readonly or block.nbytes < LARGE:
+            return True
+        large.append(block)
+        return False
+
+    head = pickle.dumps(message, protocol=5, buffer_callback=stays_inside)
+    return (len(large).to_bytes(4, "big"), head, *large)
+
+
+def send(connection: Connection, parts: Parts) -> None:
+    """Send a message.
+
+    Raises:
+        OSError: the other process has ended.
+    """
+    for part in parts:
+        connection.send_bytes(part)
+
+
+def receive(connection: Connection) -> Any:
+    """The next message.
+
+    Raises:
+        EOFError, OSError: the other process has ended.
+        Exception: whatever unpacking raises; the message after it can be received.
+    """
+    count = int.from_bytes(connection.recv_bytes(), "big")
+    head, *large = (connection.recv_bytes() for _ in range(count + 1))
+    return pickle.loads(head, buffers=large)
 
 
 def run_worker(connection: Connection, module: str, to_cancel: Flag) -> None:
@@ -148,19 +196,19 @@ def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
         jobs: Mapping[str, JobFunction] = work.JOBS
         get_ready: Callable[[Report], object] | None = getattr(work, "GET_READY", None)
         if get_ready is not None:
-            get_ready(lambda done, note: connection.send_bytes(packed(GettingReady(done, note))))
+            get_ready(lambda done, note: send(connection, in_parts(GettingReady(done, note))))
     except Exception as error:
         problem = WorkbenchError(f"the worker process cannot start: {_described(error)}")
-        connection.send_bytes(packed(Unable(problem, traceback.format_exc())))
+        send(connection, in_parts(Unable(problem, traceback.format_exc())))
         return
-    connection.send_bytes(packed(Ready()))
+    send(connection, in_parts(Ready()))
     # Whatever is kept for a cell, such as its shapes, is kept for this very object.
     cell, unpacked = b"", None
     while True:
-        request: Request = pickle.loads(connection.recv_bytes())
+        request: Request = receive(connection)
         if unpacked is None or request.cell != cell:
             cell, unpacked = request.cell, pickle.loads(request.cell)
-        connection.send_bytes(_answer(request, unpacked, jobs, connection, to_cancel))
+        send(connection, _answer(request, unpacked, jobs, connection, to_cancel))
 
 
 def _answer(
@@ -169,7 +217,7 @@ def _answer(
     jobs: Mapping[str, JobFunction],
     connection: Connection,
     to_cancel: Flag,
-) -> bytes:
+) -> Parts:
     number = request.number
     try:
         if request.name not in jobs:
@@ -179,12 +227,12 @@ def _answer(
         result = jobs[request.name](
             cell, request.arguments, report, lambda: to_cancel.value == number
         )
-        return packed(Success(number, result))
+        return in_parts(Success(number, result))
     except WorkbenchError as error:
-        return packed(Failure(number, error))
+        return in_parts(Failure(number, error))
     except Exception as error:
         problem = WorkbenchError(f"internal error, see the log: {_described(error)}")
-        return packed(Failure(number, problem, traceback.format_exc()))
+        return in_parts(Failure(number, problem, traceback.format_exc()))
 
 
 def _reporter(number: int, connection: Connection) -> Report:
@@ -195,7 +243,7 @@ def _reporter(number: int, connection: Connection) -> Report:
         now = time.monotonic()
         if note != last_note or now >= next_at:
             last_note, next_at = note, now + REPORT_EVERY
-            connection.send_bytes(packed(Progress(number, min(max(float(done), 0.0), 1.0), note)))
+            send(connection, in_parts(Progress(number, min(max(float(done), 0.0), 1.0), note)))
 
     return report
 

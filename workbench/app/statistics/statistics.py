@@ -26,6 +26,7 @@ from workbench.app.core.commands import (
 from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
+from workbench.model.candidate import Reason, kind_said
 from workbench.model.errors import JournalError
 
 Result = Literal["picked", "failed", "unknown"]
@@ -101,8 +102,8 @@ class Rate:
 class Statistics:
     """All cycles of one or more sessions, and what is counted beside them.
 
-    `refusals` are reasons and how often each refused a candidate; `judged` how often each grasp
-    was tried and would have worked.
+    `refusals` are what is said of refused candidates (`kind_of`), and of how many; `judged` how
+    often each grasp was tried and would have worked.
     """
 
     cycles: tuple[CycleRecord, ...] = ()
@@ -265,8 +266,11 @@ class Count:
 
     def _planned(self, at: float, result: Any) -> None:
         self._judged = added(self._judged, judged(self._parts, result["candidates"]))
+        verdicts = (one["verdict"] for one in result["candidates"])
         self._refusals.update(
-            reason for one in result["candidates"] if (reason := one["verdict"]["reason"]) != "ok"
+            kind_said(one["reason"], is_apart=(one["distance"] or 0.0) > 0)
+            for one in verdicts
+            if one["reason"] != Reason.OK
         )
         plan = result["plan"]
         if plan is None:

@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
+from workbench.cli.arguments.bench import Bench
+from workbench.cli.arguments.cell import CellCommands
 from workbench.cli.arguments.names import (
     CellName,
     CellOfPlan,
@@ -22,12 +24,12 @@ from workbench.cli.arguments.names import (
     Seed,
     UsersFile,
 )
-from workbench.cli.arguments.nested import Bench, CellCommands, SessionCommands
 from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.plc import CERTIFICATES, OpcUaCommands
 from workbench.cli.arguments.proving import Prove, Verify
 from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.scanner import ScannerCommands
+from workbench.cli.arguments.session import SessionCommands
 from workbench.cli.arguments.studies import Study
 from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Statistics
 
@@ -64,6 +66,8 @@ class Serve:
     """Take channels that are neither signed nor encrypted all the same."""
     log: Maybe[Path] = None
     """Write the log to this file, too, an object of JSON a line; turned at 10 MB, five are kept."""
+    stalls: Maybe[Path] = None
+    """Write what holds this process up for 50 ms or longer to this file, JSON, an object a line."""
     users: UsersFile = USERS
     certificate: Maybe[Path] = None
     """PEM file to serve over TLS with."""

@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 
-from workbench.cli.arguments.nested import CellSchema, CellShow
+from workbench.cli.arguments.cell import CellSchema, CellShow
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
 from workbench.formats.cells.reading import read_cell

@@ -8,7 +8,7 @@ import numpy as np
 from workbench.app.picking.pallets import pallet_problems, pallets_of
 from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import CellCheck
+from workbench.cli.arguments.cell import CellCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from workbench.cli.arguments import top as arguments
-from workbench.cli.arguments.nested import CellNew
+from workbench.cli.arguments.cell import CellNew
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.writer import write_cell

@@ -1,28 +1,127 @@
 """`workbench rapid`: modules in RAPID."""
 
-from dataclasses import asdict
+import sys
+from collections.abc import Sequence
+from typing import Any
 
 from workbench.cli.arguments.rapid import RapidCommands
-from workbench.cli.exits import BAD_INPUT, SUCCESS
+from workbench.cli.exits import BAD_INPUT, NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json
+from workbench.formats.rapid.backups.files import ENCODED
+from workbench.formats.rapid.check import Checked, Name, check
+from workbench.formats.rapid.merging import Merged, merge
+from workbench.formats.rapid.problems import (
+    LEFT_OUT,
+    REMARK,
+    UNKNOWN_NAME,
+    UNREADABLE,
+    WRONG,
+    Problem,
+)
 from workbench.model.errors import InputError
 
 
 def rapid(typed: RapidCommands) -> int:
-    """Check modules; one line for each problem."""
-    what = typed
-    if not what.paths:
-        raise InputError("which modules? a folder with a controller.toml, or files")
-    try:
-        from workbench.formats.rapid.check import check_modules
-    except ModuleNotFoundError as error:
-        raise InputError("this needs the library lark: pip install 'workbench[rapid]'") from error
-    problems = check_modules(what.paths, what.signal)
-    if what.json:
-        told = [asdict(problem) for problem in problems]
-        print_json({"ok": not problems, "problems": told})
+    """Check modules; one line for each mistake, and for each name that is not known or executed."""
+    if not typed.paths:
+        raise InputError("which modules? a folder, as a backup or robots/yumi/rapid, or files")
+    checked = check(typed.paths, typed.signal)
+    merged = merge(typed.paths, typed.beside) if typed.beside is not None else None
+    if typed.json:
+        print_json(_form(checked, merged))
     else:
-        for problem in problems:
-            print(problem)
-        print(f"{len(problems)} problems" if problems else "nothing speaks against them")
-    return BAD_INPUT if problems else SUCCESS
+        _tell(checked)
+        if merged is not None:
+            _tell_merged(merged)
+    if checked.of(UNREADABLE):
+        return BAD_INPUT
+    is_right = not checked.of(WRONG) and not (merged and merged.clashes)
+    return SUCCESS if is_right else NO_PLAN
+
+
+def _tell(checked: Checked) -> None:
+    unreadable, wrong, remarks = (checked.of(kind) for kind in (UNREADABLE, WRONG, REMARK))
+    unknown, left_out = checked.names(UNKNOWN_NAME), checked.names(LEFT_OUT)
+    for one in unreadable:
+        print(f"workbench: {one}", file=sys.stderr)
+    _list("wrong", wrong)
+    _list("not known here", [_line(one) for one in unknown])
+    _list("known, not executed here", [_line(one) for one in left_out])
+    _list("remarks", remarks)
+    modules = _count(len({path for _, paths in checked.tasks for path in paths}), "module")
+    print(
+        f"{modules} in {_count(len(checked.tasks), 'task')}: {len(wrong)} wrong, "
+        f"{len(unknown)} not known here, {len(left_out)} known and not executed here"
+    )
+    if checked.spare:
+        modules = _count(len(checked.spare), "module")
+        print(f"not checked, since no task loads them: {modules}, such as {checked.spare[0]}")
+    if not (unreadable or wrong):
+        print("nothing is wrong with them")
+
+
+def _count(number: int, word: str) -> str:
+    return f"{number} {word}" + ("s" if number != 1 else "")
+
+
+def _list(title: str, rows: Sequence[Problem | str]) -> None:
+    if rows:
+        print(f"{title}:")
+    for row in rows:
+        print(f"  {row}")
+
+
+def _line(one: Name) -> str:
+    if one.use == ENCODED:
+        return f"{one.first.module}: {ENCODED}"
+    uses = _count(one.uses, "use")
+    as_what = f", {one.use}" if one.use else ""
+    where = f"{one.first.module}:{one.first.line}"
+    there = ""
+    if one.elsewhere:
+        more = f" and {len(one.elsewhere) - 1} more" if len(one.elsewhere) > 1 else ""
+        there = f"; declared in {one.elsewhere[0]}{more}, not in this task"
+    return f"{one.name}{as_what}: {uses}, first in {where}{there}"
+
+
+def _tell_merged(merged: Merged) -> None:
+    _list("both declare", merged.clashes)
+    _list("both use", merged.shared)
+    _list("to be done", merged.steps)
+
+
+def _form(checked: Checked, merged: Merged | None) -> dict[str, Any]:
+    clashes = merged.clashes if merged is not None else []
+    form: dict[str, Any] = {
+        "ok": not (checked.of(WRONG) or checked.of(UNREADABLE) or clashes),
+        "unreadable": _places(checked.of(UNREADABLE)),
+        "wrong": _places(checked.of(WRONG)),
+        "not_known": [_name(one) for one in checked.names(UNKNOWN_NAME)],
+        "not_executed": [_name(one) for one in checked.names(LEFT_OUT)],
+        "remarks": _places(checked.of(REMARK)),
+        "not_loaded": checked.spare,
+        "tasks": [{"task": name, "modules": paths} for name, paths in checked.tasks],
+    }
+    if merged is not None:
+        form["beside"] = {
+            "clashes": _places(merged.clashes),
+            "shared": merged.shared,
+            "steps": merged.steps,
+        }
+    return form
+
+
+def _places(problems: Sequence[Problem]) -> list[dict[str, Any]]:
+    keys = ("module", "line", "column", "what")
+    return [{key: getattr(one, key) for key in keys} for one in problems]
+
+
+def _name(one: Name) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "used_as": one.use,
+        "uses": one.uses,
+        "module": one.first.module,
+        "line": one.first.line,
+        "declared_in": list(one.elsewhere),
+    }

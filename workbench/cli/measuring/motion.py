@@ -4,7 +4,7 @@ from typing import Any
 
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchMotion
+from workbench.cli.arguments.bench import BenchMotion
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.robots.motion_problems import read_motion_problems

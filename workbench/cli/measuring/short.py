@@ -11,7 +11,7 @@ from statistics import median
 from typing import Any
 
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchShort
+from workbench.cli.arguments.bench import BenchShort
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.files.json_keys import json_text, parse_object

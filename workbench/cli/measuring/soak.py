@@ -18,7 +18,7 @@ from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchSoak
+from workbench.cli.arguments.bench import BenchSoak
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.measuring.footprint import MEGABYTE, Footprint, footprint
 from workbench.cli.measuring.recalled import Recalled

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchPick, BenchPlanners
+from workbench.cli.arguments.bench import BenchPick, BenchPlanners
 from workbench.cli.arguments.studies import StudyLocalization, StudyThreshold
 from workbench.cli.exits import SUCCESS
 from workbench.cli.measuring.bop import BOP_COLUMNS, bop_words

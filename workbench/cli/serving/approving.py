@@ -10,7 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.plan import Plan, Proof, Proven, at_least, renumbered
-from workbench.plugins.robot_link import link_named
+from workbench.plugins.robot_link import states
 
 REPORTS = 2.0
 """[s] A controller that reports its joints does so within."""
@@ -104,12 +104,9 @@ def reported_joints(cell: Cell) -> Mapping[str, float]:
     timer = threading.Timer(REPORTS, ended.set)
     timer.start()
     try:
-        for report in link_named(cell.controller.link).states(cell, ended.is_set):
+        for report in states(cell, ended.is_set):
             reported = report.joints
             told = [(arm, reported[arm.name]) for arm in cell.arms if arm.name in reported]
-            for arm, q in told:
-                if len(q) != len(arm.joints):
-                    raise CommandRefused(f"{len(q)} joints are reported of the {arm.name} arm")
             return {j: v for arm, q in told for j, v in zip(arm.joints, q, strict=True)}
     except ProtocolError as error:
         raise CommandRefused(f"what is reported of the robot makes no sense: {error}") from error

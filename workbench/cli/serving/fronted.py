@@ -7,7 +7,7 @@ from pathlib import Path
 
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
-from workbench.cli.arguments.nested import SessionOpen
+from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
 from workbench.cli.serving.ending import told_to_end
 from workbench.cli.terminal import check_number, check_whole
@@ -60,6 +60,7 @@ def fronted(
         FileError: users, certificate or a page's file cannot be read.
     """
     # The page takes its time to import; whoever calls has begun by now what can go on beside.
+    from workbench.gui.page.loading import load_ahead
     from workbench.gui.page.server import serve
 
     secret = secrets.token_urlsafe(32)
@@ -75,6 +76,7 @@ def fronted(
             bar=bar_of(bench),
             stop=stop_of(bench),
         )
+        load_ahead()
         try:
             yield front
         finally:

@@ -5,7 +5,7 @@ import logging
 from workbench.app.records.session_archive import opened
 from workbench.app.review.history import History
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import SessionOpen
+from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
 from workbench.cli.exits import SUCCESS
 from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end

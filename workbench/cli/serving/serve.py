@@ -30,6 +30,7 @@ from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import InputError, JournalError
+from workbench.studies.stalls.watchdog import watched
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
@@ -58,6 +59,7 @@ def serve(typed: arguments.Serve) -> int:
         cell = _begun_with(goes_on, cell.name)
     predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
+        stack.enter_context(watched(typed.stalls))
         robot = f"robot controller: {_address(cell.controller)}"
         if is_loopback(cell.controller.host) and not _answers(cell.controller):
             simulated = simulated_controller(typed.cell, cell.controller)

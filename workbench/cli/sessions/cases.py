@@ -8,7 +8,7 @@ from typing import Any
 from workbench.app.records.cases import LARGEST, Case, read_case
 from workbench.app.records.kept_cases import case_files
 from workbench.app.records.session_archive import opened
-from workbench.cli.arguments.nested import SessionCases
+from workbench.cli.arguments.session import SessionCases
 from workbench.cli.exits import BAD_INPUT, SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.formats.files.whole_files import make_folder, read_whole, write_whole

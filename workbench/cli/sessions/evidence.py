@@ -5,8 +5,8 @@ from contextlib import closing
 from pathlib import Path
 
 from workbench.app.evidence.bundle import write_bundle
+from workbench.app.evidence.packing import signed_message
 from workbench.app.evidence.signing import make_key, read_key, time_stamp_request
-from workbench.app.evidence.verify import signed_message
 from workbench.app.records.session_archive import opened
 from workbench.cli.arguments.upkeep import Evidence
 from workbench.cli.exits import SUCCESS

@@ -12,7 +12,7 @@ from workbench.app.core.state import State
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import export_session, import_session, opened
 from workbench.app.records.sessions import cell_of
-from workbench.cli.arguments.nested import SessionExport, SessionImport, SessionPrune
+from workbench.cli.arguments.session import SessionExport, SessionImport, SessionPrune
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole
 from workbench.journal.journal import DATABASE, Journal

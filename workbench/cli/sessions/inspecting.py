@@ -11,7 +11,7 @@ from workbench.app.evidence import verify
 from workbench.app.records.session_archive import opened, told
 from workbench.app.review.likeness import Likeness
 from workbench.app.review.recompute import recomputed
-from workbench.cli.arguments.nested import SessionList, SessionReplay, SessionShow, SessionVerify
+from workbench.cli.arguments.session import SessionList, SessionReplay, SessionShow, SessionVerify
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.formats.files.whole_files import MB, is_folder, read_whole

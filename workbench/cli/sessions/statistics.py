@@ -4,6 +4,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from workbench.app.core.state import counted as number_of
 from workbench.app.records.session_archive import opened, sessions_in
 from workbench.app.statistics.statistics import (
     GROUPS,
@@ -75,7 +76,8 @@ def _form(counted: Statistics, sessions: int) -> dict[str, Any]:
 def _print(counted: Statistics, sessions: int) -> None:
     rate = counted.picks_per_hour
     said = "" if rate is None else f", {rate:.0f} for each hour of cycles"
-    print(f"{sessions} sessions, {len(counted.cycles)} cycles, {counted.picked} parts taken{said}")
+    named = f"{number_of(sessions, 'session')}, {number_of(len(counted.cycles), 'cycle')}"
+    print(f"{named}, {number_of(counted.picked, 'part')} taken{said}")
     rows = [
         (group, one.name, str(one.picked), str(one.failed), f"{one.share:.0%}")
         for group, of in GROUPS.items()

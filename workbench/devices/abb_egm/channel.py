@@ -12,9 +12,10 @@ from contextlib import suppress
 import numpy as np
 
 from workbench.devices.abb_egm import wire
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Cell
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
+from workbench.plugins.reported import bounds_of
 
 DRIFT = 1e-3
 """By such a share the controller's clock may be slower than ours: reports are not late for it."""
@@ -44,6 +45,7 @@ class Channel:
 
     def __init__(
         self,
+        cell: Cell,
         arm: Arm,
         host: str,
         port: int,
@@ -55,6 +57,7 @@ class Channel:
         """Listen.
 
         Args:
+            cell: with that arm.
             arm: whose axes are reported there.
             host: numeric address of the controller; what others send is not looked at.
             port: where it sends to.
@@ -65,7 +68,7 @@ class Channel:
         Raises:
             LinkError: the port is taken.
         """
-        self.arm = arm
+        self.arm, self._bounds = arm, bounds_of(cell, arm)
         self.forget()
         self._host, self._silence, self._clock = host, silence, clock
         self._is_paced = is_paced
@@ -80,8 +83,8 @@ class Channel:
         self._socket.setblocking(False)
 
     last: wire.Feedback | None
-    came: int
-    """How many reports came at once, when something was heard last."""
+    came: list[wire.Feedback]
+    """The reports that came at once, when something was heard last; the last of them too."""
     late: float
     """[s] How much longer than the quickest the first of them was under way."""
 
@@ -95,7 +98,7 @@ class Channel:
 
     def forget(self) -> None:
         """Begin anew: what comes next is the first report."""
-        self.last, self.came, self.late = None, 0, 0.0
+        self.last, self.came, self.late = None, [], 0.0
         self._from: tuple[str, int] | None = None
         # The controller's clock since the first report; by how much ours is ahead of it at least.
         self._at, self._ahead = 0.0, math.inf
@@ -118,9 +121,9 @@ class Channel:
         """The newest report, after a look at every one; None when none has come.
 
         Raises:
-            LinkError: one is out of order, came twice, makes no sense, or others were lost.
+            LinkError: one is out of order, came twice, cannot be, or others were lost.
         """
-        self.came, first = 0, None
+        self.came, first = [], None
         for _ in range(AT_ONCE):
             try:
                 data, sender = self._socket.recvfrom(wire.LONGEST)
@@ -159,8 +162,9 @@ class Channel:
             if later > self._silence * 1000:
                 raise LinkError(f"{ahead - 1} reports were lost: {self._where}")
             self._at += later / 1000
+        self._bounds.taken(self.q_of(told), in_motion=self._is_paced)
         self.last = told
-        self.came += 1
+        self.came.append(told)
 
     def answer(self, q: Floats, orders: tuple[float, ...]) -> None:
         """A reference (n,) [rad], chain order, and orders, to where the reports come from."""
@@ -172,8 +176,12 @@ class Channel:
         with suppress(OSError):
             self._socket.sendto(wire.reference_bytes(said, self.last.at), self._from)
 
+    def q_of(self, told: wire.Feedback) -> Floats:
+        """Where the arm is by a report (n,) [rad], chain order."""
+        return np.asarray(self.arm.from_axes(told.axes))
+
     @property
     def q(self) -> Floats:
         """Where the arm was last reported to be (n,) [rad], chain order."""
         assert self.last is not None
-        return np.asarray(self.arm.from_axes(self.last.axes))
+        return self.q_of(self.last)

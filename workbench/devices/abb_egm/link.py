@@ -44,6 +44,9 @@ class AbbEgm:
 
     motion = MotionModel("abb-egm", corners="streamed", unit="deg", period=0.004, takes_share=True)
 
+    tells_of_parts = False
+    """What became of parts is not reported, only that every order was done."""
+
     def check(self, cell: Cell) -> None:
         """Arms of six or seven turning joints, each with a UDP port for motion and for states."""
         for arm in cell.arms:
@@ -89,13 +92,10 @@ class AbbEgm:
             for k, arm in enumerate(cell.arms):
                 if arm.name in score.arms:
                     port = cell.controller.port + k
-                    one = Channel(arm, host, port, silence, patience.clock)
+                    one = Channel(cell, arm, host, port, silence, patience.clock)
                     channels[arm.name] = opened.enter_context(closing(one))
-            limits = {name: cell.robot.limits(one.arm.joints)[:2] for name, one in channels.items()}
             share = approval.speed_share
-            talk = Sending(
-                channels, limits, score, share, silence, now=now, show=show, patience=patience
-            )
+            talk = Sending(channels, score, share, silence, now=now, show=show, patience=patience)
             yield from talk.run(released, cancelled)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
@@ -106,7 +106,7 @@ class AbbEgm:
         host, port = address_of(cell.controller.host), cell.controller.state_port
         with ExitStack() as opened:
             channels = [
-                Channel(arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
+                Channel(cell, arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
                 for k, arm in enumerate(cell.arms)
             ]
             for one in channels:
@@ -130,17 +130,11 @@ class AbbEgm:
     def serve(self, cell: Cell, simulation: Simulation, ready: Callable[[Running], None]) -> None:
         """The controller's twin, or modules in RAPID; to the ports that are given, or free ones."""
         if simulation.rapid is not None:
-            try:
-                from workbench.devices.abb_egm.rapid_controller import serve_guided
-            except ModuleNotFoundError as error:
-                raise InputError(
-                    "--rapid needs the library lark: pip install 'workbench[rapid]'"
-                ) from error
+            from workbench.devices.abb_egm.rapid_controller import serve_guided
+
             self.check(cell)
             serve_guided(cell, simulation, ready)
             return
-        if simulation.home_after != float("inf"):
-            raise InputError("--home-after: this simulated controller does not go home by itself")
         from workbench.devices.abb_egm.twin import SimulatedEgm
 
         self.check(cell)
@@ -150,6 +144,7 @@ class AbbEgm:
             simulation.port,
             simulation.state_port,
             speed=simulation.speed,
+            home_after=simulation.home_after,
             faults=simulation.faults,
             record=simulation.record,
             trace=simulation.trace,

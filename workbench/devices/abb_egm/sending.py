@@ -26,7 +26,7 @@ NEAR = np.deg2rad(0.2)
 """[rad] A joint may stand so far from where the plan begins, or a leg ends."""
 
 OFF = np.deg2rad(1.0)
-"""[rad] A joint may be so far from where its references were within `LAG`, and from its limits."""
+"""[rad] A joint may be so far from where its references were within `LAG`, also where it stands."""
 
 LAG = 25
 """[references] 0.1 s: so far behind may the robot be."""
@@ -51,14 +51,13 @@ SHOWN = 25
 class Sending:
     """One conversation, by the channels of the arms that take part.
 
-    `limits` are the lower and the upper ones (n,) [rad] of each arm's joints, `share` that of the
-    planned speed, and `silence` [s] is how old a report may be when it is answered.
+    `share` is that of the planned speed, and `silence` [s] is how old a report may be when it is
+    answered.
     """
 
     def __init__(
         self,
         channels: Mapping[str, Channel],
-        limits: Mapping[str, tuple[Floats, Floats]],
         score: Score,
         share: float,
         silence: float,
@@ -67,12 +66,13 @@ class Sending:
         show: Callable[[LinkStatus], None],
         patience: LinkPatience,
     ) -> None:
-        self._channels, self._limits, self._score = channels, limits, score
+        self._channels, self._score = channels, score
         self._share, self._silence = share, silence
         self._now, self._show, self._patience = now, show, patience
         self._refs: dict[str, deque[Floats]] = {}
         self._said: dict[str, tuple[float, ...]] = {}
-        self._count = dict.fromkeys(channels, 0)
+        # Of each arm: the order said last, that which has gone out, and that which is done.
+        self._count, self._given, self._done_by = (dict.fromkeys(channels, 0) for _ in range(3))
         self._riding: tuple[str, Ride] | None = None
         self._done, self._leg, self._reports = 0, 0, 0
         # Arms whose module has ended: EGM stops there, and nothing more is said to it.
@@ -128,7 +128,7 @@ class Sending:
             for name, channel in self._channels.items():
                 try:
                     if channel.hear_first():
-                        heard[name] += channel.came
+                        heard[name] += len(channel.came)
                 except LinkError as error:
                     # A module that nobody answers takes up EGM anew, and its numbers begin anew.
                     heard[name], trouble = 0, str(error)
@@ -136,11 +136,10 @@ class Sending:
         for name, channel in self._channels.items():
             told = channel.last
             assert told is not None
-            self._check(name, told)
+            self._check_state(name, told)
             if len(told.told) < 3 or told.told[0] != wire.VERSION:
                 raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
-            if told.told[1] == self._score.ticket:
-                raise LinkError("the controller has begun this plan already; nothing runs twice")
+            self._check_new(name, told)
             self._check_stands(name, self._score.start(name).at(0.0)[0], "the plan begins")
             self._refs[name] = deque([channel.q], maxlen=LAG)
             self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
@@ -166,22 +165,39 @@ class Sending:
                 else:
                     self._answer(name, self._refs[name][-1])
                 is_begun = order.command != wire.BEGIN or beside == GENTLE
-                is_done = is_begun and self._is_done(name, number)
+                is_done = is_begun and self._done_by[name] == number
             yield
             if self._patience.clock() - began > self._patience.answer:
                 raise LinkError(f"the controller has not done: {order.arm} {order.words}")
         if order.command == wire.END:
             self._ended.add(order.arm)
 
-    def _is_done(self, name: str, number: int) -> bool:
-        told = self._channels[name].last
-        assert told is not None
+    def _check_new(self, name: str, told: wire.Feedback) -> None:
+        """The module in RAPID has not begun this plan before: neither last, nor before others."""
+        has_begun = told.told[1] == self._score.ticket and not self._given[name]
+        if has_begun or self._is_refused(told):
+            raise LinkError("the controller has begun this plan already; nothing runs twice")
+
+    def _is_refused(self, told: wire.Feedback) -> bool:
+        return told.told[3:4] == (self._score.ticket,)
+
+    def _check_module(self, name: str, told: wire.Feedback) -> None:
+        """The module in RAPID tells of our ticket, and of no order but the last ones."""
         if len(told.told) < 3 or told.told[0] != wire.VERSION:
             raise LinkError(f"{name}: the module in RAPID has gone silent")
+        self._check_new(name, told)
         _, ticket, done = told.told[:3]
-        if ticket == self._score.ticket and done > number:
-            raise LinkError(f"{name}: the module in RAPID tells of order {done:.0f}, not {number}")
-        return ticket == self._score.ticket and done == number
+        before, given = self._done_by[name], self._given[name]
+        if ticket != self._score.ticket:
+            if before:
+                raise LinkError(f"{name}: the module in RAPID has begun another plan")
+            return
+        if done not in (before, given):
+            raise LinkError(
+                f"{name}: the module in RAPID tells of order {done:.6g}, where {before} was done "
+                f"and {given} was given"
+            )
+        self._done_by[name] = int(done)
 
     def _ride(self, run: Run) -> Iterator[None]:
         """One reference for each report, then wait until the arm stands there."""
@@ -198,7 +214,8 @@ class Sending:
                     self._answer(name, self._refs[name][-1])
                     continue
                 # Before it sets out, whoever took the last receipt may have taken a while.
-                self._check_follows(name, has_begun=has_begun)
+                if has_begun:
+                    self._check_late(name)
                 has_begun = True
                 if not ride.is_over:
                     self._answer(name, ride.go())
@@ -214,42 +231,41 @@ class Sending:
         self._said[run.arm] = (*self._said[run.arm][:6], 0.0)
 
     def _heard(self) -> list[str]:
-        """Arms with a new report, each looked at."""
+        """Arms with new reports, each of which is looked at."""
         heard: list[str] = []
-        for name, told in self._news():
-            self._check(name, told)
+        for name, reports in self._news():
+            for told in reports:
+                self._check_state(name, told)
+                self._check_module(name, told)
+                self._check_follows(name, told)
             heard.append(name)
             self._reports += 1
             if self._reports % SHOWN == 1:
                 self._tell("running" if self._riding is not None else "waiting")
         return heard
 
-    def _news(self) -> Iterator[tuple[str, wire.Feedback]]:
+    def _news(self) -> Iterator[tuple[str, list[wire.Feedback]]]:
         """What was reported since, within a moment, of the arms that have not ended."""
         open_ones = {n: one for n, one in self._channels.items() if n not in self._ended}
         ready = select.select(list(open_ones.values()), [], [], POLL)[0]
         for name, channel in open_ones.items():
-            told = channel.hear() if channel in ready or not ready else None
-            if told is not None:
-                yield name, told
+            if (channel in ready or not ready) and channel.hear() is not None:
+                yield name, channel.came
 
-    def _check(self, name: str, told: wire.Feedback) -> None:
+    def _check_state(self, name: str, told: wire.Feedback) -> None:
         if told.fault:
             at = f" in {self._where}" if self._leg else ""
             raise LinkError(f"{name}: {told.fault}{at}")
-        q, (lower, upper) = self._channels[name].q, self._limits[name]
-        beyond = np.maximum(lower - q, q - upper)
-        if not beyond.max() <= OFF:
-            joint = self._channels[name].arm.joints[int(beyond.argmax())]
-            raise LinkError(f"{joint} is reported beyond its limits")
 
-    def _check_follows(self, name: str, *, has_begun: bool) -> None:
-        channel = self._channels[name]
-        if has_begun and channel.late > self._silence:
-            raise LinkError(
-                f"a report came {channel.late * 1000:.0f} ms late in {self._where}: too late"
-            )
-        off = np.abs(np.array(self._refs[name]) - channel.q).max(axis=1).min()
+    def _check_late(self, name: str) -> None:
+        late = self._channels[name].late
+        if late > self._silence:
+            raise LinkError(f"a report came {late * 1000:.0f} ms late in {self._where}: too late")
+
+    def _check_follows(self, name: str, told: wire.Feedback) -> None:
+        """An arm is near its last references, also one that is to stand where it is."""
+        q = self._channels[name].q_of(told)
+        off = np.abs(np.array(self._refs[name]) - q).max(axis=1).min()
         if not off <= OFF:
             raise LinkError(
                 f"{name} does not follow in {self._where}: it is {np.rad2deg(off):.1f} degrees "
@@ -273,6 +289,7 @@ class Sending:
     def _answer(self, name: str, q: Floats) -> None:
         self._refs[name].append(q)
         self._channels[name].answer(q, self._said[name])
+        self._given[name] = int(self._said[name][2])
 
     def _stop(self) -> None:
         """Brake on the way, and wait for the report that the robot stands.
@@ -306,9 +323,9 @@ class Sending:
             self._riding[1].brake()
         ends_at = self._patience.clock() + self._patience.stop
         while len(self._ended) < len(self._channels) and self._patience.clock() < ends_at:
-            for name, told in self._news():
-                if told.fault:
-                    raise LinkError(f"{name}: {told.fault}")
+            for name, reports in self._news():
+                for told in reports:
+                    self._check_state(name, told)
                 if self._slow_down(name):
                     self._ended.add(name)
         return len(self._ended) == len(self._channels)
@@ -322,9 +339,10 @@ class Sending:
         if not self._is_there(name):
             self._answer(name, q)
             return False
-        if self._said[name][3] == wire.NONE:
+        told = self._channels[name].last
+        if self._said[name][3] == wire.NONE or (told is not None and self._is_refused(told)):
             return True
-        if self._said[name][3] == wire.BEGIN and not self._is_done(name, self._count[name]):
+        if self._said[name][3] == wire.BEGIN and not self._has_done_all(name):
             # A module that has not begun does not know of an end.
             self._answer(name, q)
             return False
@@ -333,7 +351,12 @@ class Sending:
             head = (wire.VERSION, self._score.ticket, float(self._count[name]))
             self._said[name] = (*head, float(wire.END), 0.0, 0.0)
         self._answer(name, q)
-        return self._is_done(name, self._count[name])
+        return self._has_done_all(name)
+
+    def _has_done_all(self, name: str) -> bool:
+        told = self._channels[name].last
+        orders = (self._score.ticket, float(self._count[name]))
+        return told is not None and told.told[1:3] == orders
 
     def _tell(self, phase: str, stopped: float | None = None, stop: str = "") -> None:
         joints = {name: one.q for name, one in self._channels.items()}

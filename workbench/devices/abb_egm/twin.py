@@ -8,6 +8,7 @@ Faster than in real time it waits a little for each answer, so that nobody has t
 """
 
 import json
+import math
 import select
 import socket
 import threading
@@ -49,6 +50,7 @@ class SimulatedEgm:
         state_port: int,
         *,
         speed: float = 1.0,
+        home_after: float = math.inf,
         faults: Sequence[str] = (),
         record: Path | None = None,
         trace: Path | None = None,
@@ -61,6 +63,7 @@ class SimulatedEgm:
             port: of the sensor for the first arm; the next arm has the next; 0: free ones.
             state_port: the same for states.
             speed: 1 is real time.
+            home_after: [s] of its time: so long without an answer, and an arm goes home.
             faults: as `WORD@LEG`, from that leg on.
             record: file for every order.
             trace: file for where the arms are.
@@ -75,7 +78,7 @@ class SimulatedEgm:
         self.state_port = state_port or free_ports(host, count)
         while abs(self.port - self.state_port) < count:
             self.state_port = free_ports(host, count)
-        self.arms = [TwinArm(cell, arm) for arm in cell.arms]
+        self.arms = [TwinArm(cell, arm, home_after) for arm in cell.arms]
         self._over = threading.Event()
         self._tick, self._is_cut = 0, False
         self._into = [0] * count

@@ -1,5 +1,7 @@
 """One arm of the twin: it follows references, and its module in RAPID does what it is told once."""
 
+import math
+
 import numpy as np
 
 from workbench.devices.abb_egm import wire
@@ -22,19 +24,28 @@ GRIPPER = 25
 
 SECONDS = wire.PERIOD_MS / 1000
 
+HOMING = 1.0
+"""[rad/s] Of each joint on its way home, where nobody leads the arm."""
+
+MOST_TICKETS = 16
+"""So many of the last tickets are remembered, and not begun again."""
+
 
 class TwinArm:
     """Where it is, what it is told, and how its EGM stands."""
 
-    def __init__(self, cell: Cell, arm: Arm) -> None:
+    def __init__(self, cell: Cell, arm: Arm, home_after: float = math.inf) -> None:
         """Stand at home.
 
         Args:
             cell: with its joints' speeds.
             arm: of the cell.
+            home_after: [s] without an answer, after which somebody clears its faults, and sends it
+                home.
         """
-        self.arm = arm
+        self.arm, self._home_after = arm, home_after
         self.axes: Floats = arm.to_axes(arm.home)
+        self._home = self.axes.copy()
         velocity = cell.robot.limits(arm.joints)[2]
         self._fastest = np.abs(arm.to_axes(velocity)) * SECONDS
         self._target = self.axes.copy()
@@ -42,7 +53,9 @@ class TwinArm:
         self.is_stuck = False
         self.is_attached, self.is_prompt = False, False
         self._unanswered, self._number = 0, 0
-        self._ticket, self._done, self._busy, self._has_ended = 0.0, 0.0, 0, False
+        # Before the first plan there is nothing to end either.
+        self._ticket, self._done, self._busy, self._has_ended = 0.0, 0.0, 0, True
+        self._begun, self._refused = list[float](), 0.0
         self._order: tuple[float, ...] = ()
         self.leg = 0
         self.orders: list[tuple[float, ...]] = []
@@ -60,7 +73,11 @@ class TwinArm:
         _, ticket, number, command = said.orders[:4]
         self.leg = int(said.orders[6]) if len(said.orders) > 6 else 0
         if command == wire.BEGIN and ticket != self._ticket:
+            if ticket in self._begun:
+                self._refused = ticket
+                return False
             self._ticket, self._done, self._order, self._has_ended = ticket, 0.0, (), False
+            self._begun = [*self._begun, ticket][-MOST_TICKETS:]
         at = self._order[2] if self._order else self._done
         if ticket != self._ticket or number <= at or command == wire.NONE or self._has_ended:
             return False
@@ -74,7 +91,7 @@ class TwinArm:
         self._unanswered += 1
         if self.is_attached and self._unanswered > COMM_TIMEOUT:
             self.is_attached, self.leg = False, 0
-            # A module that was told to end takes up EGM again; otherwise a person looks first.
+            # Outside of a plan a module takes up EGM again; otherwise a person looks first.
             if not self._has_ended:
                 self.mci = wire.MCI_STOPPED
         if self._order and self._busy:
@@ -83,15 +100,25 @@ class TwinArm:
                 self._done = self._order[2]
                 self._has_ended = self._order[3] == wire.END
                 self.is_prompt = self.is_prompt and not self._has_ended
+        if not self.is_attached and self._unanswered * SECONDS > self._home_after:
+            self._go_home()
         if self.motors == wire.MOTORS_ON and self.mci == wire.MCI_RUNNING and not self.is_stuck:
             step = (self._target - self.axes) * SECONDS / (TAU + SECONDS)
             self.axes = self.axes + np.clip(step, -self._fastest, self._fastest)
+
+    def _go_home(self) -> None:
+        """One period nearer to home; once there it can be led again."""
+        most = np.minimum(self._fastest, HOMING * SECONDS)
+        self.axes = self.axes + np.clip(self._home - self.axes, -most, most)
+        self._target = self.axes
+        if np.array_equal(self.axes, self._home):
+            self.motors, self.mci, self.is_stuck = wire.MOTORS_ON, wire.MCI_RUNNING, False
 
     def report(self, at: int) -> wire.Feedback:
         """What EGM reports at a time [ms]."""
         self._number = (self._number + 1) % (1 << 32)
         is_near = bool(np.abs(self._target - self.axes).max() < CONVERGED)
-        told = (wire.VERSION, self._ticket, self._done)
+        told = (wire.VERSION, self._ticket, self._done, self._refused)
         return wire.Feedback(
             self._number, at, self.axes, self.motors, self.mci, wire.RAPID_RUNNING, is_near, told
         )

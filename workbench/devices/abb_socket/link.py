@@ -97,11 +97,12 @@ def _converse(
                 yield from _stop(link, talk, show, patience)
             if data := talk.say(clock()):
                 _say(link, data, talk.where)
-            before = talk.status
-            data, at = _received(link, talk), clock()
-            # How long the receipts are worked on is not the controller's silence.
-            yield from talk.hear(data, at)
-            talk.check(at)
+            before, began = talk.status, clock()
+            data = _received(link, talk)
+            # How long the receipts are worked on is not the controller's silence, nor is how long
+            # this process stood still: what has come meanwhile is heard first.
+            yield from talk.hear(data, clock())
+            talk.check(began)
             if talk.status is not before:
                 show(talk.status)
     except WorkbenchError:

@@ -68,13 +68,16 @@ def _text(value: Any) -> str:
 
 
 def _count(value: Any) -> int:
-    number = int(value)
-    if not 0 <= number <= MOST_COUNTED:
-        raise ValueError(f"{number} counts nothing")
-    return number
+    number = _finite(value)
+    if not 0 <= number <= MOST_COUNTED or number != int(number):
+        raise ValueError(f"{number:.6g} counts nothing")
+    return int(number)
 
 
 def _finite(value: Any) -> float:
+    # Texts and flags would be taken by `float` as well.
+    if type(value) not in (int, float):
+        raise ValueError(f"{value!r:.40} is not a number")
     number = float(value)
     if not math.isfinite(number):
         raise ValueError(f"{number} is not a finite number")

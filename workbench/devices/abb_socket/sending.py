@@ -26,13 +26,13 @@ from workbench.devices.abb_socket.frames import (
     framed,
     number_after,
 )
-from workbench.devices.abb_socket.messages import REQUEST, angles_of
+from workbench.devices.abb_socket.messages import REQUEST
 from workbench.devices.abb_socket.program import Line, Program, lines_of
-from workbench.devices.abb_socket.states import PHASES
+from workbench.devices.abb_socket.program_reports import ProgramReports
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.plan import Plan
-from workbench.model.release import LinkStatus, PartReport, Receipt
+from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.robot_link import USUAL, none_let
 
 VERSION = "abb-socket/2"
@@ -84,16 +84,15 @@ class Sending:
         )
         self._frames = Frames()
         self._greeting = b""
-        self._number = self._acknowledged = self._step = 0
-        # The step that the controller waits before, and the last one that we have said may run.
+        self._number = self._acknowledged = 0
+        self._reports = ProgramReports(cell, plan, program)
+        # The step that the controller waits before.
         self._waits = 0
-        self._may = 0 if program.is_stepped else len(program.steps)
         self._crc = FIRST_CRC
         self._points = sum(len(leg.seconds) for leg in program.legs)
         self._waiting: tuple[Frame, Line | None, float] | None = None
         self._said_at = self._heard_at = self._aborted_at = None
         self._told = set[object]()
-        self._parts: dict[str, PartReport] = {}
         self._is_done = False
         self.status = LinkStatus(steps=len(program.steps))
 
@@ -115,8 +114,8 @@ class Sending:
                 self._released()
             return self._frame(line.word, line.rest, line, at)
         if self._waits and self._let() == self._waits:
-            self._may, self._waits = self._waits, 0
-            line = Line("", "next", f"{self._may:02d}")
+            self._reports.may, self._waits = self._waits, 0
+            line = Line("", "next", f"{self._reports.may:02d}")
             return self._frame(line.word, line.rest, line, at)
         if at - (self._said_at or 0.0) >= PING:
             return self._frame("ping", "", None, at)
@@ -159,7 +158,19 @@ class Sending:
         """How far it has come, for people."""
         if self._acknowledged < len(self._lines):
             return f"message {self._acknowledged + 1} of {len(self._lines)}"
-        return f"step {self._step} of {len(self._program.steps)}"
+        steps = len(self._program.steps)
+        if self._waits:
+            return f"step {self._waits} of {steps}, which had not begun"
+        # A step that may run is under way from our word on, whatever was reported before.
+        step = self._reports.step
+        if self._program.is_stepped:
+            step = max(step, self._reports.may)
+        return f"step {step} of {steps}"
+
+    @property
+    def _is_run(self) -> bool:
+        """Whether it was told to run, and has acknowledged that."""
+        return self._acknowledged == len(self._lines)
 
     @property
     def _hint(self) -> str:
@@ -271,24 +282,25 @@ class Sending:
         self.status = replace(self.status, version=version)
 
     def _take_state(self, frame: Frame) -> list[Receipt]:
-        phase, step, points = self._state_words(frame)
+        phase, step, points = self._reports.state(frame)
         self.status = replace(self.status, phase=phase, step=step, reported_at=self._now())
         waits = 0
-        if self._acknowledged == len(self._lines):
-            if phase == "waiting":
-                waits = self._check_wait(frame, step, points)
-            elif phase != "running":
-                raise ProtocolError(f"the controller says it is {phase}, it should be running")
-            else:
-                self._check_motion(step, points)
+        if not self._is_run:
+            self._reports.check_before(frame, phase, step, points)
+        elif phase == "waiting":
+            waits = self._check_wait(frame, step, points)
+        elif phase == "running":
+            self._reports.check_motion(step, points)
+        else:
+            raise ProtocolError(f"the controller says it is {phase}, it should be running")
         # Each is told once, and before the robot moves each phase: a controller that repeats
         # itself fills no journal.
-        is_told_whole = self._step or phase == "waiting"
+        is_told_whole = self._reports.step or phase == "waiting"
         said = (phase, step, *sorted(points.items())) if is_told_whole else phase
         if said in self._told:
             return []
         self._told.add(said)
-        running = step if phase == "running" and self._acknowledged == len(self._lines) else 0
+        running = step if phase == "running" else 0
         return [replace(self._heard(frame), waits=waits, step=running)]
 
     def _check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> int:
@@ -298,80 +310,32 @@ class Sending:
             ProtocolError: it is not the next one, or something moves.
         """
         is_under_way = self._waiting is not None and self._waiting[0].word == "next"
-        if is_under_way and step == self._may:
+        if is_under_way and step == self._reports.may:
             return 0
-        if step != self._may + 1 or step > len(self._program.steps) or any(points.values()):
-            raise ProtocolError(
-                f"the controller says {frame.text!r}, after step {self._may} of "
-                f"{len(self._program.steps)} may run"
-            )
+        self._reports.check_wait(frame, step, points)
         self._waits = step
         return step
 
-    def _state_words(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
-        letters = {arm.controller_id: arm.name for arm in self._cell.arms}
-        try:
-            phase, step, *arms = frame.words
-            points = {letters[word[0]]: int(word[1:]) for word in arms}
-            number = int(step)
-        except (ValueError, KeyError):
-            raise ProtocolError(f"{frame.text!r} is no report of a state") from None
-        if phase not in PHASES:
-            raise ProtocolError(f"{frame.text!r}: {phase!r} is no state")
-        if set(points) != set(letters.values()):
-            raise ProtocolError(f"{frame.text!r} does not tell of every arm")
-        return phase, number, points
-
-    def _check_motion(self, step: int, points: Mapping[str, int]) -> None:
-        """What the robot does is what the plan says, or nothing is sure any more."""
-        steps = self._program.steps
-        if not self._step <= step <= len(steps):
-            raise ProtocolError(f"the controller is in step {step} after step {self._step}")
-        if step > self._may:
-            raise ProtocolError(f"the controller runs step {step}, which nobody has let run")
-        self._step = step
-        told = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
-        for arm, point in points.items():
-            if not 0 <= point <= told.get(arm, 0):
-                only = " and ".join(told) or "none"
-                raise ProtocolError(
-                    f"arm {arm} goes to waypoint {point} in step {step}; the plan moves {only}"
-                )
-
     def _take_joints(self, frame: Frame) -> None:
-        letter, *words = frame.words or [""]
-        for arm in self._cell.arms:
-            if arm.controller_id == letter:
-                joints = {**(self.status.joints or {}), arm.name: angles_of(arm, words)}
-                self.status = replace(self.status, joints=joints, reported_at=self._now())
-                return
-        raise ProtocolError(f"{frame.text!r} is about no arm of cell {self._cell.name}")
+        arm, q = self._reports.joints(frame)
+        joints = {**(self.status.joints or {}), arm: q}
+        self.status = replace(self.status, joints=joints, reported_at=self._now())
 
     def _take_part(self, frame: Frame) -> list[Receipt]:
-        letter, _, said = frame.rest.partition(" ")
-        result, _, why = said.partition(" ")
-        for one in self._plan.arms:
-            is_it = self._cell.arm(one.arm).controller_id == letter
-            is_new = one.arm not in self._parts and self._acknowledged == len(self._lines)
-            if is_it and is_new and result in ("picked", "failed"):
-                part = PartReport(one.arm, one.detection, result == "picked", why)
-                self._parts[one.arm] = part
-                return [replace(self._heard(frame), arm=one.arm, part=part)]
-        raise ProtocolError(
-            f"{frame.text!r} is about no part of the plan, or comes twice or too early"
-        )
+        self._check_is_run(frame)
+        part = self._reports.part(frame)
+        return [replace(self._heard(frame), arm=part.arm, part=part)]
 
     def _take_done(self, frame: Frame) -> list[Receipt]:
-        steps, is_told = len(self._program.steps), len(self._parts) == len(self._plan.arms)
-        is_early = self._acknowledged < len(self._lines) or self._may < steps
-        if is_early or frame.words != [f"{steps:02d}"] or not is_told:
-            raise ProtocolError(
-                f"the controller said {frame.text!r} at {self.where}, with {len(self._parts)} of "
-                f"{len(self._plan.arms)} parts reported"
-            )
+        self._check_is_run(frame)
+        self._reports.check_done(frame, self.where)
         self._is_done = True
         self.status = replace(self.status, phase="done")
         return [self._heard(frame)]
+
+    def _check_is_run(self, frame: Frame) -> None:
+        if not self._is_run:
+            raise ProtocolError(f"{frame.text!r} comes too early, before it was told to run")
 
     def _receipt(self, line: Line, ours: Frame, heard: str) -> Receipt:
         return Receipt(

@@ -17,9 +17,9 @@ from workbench.devices.rapid.sockets import Device, Network
 from workbench.devices.rapid.sockets import natives as socket_natives
 from workbench.devices.rapid.tasks import Meetings, Task
 from workbench.devices.rapid.waiting import Clock, Signals, Waiting
+from workbench.formats.rapid.hosts import Key
 from workbench.formats.rapid.loading import Loaded
 from workbench.formats.rapid.setup import Setup
-from workbench.formats.rapid.statements import Key
 from workbench.formats.rapid.texts import NATIVES
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, WorkbenchError
@@ -154,7 +154,7 @@ class Controller:
             natives=natives,
             makers={**MAKERS, "socketdev": lambda name: self.network.device()},
             shared=self.shared,
-            signals=list(self.setup.outputs),
+            signals=dict.fromkeys(self.setup.outputs, "signaldo"),
             told=task.told,
         )
         task.loaded.check()

@@ -10,10 +10,10 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from workbench.formats.rapid.hosts import Key
 from workbench.formats.rapid.loading import Loaded
 from workbench.formats.rapid.prelude import NUMBERS
 from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
-from workbench.formats.rapid.statements import Key
 from workbench.formats.rapid.symbols import Routine
 
 log = logging.getLogger(__name__)

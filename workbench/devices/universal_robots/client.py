@@ -13,7 +13,7 @@ import select
 import sys
 from typing import Any
 
-from workbench.devices.universal_robots.rtde import ALIVE, PROGRESS
+from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS
 
 PERIOD = 0.02
 """[s] Between two reports."""
@@ -27,7 +27,7 @@ VARIABLES = (
     "robot_mode",
     "safety_status_bits",
     "runtime_state",
-    f"output_int_register_{PROGRESS}",
+    *(f"output_int_register_{one}" for one in (PROGRESS, *BEGUN)),
 )
 
 
@@ -68,6 +68,7 @@ def _serve(host: str, script_port: int, sends: bool, say: Any) -> None:
             safety=robot.getSafetyStatusBits(),
             runtime=robot.getRuntimeState(),
             leg=robot.getOutputIntRegister(PROGRESS),
+            begun=[robot.getOutputIntRegister(one) for one in BEGUN],
         )
         if not select.select([0], [], [], PERIOD)[0]:
             continue

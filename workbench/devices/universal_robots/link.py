@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.program import Program, program_of
-from workbench.devices.universal_robots.rtde import RTDE_PORT, STANDS
-from workbench.devices.universal_robots.sending import Sending, fault_of
+from workbench.devices.universal_robots.rtde import RTDE_PORT
+from workbench.devices.universal_robots.sending import Sending
 from workbench.devices.universal_robots.servo import PERIOD, Servo
 from workbench.devices.universal_robots.talking import Client
+from workbench.devices.universal_robots.told import States
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
 from workbench.model.motion import MotionModel
@@ -77,7 +78,7 @@ class UrRtde:
         with Client(cell.controller.host, ports, sends=True) as client:
             talk = Sending(
                 client,
-                cell.arms[0],
+                cell,
                 program,
                 now=now,
                 show=show,
@@ -97,21 +98,21 @@ class UrRtde:
         arm = cell.arms[0]
         before: RobotState | None = None
         # Until the first state the client connects, which may take it longer.
-        silence = USUAL.answer
-        at, fresh = None, time.monotonic()
+        silence, fresh, states = USUAL.answer, time.monotonic(), States(cell, arm)
         with Client(cell.controller.host, (RTDE_PORT,), sends=False) as client:
             while not cancelled():
-                told = client.hear(POLL)
                 # The library goes on telling the last that it heard when a cable is cut.
-                if told is not None and told.get("at", at) != at:
-                    at, fresh, silence = told["at"], time.monotonic(), USUAL.silence
-                elif time.monotonic() - fresh > silence:
-                    raise LinkError(f"the controller has reported nothing new for {silence:.0f} s")
-                if told is None or "q" not in told:
+                told = states.taken(client.hear(POLL), in_motion=False)
+                if told is None:
+                    if time.monotonic() - fresh > silence:
+                        raise LinkError(
+                            f"the controller has reported nothing new for {silence:.0f} s"
+                        )
                     continue
-                joints = tuple(arm.from_axes(told["q"]).tolist())
-                moving = "" if told["runtime"] in STANDS else arm.name
-                state = RobotState({arm.name: joints}, {}, moving, 0, 0, fault_of(told))
+                fresh, silence = time.monotonic(), USUAL.silence
+                moving = "" if told.stands else arm.name
+                joints = {arm.name: tuple(told.q.tolist())}
+                state = RobotState(joints, {}, moving, 0, 0, told.fault)
                 if state != before:
                     before = state
                     yield state

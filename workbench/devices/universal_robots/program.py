@@ -1,8 +1,8 @@
 """A plan as a program in URScript: `movej` from waypoint to waypoint, or `servoj` along each leg.
 
-The whole program goes out at once and the controller runs it once.  It writes into an output
-register which leg it is in, and is stopped by the controller when the input register that we keep
-writing falls silent.
+The whole program goes out at once and the controller runs it once: the program leaves its ticket in
+an output register, and ends where it finds it there.  It writes into another one which leg it is
+in, and is stopped by the controller when the input register that we keep writing falls silent.
 
 Source: Universal Robots, "The URScript Programming Language", e-Series.
 """
@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.devices.universal_robots.blends import blended
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.rtde import ALIVE, PROGRESS, TICKETS
+from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS, REFUSED, TICKETS
 from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
 from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
 from workbench.model.cell import Arm, Cell
@@ -38,7 +38,8 @@ class Program:
     """The text, and the names of its legs in their order.
 
     `PROGRESS` holds `ticket` plus the number of the leg that runs, counted from 1: a controller
-    that has run this program shows it.  `q_start`, `q_end` (6,) [rad] are in chain order.
+    that has run this program shows it.  `q_start`, `q_end` (6,) [rad] are in chain order; `seconds`
+    is what each leg takes as it was planned, and sent: no less.
     """
 
     text: str
@@ -46,6 +47,7 @@ class Program:
     ticket: int
     q_start: Floats
     q_end: Floats
+    seconds: tuple[float, ...]
     references: tuple[Floats, ...] = ()
 
     @property
@@ -81,9 +83,11 @@ def program_of(
     """
     arm = cell.arms[0]
     lower, upper, velocity = cell.robot.limits(arm.joints)
-    ticket = int(approval.digest[:5], 16) * TICKETS
+    # 0 is what a register holds that nobody has written.
+    ticket = (int(approval.digest[:6], 16) + 1) * TICKETS
     lines = [
         "def workbench_plan():",
+        *_begun_once(ticket),
         f"  write_output_integer_register({PROGRESS}, {ticket})",
         f'  rtde_set_watchdog("input_int_register_{ALIVE}", {1 / silence:.3f}, "stop")',
     ]
@@ -116,13 +120,35 @@ def program_of(
                 acceleration = np.abs(arm.to_axes(arm.acceleration))
                 moves = blended(start, moves, flange, acceleration, cell.zone, blend)
             lines += [_said(line) for line in moves]
-    if len(legs) + 1 >= TICKETS:
+    if len(legs) + 1 >= REFUSED:
         raise InputError(f"{len(legs)} legs are more than one program has; plan fewer parts")
     lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs) + 1})")
     lines.append("end")
     names = tuple(leg.name for leg in legs)
     ends = legs[0].q[0], legs[-1].q[-1]
-    return Program("\n".join(lines) + "\n", names, ticket, *ends, tuple(references))
+    seconds = tuple(leg.seconds / approval.speed_share for leg in legs)
+    return Program("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
+
+
+def _begun_once(ticket: int) -> list[str]:
+    """A program whose ticket is remembered ends; else its ticket is remembered from now on.
+
+    Registers stay from program to program.  Programs that came twice would move the robot twice, or
+    once more from where the first of them was broken off.
+    """
+    lines: list[str] = []
+    for register in BEGUN:
+        lines += [
+            f"  if read_output_integer_register({register}) == {ticket}:",
+            f"    write_output_integer_register({PROGRESS}, {ticket + REFUSED})",
+            "    halt",
+            "  end",
+        ]
+    for older, newer in zip(BEGUN[:0:-1], BEGUN[-2::-1], strict=True):
+        lines.append(
+            f"  write_output_integer_register({older}, read_output_integer_register({newer}))"
+        )
+    return [*lines, f"  write_output_integer_register({BEGUN[0]}, {ticket})"]
 
 
 def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:

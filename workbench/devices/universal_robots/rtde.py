@@ -33,6 +33,12 @@ PROGRESS = 12
 TICKETS = 100
 """So many values of that register belong to each ticket: legs are fewer."""
 
+REFUSED = TICKETS - 1
+"""The last of them: this program has come once more, and has not begun again."""
+
+BEGUN = (13, 14, 15, 16)
+"""Output registers with the tickets of the programs that have begun last, the newest first."""
+
 LONGEST = 4096
 """[bytes] A longer packet is none of ours."""
 

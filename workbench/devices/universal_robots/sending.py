@@ -2,15 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Any
 
 import numpy as np
 
 from workbench.devices.universal_robots.program import Program
-from workbench.devices.universal_robots.rtde import PLAYING, RUNNING_MODE, STANDS, STOPPED
+from workbench.devices.universal_robots.rtde import PLAYING, REFUSED, STOPPED, TICKETS
 from workbench.devices.universal_robots.servo import off_the_references
 from workbench.devices.universal_robots.talking import Client
-from workbench.model.cell import Arm
+from workbench.devices.universal_robots.told import State, States
+from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
 from workbench.model.release import LinkStatus, Receipt
@@ -25,39 +25,11 @@ OFF = np.deg2rad(0.5)
 
 POLL = 0.05
 
-MODES = {
-    -1: "has no controller",
-    0: "is disconnected",
-    1: "waits for a confirmation of its safety configuration",
-    2: "starts",
-    3: "is powered off",
-    4: "is powered on, its brakes are not released",
-    5: "is idle, its brakes are not released",
-    6: "is in free drive",
-    8: "updates its firmware",
-}
+LEAST = 0.3
+"""[share] Of the time that was planned, a leg takes at least as long by the controller's clock."""
 
-SAFETY = {
-    2: "protective stop",
-    3: "recovery mode",
-    4: "safeguard stop",
-    5: "system emergency stop",
-    6: "robot emergency stop",
-    7: "emergency stop",
-    8: "safety violation",
-    9: "safety fault",
-    10: "stopped for safety",
-}
-"""Bits of `safety_status_bits`."""
-
-
-def fault_of(told: dict[str, Any]) -> str:
-    """What speaks against moving, by the controller's own report; empty when nothing does."""
-    stops = [words for bit, words in SAFETY.items() if told["safety"] >> bit & 1]
-    if stops:
-        return ", ".join(stops)
-    mode = told["mode"]
-    return "" if mode == RUNNING_MODE else f"the robot {MODES.get(mode, f'is in mode {mode}')}"
+STILL = 1e-3
+"""[rad] Between two reports; a joint that moved by less stands."""
 
 
 class Sending:
@@ -66,7 +38,7 @@ class Sending:
     def __init__(
         self,
         client: Client,
-        arm: Arm,
+        cell: Cell,
         program: Program,
         *,
         now: Callable[[], float],
@@ -74,11 +46,12 @@ class Sending:
         patience: LinkPatience,
         link: str = "ur-rtde",
     ) -> None:
-        self._client, self._arm, self._program, self._link = client, arm, program, link
+        self._client, self._arm, self._program, self._link = client, cell.arms[0], program, link
         self._now, self._show, self._patience = now, show, patience
-        self._leg, self._alive = 0, 0
-        self._at: float | None = None
-        self._fresh = 0.0
+        self._states = States(cell, self._arm)
+        self._leg, self._alive, self._fresh, self._has_begun = 0, 0, 0.0, False
+        # By the controller's clock: until when it was seen in each leg, or before it.
+        self._until = dict.fromkeys(range(len(program.legs) + 1), 0.0)
 
     @property
     def _where(self) -> str:
@@ -97,52 +70,86 @@ class Sending:
         """
         self._check_ready(self._first(cancelled))
         released()
-        total = len(self._program.legs)
         has_ended = False
         try:
             self._client.say(run=self._program.text, alive=0)
             yield self._receipt("program", sent=self._program.text)
-            began, stood = self._patience.clock(), None
-            while not has_ended:
-                if cancelled():
-                    has_ended = True
-                    self._stop()
-                told = self._hear()
-                if told is None:
-                    continue
-                clock = self._patience.clock()
-                done = told["leg"] - self._program.ticket
-                if not 0 <= done <= total + 1:
-                    if clock - began > self._patience.silence:
-                        raise LinkError("the controller did not begin the program; see its log")
-                    continue
-                if done < self._leg:
-                    raise LinkError(f"the controller is in leg {done} after {self._where}")
-                if fault := fault_of(told):
-                    raise LinkError(f"the controller reports at {self._where}: {fault}")
-                for number in range(self._leg + 1, min(done, total) + 1):
+            for state in self._followed(cancelled):
+                done = state.leg - self._program.ticket
+                for number in range(self._leg + 1, min(done, len(self._program.legs)) + 1):
                     self._leg = number
-                    yield self._receipt(self._program.legs[number - 1], heard=f"leg {number}")
-                self._check_follows(told)
-                self._tell(told)
-                if told["runtime"] == PLAYING:
-                    stood = None
-                    continue
-                if done == total + 1 and told["runtime"] == STOPPED:
-                    self._check_stands(told, self._program.q_end, "ends")
-                    has_ended = True
-                    yield self._receipt("end", heard="the program has ended")
-                    continue
-                stood = clock if stood is None else stood
-                # The register and the state of the program come in one packet; a doubt is short.
-                if clock - stood > self._patience.doubt:
-                    raise LinkError(f"the controller ended the program at {self._where}")
+                    yield self._receipt(self._program.legs[number - 1], heard=f"leg {done}")
+            has_ended = True
+            yield self._receipt("end", heard="the program has ended")
+        except JobCancelled:
+            has_ended = True
+            raise
         finally:
             if not has_ended:
                 with suppress(LinkError):
                     self._client.say(stop=True)
 
-    def _first(self, cancelled: Cancelled) -> dict[str, Any]:
+    def _followed(self, cancelled: Cancelled) -> Iterator[State]:
+        """States of the program as it runs, each looked at, up to that of its end."""
+        total, clock = len(self._program.legs), self._patience.clock
+        began, stood, over = clock(), None, None
+        while True:
+            if cancelled():
+                self._stop()
+            state = self._hear()
+            if state is None:
+                continue
+            done = state.leg - self._program.ticket
+            if fault := state.fault:
+                raise LinkError(f"the controller reports at {self._where}: {fault}")
+            if not self._has_begun and not 0 <= done <= REFUSED:
+                if clock() - began > self._patience.silence:
+                    raise LinkError("the controller did not begin the program; see its log")
+                continue
+            self._check_leg(done, state.at)
+            yield state
+            self._check_follows(state)
+            self._tell(state)
+            over = over or (clock() if done > total else None)
+            if over is not None and clock() - over > self._patience.answer:
+                raise LinkError("the controller does not end the program after its last leg")
+            if state.runtime == PLAYING:
+                stood = None
+            elif done > total and state.runtime == STOPPED:
+                return self._check_stands(state, self._program.q_end, "ends")
+            else:
+                stood = clock() if stood is None else stood
+            # The register and the state of the program come in one packet; a doubt is short.
+            if stood is not None and clock() - stood > self._patience.doubt:
+                raise LinkError(f"the controller ended the program at {self._where}")
+
+    def _check_leg(self, done: int, at: float) -> None:
+        """The leg that is reported follows that before, and all between took their time."""
+        total, seconds = len(self._program.legs), self._program.seconds
+        self._has_begun = True
+        if done == REFUSED:
+            raise LinkError(
+                f"the program came to the controller twice, at {self._where}; "
+                "the second one has not begun"
+            )
+        if not 0 <= done <= total + 1:
+            raise LinkError(f"the controller tells of another program at {self._where}")
+        if done < self._leg:
+            raise LinkError(f"the controller is in leg {done} after {self._where}")
+        for before in range(done):
+            least = LEAST * sum(seconds[before : done - 1])
+            if at - self._until[before] < least:
+                later = at - self._until[before]
+                where = f"in leg {done}" if done <= total else "at the end"
+                since = f"leg {before}" if before else "the beginning"
+                raise LinkError(
+                    f"the controller is {where} {later:.2f} s after {since}: "
+                    f"what is between takes {least / LEAST:.2f} s"
+                )
+        for number in range(done, total + 1):
+            self._until[number] = at
+
+    def _first(self, cancelled: Cancelled) -> State:
         """The first state; the client has to connect before."""
         until = self._patience.clock() + self._patience.answer
         while self._patience.clock() < until:
@@ -151,56 +158,61 @@ class Sending:
             told = self._client.hear(POLL)
             if told is not None and told.get("remote") is False:
                 raise LinkError("the robot is in local control; choose remote control on its panel")
-            if told is not None and "q" in told:
+            state = self._states.taken(told)
+            if state is not None:
                 # How long the client took to connect is not the controller's silence.
                 self._fresh = self._patience.clock()
-                return told
+                self._until = dict.fromkeys(self._until, state.at)
+                return state
         raise LinkError(f"the controller told nothing within {self._patience.answer:.0f} s")
 
-    def _check_ready(self, told: dict[str, Any]) -> None:
-        if fault := fault_of(told):
+    def _check_ready(self, state: State) -> None:
+        if fault := state.fault:
             raise LinkError(f"the robot cannot move: {fault}")
-        if told["runtime"] != STOPPED:
+        if state.runtime != STOPPED:
             raise LinkError("the controller runs another program, or holds one that is paused")
-        if 0 <= told["leg"] - self._program.ticket <= len(self._program.legs) + 1:
+        ticket = self._program.ticket
+        if ticket in state.begun or 0 <= state.leg - ticket < TICKETS:
             raise LinkError("the controller has run this program already; nothing runs twice")
-        self._check_stands(told, self._program.q_start, "begins")
+        self._check_stands(state, self._program.q_start, "begins")
 
-    def _check_stands(self, told: dict[str, Any], q: Floats, where: str) -> None:
-        off = np.abs(self._arm.from_axes(told["q"]) - q)
-        if not off.max() <= NEAR:  # nor where it reports no number
+    def _check_stands(self, state: State, q: Floats, where: str) -> None:
+        off = np.abs(state.q - q)
+        if not off.max() <= NEAR:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(
                 f"{joint} stands {np.rad2deg(off.max()):.1f} degrees from where the plan {where}"
             )
 
-    def _check_follows(self, told: dict[str, Any]) -> None:
+    def _check_follows(self, state: State) -> None:
         """Where the arm is streamed, it is on the way of the leg that it says it is in."""
         if not self._program.references:
             return
-        q = np.asarray(self._arm.from_axes(told["q"]))
-        off = off_the_references(q, self._program.references[max(self._leg - 1, 0)])
-        if not off.max() <= OFF:  # nor where it reports no number
+        off = off_the_references(state.q, self._program.references[max(self._leg - 1, 0)])
+        if not off.max() <= OFF:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(
                 f"the robot does not follow in {self._where}: {joint} is "
                 f"{np.rad2deg(off.max()):.1f} degrees from its references"
             )
 
-    def _hear(self) -> dict[str, Any] | None:
+    def _hear(self) -> State | None:
         """A state that is news; we say that we are there as often as we look."""
+        began = self._patience.clock()
         told = self._client.hear(POLL)
-        clock = self._patience.clock()
-        if told is not None and "q" in told and told["at"] != self._at:
-            self._at, self._fresh = told["at"], clock
+        if told is not None and told.get("sent") is False:
+            raise LinkError("the controller did not take the program")
+        state = self._states.taken(told)
+        if state is not None:
+            self._fresh = self._patience.clock()
             self._alive += 1
             self._client.say(alive=self._alive)
-            return told
-        if clock - self._fresh > self._patience.silence:
+        # What comes while this process stands still is heard next, so that is no silence.
+        elif began - self._fresh > self._patience.silence:
             raise LinkError(
                 f"the controller was silent for {self._patience.silence:.0f} s at {self._where}"
             )
-        return None
+        return state
 
     def _stop(self) -> None:
         """Stop the robot, and wait for its word.
@@ -211,13 +223,18 @@ class Sending:
         where = f"sending was stopped at {self._where}"
         missing = "the controller did not report that it stands: use the emergency stop"
         clock = self._patience.clock
-        began, is_heard = clock(), False
+        began, is_heard, before = clock(), False, None
         try:
             self._client.say(stop=True)
             while clock() - began < self._patience.stop:
                 told = self._client.hear(POLL)
                 is_heard = is_heard or (told is not None and "stopping" in told)
-                if is_heard and told is not None and told.get("runtime") in STANDS:
+                state = self._states.taken(told)
+                if state is None or not is_heard:
+                    continue
+                # What was on its way when the stop was heard says nothing: two that agree do.
+                last, before = before, state if state.stands else None
+                if last is not None and before is not None and _is_still(last, before):
                     took = clock() - began
                     words = f"the controller reported that it stands after {took * 1000:.0f} ms"
                     legs, at = len(self._program.legs), self._now()
@@ -229,10 +246,9 @@ class Sending:
             raise JobCancelled(f"{where}; {missing} ({error})") from None
         raise JobCancelled(f"{where}; {missing}")
 
-    def _tell(self, told: dict[str, Any]) -> None:
-        joints = {self._arm.name: self._arm.from_axes(told["q"])}
-        at = self._now()
-        phase = "running" if told["runtime"] == PLAYING else "stopped"
+    def _tell(self, state: State) -> None:
+        joints, at = {self._arm.name: state.q}, self._now()
+        phase = "running" if state.runtime == PLAYING else "stopped"
         legs = len(self._program.legs)
         heard = f"leg {self._leg}"
         self._show(LinkStatus(self._link, phase, self._leg, legs, heard, at, at, joints=joints))
@@ -240,3 +256,7 @@ class Sending:
     def _receipt(self, kind: str, sent: str = "", heard: str = "") -> Receipt:
         total = len(self._program.legs)
         return Receipt(self._now(), self._arm.name, kind, sent, self._leg, total, heard)
+
+
+def _is_still(before: State, after: State) -> bool:
+    return bool(np.abs(after.q - before.q).max() < STILL)

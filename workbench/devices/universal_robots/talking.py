@@ -93,7 +93,10 @@ class Client:
                 raise LinkError("the client of the controller has ended")
             self._heard += data
         line, self._heard = self._heard.split(b"\n", 1)
-        told: dict[str, Any] = json.loads(line)
+        try:
+            told = dict[str, Any](json.loads(line))
+        except (ValueError, TypeError):
+            raise LinkError(f"the controller's client says {line[:40]!r}") from None
         if "problem" in told:
             raise LinkError(f"the controller's client says: {told['problem']}")
         return told

@@ -17,7 +17,8 @@ from pathlib import Path
 
 from workbench.devices.universal_robots import rtde
 from workbench.devices.universal_robots.following import Following
-from workbench.devices.universal_robots.urscript import Line, read_program
+from workbench.devices.universal_robots.twin_rtde import RtdePort
+from workbench.devices.universal_robots.urscript import READ, Line, read_program
 from workbench.devices.universal_robots.ways import Positions, Way
 from workbench.model.errors import InputError
 
@@ -85,15 +86,17 @@ class SimulatedUr:
         self._changing = threading.Lock()
         self._q = self._home = tuple(float(value) for value in start)
         self._positions, self._home_after, self._left_at = positions, home_after, math.inf
-        self._leg, self._runtime, self._safety = 0, rtde.STOPPED, NORMAL
-        self._alive_at, self._watchdog = time.monotonic(), 0.0
+        self._registers: dict[int, int] = dict.fromkeys((rtde.PROGRESS, *rtde.BEGUN), 0)
+        self._runtime, self._safety = rtde.STOPPED, NORMAL
+        self._began = self._alive_at = time.monotonic()
+        self._watchdog = 0.0
         self._program: threading.Thread | None = None
         self.outputs: dict[int, bool] = {}
         self.programs: list[str] = []
         self._listening: list[tuple[socket.socket, Callable[[socket.socket], None]]] = []
         for port, serve in (
             (script_port, self._take_programs),
-            (rtde.RTDE_PORT, self._rtde),
+            (rtde.RTDE_PORT, RtdePort(self._state, self._written, self._heard).serve),
             (DASHBOARD_PORT, self._dashboard),
         ):
             try:
@@ -111,6 +114,10 @@ class SimulatedUr:
     def q(self) -> tuple[float, ...]:
         """Where the axes are [rad]."""
         return self._q
+
+    @property
+    def _leg(self) -> int:
+        return self._registers[rtde.PROGRESS] % rtde.TICKETS
 
     @property
     def is_playing(self) -> bool:
@@ -171,7 +178,7 @@ class SimulatedUr:
 
     def _serve(self, client: socket.socket, serve: Callable[[socket.socket], None]) -> None:
         # A client that goes, or talks nonsense, is no fault of the controller.
-        with client, suppress(OSError, struct.error, ValueError, KeyError):
+        with client, suppress(OSError, struct.error, ValueError, LookupError, ArithmeticError):
             serve(client)
 
     def _heard(self, client: socket.socket, most: int) -> bytes | None:
@@ -239,9 +246,15 @@ class SimulatedUr:
 
     def _execute(self, lines: Sequence[Line]) -> None:
         moves: list[Line] = []
+        is_passed = False
         for line in (*lines, Line("stopj")):
-            if self._ended.is_set():
+            if self._ended.is_set() or (line.name == "halt" and not is_passed):
                 break
+            if line.name == "if":
+                is_passed = self._registers.get(int(line.words[0]), 0) != int(line.words[1])
+            is_passed = is_passed and line.name != "end"
+            if is_passed:
+                continue
             if moves and not moves[-1].goes_on_in(line):
                 is_stream = moves[0].name == "servoj"
                 self._move(
@@ -266,15 +279,22 @@ class SimulatedUr:
                 with self._lock:
                     self._watchdog, self._alive_at = 1 / float(line.words[1]), time.monotonic()
             case "write_output_integer_register":
-                self._leg = int(line.words[1])
-                self._fail()
-            case "stopj" | "set_tcp":
+                self._write(*line.words)
+            case "stopj" | "set_tcp" | "if" | "end":
                 return  # the axes stand as soon as the program before has ended; the TCP is there
             case name:
                 raise AssertionError(f"the reader knows {name}, and nobody runs it")
 
+    def _write(self, register: str, value: str) -> None:
+        read = READ.fullmatch(value)
+        self._registers[int(register)] = (
+            self._registers.get(int(read[1]), 0) if read else int(value)
+        )
+        if int(register) == rtde.PROGRESS:
+            self._fail()
+
     def _fail(self) -> None:
-        leg = self._leg % rtde.TICKETS
+        leg = self._leg
         if self._faults.get("protective-stop") == leg:
             with self._lock:
                 self._safety, self._runtime = PROTECTIVE, rtde.STOPPED
@@ -284,7 +304,7 @@ class SimulatedUr:
 
     def _move(self, way: Way | Following) -> None:
         began, first, *others = time.monotonic(), *self._q
-        is_astray = self._faults.get("stray") == self._leg % rtde.TICKETS
+        is_astray = self._faults.get("stray") == self._leg
         while not self._ended.is_set():
             t = (time.monotonic() - began) * self._speed
             if is_astray:
@@ -298,56 +318,18 @@ class SimulatedUr:
                 return
             self._ended.wait(min(TICK, (way.seconds - t) / self._speed))
 
-    # -- RTDE ------------------------------------------------------------------------------
-
-    def _rtde(self, client: socket.socket) -> None:
-        outputs: list[str] = []
-        recipes: list[list[str]] = []
-        period, due, heard, is_started = 0.0, 0.0, b"", False
-        while True:
-            if is_started and time.monotonic() >= due:
-                due = time.monotonic() + period
-                client.sendall(
-                    rtde.packet(rtde.DATA, b"\x01" + rtde.packed(outputs, self._state()))
-                )
-            client.settimeout(max(min(due - time.monotonic(), POLL), 1e-3) if is_started else POLL)
-            data = self._heard(client, rtde.LONGEST)
-            if data is None:
-                return
-            heard += data
-            while len(heard) >= rtde.HEADER.size:
-                size, kind = rtde.HEADER.unpack_from(heard)
-                if not rtde.HEADER.size <= size <= rtde.LONGEST:
-                    return
-                if len(heard) < size:
-                    break
-                content, heard = heard[rtde.HEADER.size : size], heard[size:]
-                if kind == rtde.VERSION:
-                    client.sendall(rtde.packet(rtde.VERSION, b"\x01"))
-                elif kind == rtde.CONTROLLER:
-                    client.sendall(rtde.packet(rtde.CONTROLLER, struct.pack(">IIII", 5, 11, 0, 0)))
-                elif kind == rtde.OUTPUTS:
-                    (rate,) = struct.unpack_from(">d", content)
-                    period, outputs = max(1 / rate, TICK), _names(content[8:])
-                    client.sendall(rtde.packet(rtde.OUTPUTS, b"\x01" + _types(outputs)))
-                elif kind == rtde.INPUTS:
-                    recipes.append(_names(content))
-                    number = bytes([len(recipes)])
-                    client.sendall(rtde.packet(rtde.INPUTS, number + _types(recipes[-1])))
-                elif kind in (rtde.START, rtde.PAUSE):
-                    is_started = kind == rtde.START
-                    client.sendall(rtde.packet(kind, b"\x01"))
-                elif kind == rtde.DATA:
-                    self._written(rtde.unpacked(recipes[content[0] - 1], content[1:]))
-
     def _state(self) -> dict[str, object]:
+        registers = {
+            f"output_int_register_{number}": value for number, value in self._registers.items()
+        }
         return {
-            "timestamp": time.monotonic(),
+            # Faster than in real time its clock is, too.
+            "timestamp": self._began + (time.monotonic() - self._began) * self._speed,
             "actual_q": self._q,
             "robot_mode": rtde.RUNNING_MODE,
             "safety_status_bits": self._safety,
             "runtime_state": self._runtime,
-            f"output_int_register_{rtde.PROGRESS}": self._leg,
+            **registers,
         }
 
     def _written(self, values: dict[str, object]) -> None:
@@ -385,11 +367,3 @@ def _fault(text: str) -> tuple[str, int]:
     if word not in FAULTS or (leg and not leg.isdecimal()):
         raise InputError(f"fault {text!r:.40}: one of {', '.join(FAULTS)} is expected, with @LEG")
     return word, int(leg or 1)
-
-
-def _names(content: bytes) -> list[str]:
-    return [name for name in content.decode("ascii").split(",") if name]
-
-
-def _types(names: Sequence[str]) -> bytes:
-    return ",".join(rtde.type_of(name) for name in names).encode()

@@ -12,6 +12,8 @@ from workbench.model.errors import InputError
 CALL = re.compile(r"\s+(\w+)\((.*)\)\s*")
 JOINTS = re.compile(r"\[([^\]]*)\], a=([0-9.]+), v=([0-9.]+)(?:, r=([0-9.]+))?")
 SERVO = re.compile(r"\[([^\]]*)\], t=([0-9.]+), lookahead_time=([0-9.]+), gain=([0-9]+)")
+IF = re.compile(r"  if read_output_integer_register\((\d+)\) == (\d+):")
+READ = re.compile(r"read_output_integer_register\((\d+)\)")
 FLANGE = "p[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]"
 """The TCP at the flange."""
 
@@ -31,7 +33,8 @@ ARGUMENTS = {
 class Line:
     """A call, with joints `q` (6,) [rad] where it moves.
 
-    That of `movej` has `a` [rad/s2], `v` [rad/s] and `r` [m], that of `servoj` its time `t` [s],
+    `if` has a register and a number: what follows, up to `end`, is done where it holds that.  That
+    of `movej` has `a` [rad/s2], `v` [rad/s] and `r` [m], that of `servoj` its time `t` [s],
     `lookahead` [s] and `gain` [1/s2].
     """
 
@@ -61,10 +64,22 @@ def read_program(text: str) -> tuple[Line, ...]:
     first, *rest = [line for line in text.splitlines() if line.strip()] or [""]
     if not re.fullmatch(r"def \w+\(\):", first) or not rest or rest[-1].strip() != "end":
         raise InputError(f"{first!r:.60}: a program from `def` to `end` is expected")
-    return tuple(_line(number, line) for number, line in enumerate(rest[:-1], start=2))
+    lines: list[Line] = []
+    is_inside = False
+    for number, line in enumerate(rest[:-1], start=2):
+        lines.append(_line(number, line, is_inside))
+        is_inside = lines[-1].name == "if" or (is_inside and lines[-1].name != "end")
+    if is_inside:
+        raise InputError("an `if` has no end")
+    return tuple(lines)
 
 
-def _line(number: int, text: str) -> Line:
+def _line(number: int, text: str, is_inside: bool) -> Line:
+    if is_inside and text in ("    halt", "  end"):
+        return Line(text.strip())
+    asked = IF.fullmatch(text)
+    if asked is not None and not is_inside:
+        return Line("if", (asked[1], asked[2]))
     call = CALL.fullmatch(text)
     if call is not None and call[1] in ("movej", "servoj"):
         if (line := _move(call[1], call[2])) is not None:
@@ -73,7 +88,10 @@ def _line(number: int, text: str) -> Line:
         return Line("set_tcp", (FLANGE,))
     elif call is not None:
         words = tuple(word.strip() for word in call[2].split(","))
-        if ARGUMENTS.get(call[1]) == len(words):
+        is_known = ARGUMENTS.get(call[1]) == len(words)
+        if call[1] == "write_output_integer_register" and is_known:
+            is_known = words[0].isdecimal() and (words[1].isdecimal() or READ.fullmatch(words[1]))
+        if is_known:
             return Line(call[1], words)
     raise InputError(f"line {number}: {text.strip()!r:.60} is not known")
 

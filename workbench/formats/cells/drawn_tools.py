@@ -230,7 +230,7 @@ def _finger(two: TwoFingers, begins: float, is_mended: bool) -> tuple[Shape, pin
 
 
 def _mesh_of(drawing: Drawing, is_mended: bool) -> Mesh:
-    with uploaded(drawing.file, drawing.content.tobytes()) as file:
+    with uploaded(drawing.file, drawing.content.data) as file:
         return import_mesh(file, drawing.unit or None, repair=is_mended).mesh
 
 

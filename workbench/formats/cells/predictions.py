@@ -19,7 +19,9 @@ def predictions_path(cell: str) -> Path:
     Raises:
         FileError: there is no such cell.
     """
-    return cell_path(cell).with_name(NAME)
+    path = cell_path(cell)
+    # A folder may hold several cells: each has a study of its own.
+    return path.with_name(NAME if path.name == "cell.toml" else f"{path.stem}.{NAME}")
 
 
 def read_predictions(path: Path) -> Predictions | None:

@@ -5,67 +5,104 @@ to more than a disk holds; none of that reaches the disk.
 """
 
 import contextlib
-import lzma
-import re
-import stat
+import hashlib
 import tempfile
-import zipfile
 import zlib
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from pathlib import Path, PurePosixPath
 from typing import IO
 
 from workbench.formats.files.whole_files import partial_of
+from workbench.formats.files.zip_frame import (
+    DEFLATED,
+    LARGEST_FILE,
+    MOST_FILES,
+    STEP,
+    STORED,
+    Member,
+    blocks_of,
+    directory_of,
+    header_of,
+)
+from workbench.formats.files.zip_reading import files_in
 from workbench.model.errors import FileError
 
-MOST_FILES = 100_000
 MOST_BYTES = 16 * 2**30
-MOST_GROWTH = 300
-"""So many times as large as the zip file may its content be; scans come to about 3."""
-
-NAME = re.compile(r"[\w.+ -]{1,120}", re.ASCII)
-"""What a folder or file in a zip file may be called."""
-
-CHUNK = 2**20
-
-UNREADABLE = (
-    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError),
-    *(NotImplementedError, RuntimeError, ValueError),
-)
-"""What `zipfile` raises at files that are damaged, encrypted, or packed in unknown ways."""
 
 
-def write_archive(path: Path, content: Mapping[str, Path | bytes]) -> None:
+def write_archive(
+    path: Path,
+    content: Mapping[str, Path | bytes | memoryview],
+    last: Callable[[str], Mapping[str, bytes]] | None = None,
+) -> None:
     """Write a zip file, which afterwards is there wholly or not at all.
+
+    The same content gives the same bytes, whenever it is written.
 
     Args:
         path: of the zip file.
         content: name in it, with slashes -> a file or the content itself.
+        last: gives further files, which are stored as they are, for the SHA-256 of all bytes
+            before them.
 
     Raises:
-        FileError: something cannot be read or written.
+        FileError: something cannot be read or written, or is larger than what can be read again.
     """
     partial = partial_of(path)
+    if len(content) > MOST_FILES:
+        raise FileError(path, f"would have more than {MOST_FILES:,} files")
     try:
-        with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-            for name, source in content.items():
-                # The same content gives the same bytes, whenever it is written.
-                entry = zipfile.ZipInfo(name)
-                entry.compress_type = zipfile.ZIP_DEFLATED
-                entry.external_attr = 0o644 << 16
-                if isinstance(source, bytes):
-                    archive.writestr(entry, source)
-                else:
-                    entry.file_size = source.stat().st_size
-                    with source.open("rb") as file, archive.open(entry, "w") as target:
-                        while block := file.read(CHUNK):
-                            target.write(block)
+        with partial.open("wb+") as file:
+            members = [_written(path, file, name, one) for name, one in content.items()]
+            if last is not None:
+                file.seek(0)
+                digest = hashlib.file_digest(file, "sha256").hexdigest()
+                members += [
+                    _written(path, file, name, one, STORED) for name, one in last(digest).items()
+                ]
+            file.seek(0, 2)
+            file.write(directory_of(members))
         partial.replace(path)
     except OSError as error:
         raise FileError(error.filename or path, error.strerror or "cannot be written") from None
     finally:
         with contextlib.suppress(OSError):
             partial.unlink()
+
+
+def _written(
+    path: Path,
+    file: IO[bytes],
+    name: str,
+    source: Path | bytes | memoryview,
+    method: int = DEFLATED,
+) -> Member:
+    """Write one file at the end; its header is known when all of it has been packed."""
+    place = file.seek(0, 2)
+    member = Member(name, method, 0, 0, 0, place)
+    start = place + file.write(header_of(member))
+    crc = size = 0
+    pack = zlib.compressobj(6, zlib.DEFLATED, -zlib.MAX_WBITS)
+    for block in _blocks(source):
+        crc, size = zlib.crc32(block, crc), size + len(block)
+        if size > LARGEST_FILE:
+            raise FileError(path, f"{name!r} is longer than {LARGEST_FILE / 2**30:.1f} GB")
+        file.write(block if method == STORED else pack.compress(block))
+    if method == DEFLATED:
+        file.write(pack.flush())
+    member = Member(name, method, crc, file.tell() - start, size, start)
+    file.seek(place)
+    file.write(header_of(member))
+    return member
+
+
+def _blocks(source: Path | bytes | memoryview) -> Iterable[bytes | memoryview]:
+    if isinstance(source, bytes | memoryview):
+        yield source
+        return
+    with source.open("rb") as file:
+        while block := file.read(STEP):
+            yield block
 
 
 def unpack(path: Path, folder: Path, most: int = MOST_BYTES) -> tuple[str, ...]:
@@ -80,55 +117,25 @@ def unpack(path: Path, folder: Path, most: int = MOST_BYTES) -> tuple[str, ...]:
         The names of the files, with slashes.
 
     Raises:
-        FileError: it is no zip file, is damaged, names what it may not, or is too large.
+        FileError: it is no zip file, is damaged, names what it may not, is too large, or readers
+            might find different files in it.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
-            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-            _check(path, entries, most)
-            for entry in entries:
-                target = folder.joinpath(*PurePosixPath(entry.filename).parts)
+        with path.open("rb") as packed:
+            members = files_in(packed)
+            if sum(member.size for member in members) > most:
+                raise FileError(path, f"unpacks to more than {most / 2**20:,.0f} MB")
+            for member in members:
+                target = folder.joinpath(*PurePosixPath(member.name).parts)
                 target.parent.mkdir(parents=True, exist_ok=True)
-                with archive.open(entry) as source, target.open("xb") as file:
-                    _copy(path, entry, source, file)
-    except UNREADABLE as error:
+                with target.open("xb") as file:
+                    for block in blocks_of(packed, member):
+                        file.write(block)
+    except ValueError as error:
         raise FileError(path, f"is no zip file that can be read: {error}") from None
     except OSError as error:
         raise FileError(error.filename or path, error.strerror or "cannot be used") from None
-    return tuple(entry.filename for entry in entries)
-
-
-def _check(path: Path, entries: Iterable[zipfile.ZipInfo], largest: int) -> None:
-    seen: set[str] = set()
-    total, count = 0, 0
-    most = min(largest, max(path.stat().st_size, 1) * MOST_GROWTH)
-    for entry in entries:
-        name, count = entry.filename, count + 1
-        parts = name.split("/")
-        if any(not NAME.fullmatch(part) or part.strip(". ") == "" for part in parts):
-            raise FileError(path, f"names {name[:100]!r}, which is no plain path below a folder")
-        # A file system may not tell capitals from small letters.
-        if name.casefold() in seen:
-            raise FileError(path, f"names {name!r} twice")
-        seen.add(name.casefold())
-        kind = stat.S_IFMT(entry.external_attr >> 16)
-        if kind not in (0, stat.S_IFREG):
-            raise FileError(path, f"{name!r} is no plain file")
-        total += entry.file_size
-        if total > most or count > MOST_FILES:
-            raise FileError(
-                path, f"unpacks to more than {most / 2**20:,.0f} MB or {MOST_FILES:,} files"
-            )
-
-
-def _copy(path: Path, entry: zipfile.ZipInfo, source: IO[bytes], target: IO[bytes]) -> None:
-    """Copy no more than was announced, whatever comes."""
-    left = entry.file_size
-    while block := source.read(CHUNK):
-        left -= len(block)
-        if left < 0:
-            raise FileError(path, f"{entry.filename!r} is longer than it says")
-        target.write(block)
+    return tuple(member.name for member in members)
 
 
 @contextlib.contextmanager

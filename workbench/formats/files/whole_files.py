@@ -9,10 +9,11 @@ import shutil
 import stat
 import tempfile
 import threading
+import unicodedata
 from collections.abc import Collection, Generator
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
-from workbench.model.errors import FileError
+from workbench.model.errors import FileError, InputError
 
 MB = 1024 * 1024
 
@@ -22,8 +23,15 @@ SILENCE = 60.0
 LONGEST_NAME = 60
 """Of a file that came as bytes; its beginning is left out: file systems take 255 bytes."""
 
+POINTER = b"version https://git-lfs.github.com/spec/"
+"""How a file begins that stands in a repository for a large one."""
+
 Stamp = tuple[int, int]
 """When a file was written [ns], and its size [bytes]."""
+
+
+class PointerError(FileError):
+    """git-lfs has put a small file in the place of a large one that was not fetched."""
 
 
 def read_whole(path: Path, most: int) -> bytes:
@@ -32,7 +40,8 @@ def read_whole(path: Path, most: int) -> bytes:
     Devices and pipes have no size to ask for beforehand, so the reading itself is bounded.
 
     Raises:
-        FileError: not there, not to be read, or longer; or a pipe that nothing comes through.
+        FileError: not there, not to be read, or longer; or a pipe that nothing comes through; or
+            a pointer of git-lfs.
     """
     try:
         # Opening a named pipe would wait until somebody writes to it.
@@ -45,6 +54,8 @@ def read_whole(path: Path, most: int) -> bytes:
         raise FileError(repr(str(path)), "is not the name of a file") from None
     if len(content) > most:
         raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
+    if content.startswith(POINTER):
+        raise PointerError(path, "is a pointer of git-lfs: fetch the file (git lfs pull)")
     return content
 
 
@@ -183,18 +194,33 @@ def file_name(name: str) -> str:
     return plain if plain == name else f"{plain}-{hashlib.sha256(name.encode()).hexdigest()[:8]}"
 
 
-@contextlib.contextmanager
-def uploaded(name: str, content: bytes) -> Generator[Path]:
-    """A file that somebody has sent, as one in a folder of its own until the block ends.
-
-    A path in its name leads nowhere.  What is wrong with the file is told without that folder.
+def sent_name(name: str) -> str:
+    """The name of a file that somebody has sent, as it is.
 
     Raises:
+        InputError: no file can be called so, or it leads through folders.
+    """
+    is_odd = any(letter in "/\\" or unicodedata.category(letter) in ("Cc", "Cs") for letter in name)
+    if is_odd or not name.strip("."):
+        raise InputError(
+            f"{name[-LONGEST_NAME:]!r} is not the name of a file: / and \\ and control characters "
+            "are not taken"
+        )
+    return name
+
+
+@contextlib.contextmanager
+def uploaded(name: str, content: bytes | memoryview) -> Generator[Path]:
+    """A file that somebody has sent, as one in a folder of its own until the block ends.
+
+    What is wrong with the file is told without that folder.
+
+    Raises:
+        InputError: the name is not that of a file (`sent_name`).
         FileError: it is raised in the block, and names the file as it was sent.
     """
     with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-        plain = PurePosixPath(name).name[-LONGEST_NAME:]
-        file = Path(folder) / (plain if plain.strip(".") else "file")
+        file = Path(folder) / sent_name(name)[-LONGEST_NAME:]
         file.write_bytes(content)
         try:
             yield file

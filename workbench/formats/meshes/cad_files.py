@@ -4,19 +4,13 @@ The readers behind it are large, some of them C++, and a broken or hostile file 
 hang, or take all the memory: then that process ends, and nothing else.
 """
 
-import ctypes
-import json
-import os
-import resource
-import signal
-import subprocess
-import sys
-import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from workbench.formats.files.apart import Answer, apart
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, is_file
@@ -31,15 +25,6 @@ WITH_UNIT = (".glb", *STEP)
 
 LARGEST_CAD = LARGEST_MESH
 """[bytes] Of one file."""
-
-LONGEST = 120.0
-"""[s] That reading may take."""
-
-MOST_MEMORY = 6 * 1024 * MB
-"""Of addresses; what is really used is a fraction of it."""
-
-PR_SET_PDEATHSIG = 1
-"""From `linux/prctl.h`."""
 
 FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
@@ -60,12 +45,16 @@ class CadMesh:
     is_assumed: bool
 
 
-def read_cad(path: Path, unit: str | None = None) -> CadMesh:
+def read_cad(
+    path: Path, unit: str | None = None, *, raw: Callable[[Path], Mesh] | None = None
+) -> CadMesh:
     """The triangles of an STL, OBJ, PLY, GLB or STEP file.
 
     Args:
         path: of the file.
         unit: mm, m or inch, for formats that do not say; None when it is not known.
+        raw: reads the triangles in the file's unit; None: a process of its own does, and `read_raw`
+            is for who runs in one already.
 
     Raises:
         FileError: not there, of another kind, too large, broken, without triangles, or it takes
@@ -82,11 +71,11 @@ def read_cad(path: Path, unit: str | None = None) -> CadMesh:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
     if kind in WITH_UNIT and unit not in (None, "m"):
         raise FileError(path, f"says its unit itself, so it cannot be read in {unit}")
-    raw = _read_apart(path)
+    read = (raw or _read_apart)(path)
     is_assumed = unit is None and kind not in WITH_UNIT
     if is_assumed:
-        unit = _likely_unit(path, float(np.ptp(raw.points, axis=0).max()))
-    mesh = Mesh(raw.points * UNITS[unit or "m"], raw.triangles)
+        unit = _likely_unit(path, float(np.ptp(read.points, axis=0).max()))
+    mesh = Mesh(read.points * UNITS[unit or "m"], read.triangles)
     size = float(np.ptp(mesh.points, axis=0).max())
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
         raise FileError(path, f"would be {size * 1000:.4g} mm large: is it another unit?")
@@ -104,64 +93,34 @@ def _likely_unit(path: Path, size: float) -> str:
 
 
 def _read_apart(path: Path) -> Mesh:
-    """The triangles in the file's unit, read by a process that may crash and ends with this one."""
-    with tempfile.TemporaryDirectory(prefix="workbench-") as folder:
-        found, told = Path(folder) / "mesh.npz", Path(folder) / "problem.json"
-        command = [sys.executable, "-m", "workbench.formats.meshes.cad_files"]
-        command += [str(path.resolve()), folder, str(os.getpid())]
-        # The same packages as here, wherever this process has them from.
-        places = os.pathsep.join(os.path.abspath(place) for place in sys.path)
-        try:
-            ended = subprocess.run(
-                command,
-                cwd=folder,
-                env={**os.environ, "PYTHONPATH": places},
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-                timeout=LONGEST,
-            )
-        except subprocess.TimeoutExpired:
-            raise FileError(path, f"could not be read within {LONGEST:g} s") from None
-        if told.is_file():
-            raise FileError(path, json.loads(told.read_text(encoding="utf-8")))
-        if ended.returncode != 0 or not found.is_file():
-            raise FileError(
-                path, f"cannot be read: it made its reader end (code {ended.returncode})"
-            )
-        with np.load(found) as arrays:
-            return Mesh(arrays["points"], arrays["triangles"])
+    """The triangles in the file's unit, read by a process of its own."""
+    arrays = apart(path, raw_triangles).arrays
+    return Mesh(arrays["points"], arrays["triangles"])
 
 
-def _end_with(parent: int) -> None:
-    """Let Linux end this process when the one that started it is killed, as a cancelled job is."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:  # it was killed before
-            sys.exit(1)
+def raw_triangles(path: Path) -> Answer:
+    """The triangles in the file's unit as what `apart` brings back: `points` and `triangles`.
+
+    Raises:
+        FileError: as `read_cad` has it.
+    """
+    mesh = read_raw(path)
+    return Answer(arrays={"points": mesh.points, "triangles": mesh.triangles})
 
 
-def _read_here(path: Path, folder: Path) -> None:
-    """What the process of its own does: write the triangles, or what is wrong, into a folder."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_CPU, (int(LONGEST) * 2, int(LONGEST) * 2))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+def read_raw(path: Path) -> Mesh:
+    """The triangles in the file's unit; for a process of its own, since readers may crash it.
+
+    Raises:
+        FileError: as `read_cad` has it.
+    """
+    is_step = path.suffix.lower() in STEP
     try:
-        if path.suffix.lower() in STEP:
-            path = _converted(path, folder / "converted.glb")
         # Bounded as if it were in millimetres: the unit is looked at later.
-        mesh = read_mesh(path, 0.001)
-        np.savez(folder / "mesh.npz", points=mesh.points * 1000, triangles=mesh.triangles)
+        mesh = read_mesh(_converted(path, Path("converted.glb")) if is_step else path, 0.001)
     except FileError as error:
-        _tell(folder, error.problem)
-    except MemoryError:
-        _tell(folder, f"cannot be read with {MOST_MEMORY / MB:g} MB of memory")
-    except RecursionError:
-        _tell(folder, "cannot be read: its parts are nested too deeply")
-
-
-def _tell(folder: Path, problem: str) -> None:
-    (folder / "problem.json").write_text(json.dumps(problem), encoding="utf-8")
+        raise FileError(path, error.problem) from None
+    return Mesh(mesh.points * 1000, mesh.triangles)
 
 
 def _converted(path: Path, target: Path) -> Path:
@@ -183,8 +142,3 @@ def _converted(path: Path, target: Path) -> Path:
     if target.stat().st_size > 4 * LARGEST_MESH:
         raise FileError(path, f"gives more than {MOST_TRIANGLES} triangles")
     return target
-
-
-if __name__ == "__main__":
-    _end_with(int(sys.argv[3]))
-    _read_here(Path(sys.argv[1]), Path(sys.argv[2]))

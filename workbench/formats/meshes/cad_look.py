@@ -1,11 +1,11 @@
 """What a CAD file holds, before anything is made of it."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.whole_files import uploaded
-from workbench.formats.meshes.cad_files import read_cad
+from workbench.formats.meshes.cad_files import read_cad, read_raw
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
 from workbench.model.geometry import Floats
 
@@ -25,19 +25,17 @@ class CadLook:
     is_assumed: bool
 
 
-def look_at(name: str, content: bytes, unit: str = "") -> CadLook:
-    """Read a CAD file that somebody has sent, and tell what it holds.
+def look_at(file: Path, unit: str = "") -> CadLook:
+    """Read a CAD file and tell what it holds; for a process of its own (`formats.files.apart`).
 
     Args:
-        name: of the file.
-        content: its bytes.
+        file: STL, OBJ, PLY, GLB or STEP.
         unit: mm, m or inch; empty when the file says it or it is not known.
 
     Raises:
         FileError: it cannot be read (`read_cad`).
     """
-    with uploaded(name, content) as file:
-        cad = read_cad(file, unit or None)
+    cad = read_cad(file, unit or None, raw=read_raw)
     mesh, _ = joined_corners(cad.mesh)
     points = np.asarray(mesh.points)
     return CadLook(examined(mesh), points.min(axis=0), points.max(axis=0), cad.unit, cad.is_assumed)

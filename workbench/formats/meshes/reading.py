@@ -75,6 +75,8 @@ def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
     try:
         source = _bare_collada(content) if kind == "dae" else BytesIO(content)
         loaded = trimesh.load_mesh(source, file_type=kind, process=False)
+    except MemoryError:
+        raise
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
     triangles = np.asarray(loaded.faces)

@@ -136,16 +136,21 @@ def write_draft(folder: Path, library: GraspLibrary) -> None:
     if (folder / GRASPS).is_file() and not draft.is_file():
         write_whole(draft, read_whole(folder / GRASPS, LARGEST_FILE))
     save_grasps(draft, library)
+    if draft_of(folder) is None:
+        drop_draft(folder)
 
 
 def draft_of(folder: Path) -> GraspLibrary | None:
-    """Changes that nobody has saved, if there are any.
+    """Changes that nobody has saved, if there are any: a draft that says what is saved is none.
 
     Raises:
-        FileError: the draft is broken.
+        FileError: the draft is broken, or the file with the grasps.
     """
-    draft = folder / DRAFT
-    return read_grasps(draft) if draft.is_file() else None
+    if not (folder / DRAFT).is_file():
+        return None
+    draft, file = read_grasps(folder / DRAFT), folder / GRASPS
+    saved = read_grasps(file) if file.is_file() else GraspLibrary()
+    return draft if changes_in_words(saved, draft) else None
 
 
 def drop_draft(folder: Path) -> None:

@@ -1,4 +1,5 @@
 """RAPID, the language of ABB's controllers: modules read, checked and made callables.
 
-`lark` is needed, an extra: `pip install workbench[rapid]`.
+`syntax/` reads text, `robotware/` knows what every controller has, `backups/` finds out which files
+belong together.
 """

@@ -2,47 +2,43 @@
 
 from typing import Any
 
-from lark import Tree
-
-from workbench.formats.rapid.expressions import Ex, Expressions
-from workbench.formats.rapid.symbols import (
-    Frame,
-    Node,
-    Parameter,
-    Routine,
-    Run,
-    Variable,
-    parts,
-)
+from workbench.formats.rapid.expressions import NOTHING, Ex, Expressions
+from workbench.formats.rapid.symbols import Frame, Node, Parameter, Routine, Run, Variable
 from workbench.formats.rapid.values import BOOL, NUM, UNKNOWN, copy
 
 
 class Calls(Expressions):
     """Compiles calls of functions and procedures."""
 
-    def _function(self, node: Node) -> Ex:
+    def _function(self, node: Node, wanted: Any) -> Ex:
         name, args = node.children
         routine = self.symbol(str(name))
         special = str(name).lower()
-        if special in ("present", "dim") and isinstance(args, Tree):
+        if special in ("present", "dim") and args is not None:
             return self._of_argument(node, special, args)
-        if not isinstance(routine, Routine) or routine.kind is None:
-            what = "is no function" if routine is not None else "is not declared or not known here"
-            return self.wrong(name, f"{name} {what}")
-        return Ex(routine.kind, self.bound(routine, args, node))
+        if routine is None:
+            self.loose(args)
+            return self.unknown(name, "a function")
+        if type(routine) is not Routine or (routine.kind is None and not routine.is_loose):
+            return self.wrong(name, f"{name} is no function")
+        run = self.bound(routine, args, node)
+        return Ex(routine.kind or UNKNOWN, run)
 
     def _of_argument(self, node: Node, name: str, args: Node) -> Ex:
-        given = parts(args)
+        given = args.children
         if len(given) != (1 if name == "present" else 2):
             return self.wrong(node, f"this is not how many arguments {name} has")
         found = self.expression(given[0])
+        which = self.value(given[1], NUM).run if name == "dim" else None
+        if found.kind.is_unknown:
+            return Ex(BOOL if which is None else NUM, NOTHING.run)
         if found.variable is None or (name == "dim" and not found.kind.dims):
             what = "an argument" if name == "present" else "an array"
             return self.wrong(node, f"{name} wants {what}")
-        if name == "present":
+        if which is None:
             slot = found.variable.slot
             return Ex(BOOL, lambda frame: frame[slot] is not None)
-        which, run = self.value(given[1], NUM).run, found.run
+        run = found.run
 
         def size(frame: Frame) -> float:
             array = run(frame)
@@ -52,38 +48,72 @@ class Calls(Expressions):
 
         return Ex(NUM, size)
 
-    def bound(self, routine: Routine, args: Node | None, node: Any) -> Run:
+    def loose(self, args: Node | None) -> None:
+        """Look at arguments of which nothing is known."""
+        for item in args.children if args is not None else ():
+            if item.data in ("named", "by_name"):
+                for one in item.children[1:]:
+                    self.expression(one, UNKNOWN)
+            elif item.data != "passed_on":
+                self.expression(item, UNKNOWN)
+
+    def bound(self, routine: Routine, args: Node | None, node: Node) -> Run:
         """A call with its arguments, checked against the parameters."""
+        if not routine.is_executed:
+            self.left_out(node, routine.name)
+        if routine.is_loose:
+            self.loose(args)
+            return NOTHING.run
+        given = self._given(routine, args, node)
+        groups = [one.group for one in routine.parameters if one.group and one.name in given]
+        if len(groups) != len(set(groups)):
+            self.wrong(node, f"{routine.name}: arguments that exclude each other")
+        if routine.native is None:
+            makers = [given.get(one.name) for one in routine.parameters]
+            return lambda frame: routine.call([make(frame) if make else None for make in makers])
+        return _native(routine, given)
+
+    def _given(self, routine: Routine, args: Node | None, node: Node) -> dict[str, Run]:
         by_name = {one.name: one for one in routine.parameters}
-        given: dict[str, Any] = {}
+        given: dict[str, Run] = {}
         required = [one for one in routine.parameters if not one.is_optional]
         for item in args.children if args is not None else ():
-            if isinstance(item, Tree) and item.data in ("named", "passed_on"):
+            if item.data in ("named", "passed_on"):
                 one = by_name.get(str(item.children[0]).lower())
                 if one is None or not one.is_optional or one.name in given:
                     what = f"{routine.name} has no argument \\{item.children[0]}"
                     self.wrong(item.children[0], what if one is None else f"{what} here")
                     continue
-                given[one.name] = self._named(item, one)
+                if routine.takes and one.name not in routine.takes:
+                    self.left_out(item.children[0], f"{routine.name} \\{item.children[0]}")
+                given[one.name] = self._named(routine, item, one)
             elif not required:
                 self.wrong(item, f"{routine.name} has no more arguments")
+            elif item.data == "by_name":
+                one = _required(required, str(item.children[0]).lower())
+                if one is None:
+                    what = f"{routine.name} has no argument {item.children[0]} here"
+                    self.wrong(item.children[0], what)
+                    continue
+                required.remove(one)
+                given[one.name] = self._argument(routine, item.children[1], one)
             else:
                 one = required.pop(0)
-                given[one.name] = self._argument(item, one)
+                given[one.name] = self._argument(routine, item, one)
         if required:
             self.wrong(node, f"{routine.name} misses {', '.join(one.name for one in required)}")
-        groups = [one.group for one in routine.parameters if one.group and one.name in given]
-        if len(groups) != len(set(groups)):
-            self.wrong(node, f"{routine.name}: arguments that exclude each other")
-        makers = [given.get(one.name) for one in routine.parameters]
-        return _call(routine, makers)
+        return given
 
-    def _named(self, item: Node, one: Parameter) -> Run:
+    def _named(self, routine: Routine, item: Node, one: Parameter) -> Run:
         if item.data == "passed_on":
-            found = self.symbol(str(item.children[1]))
-            if not isinstance(found, Variable) or not found.is_optional:
-                self.wrong(item.children[1], f"{item.children[1]} is no optional argument")
-                return lambda frame: None
+            name = item.children[1]
+            found = self.symbol(str(name))
+            if found is None:
+                self.unknown(name, "an argument")
+                return NOTHING.run
+            if type(found) is not Variable or not found.is_optional:
+                self.wrong(name, f"{name} is no optional argument")
+                return NOTHING.run
             slot = found.slot
             return lambda frame: frame[slot]
         value = item.children[1] if len(item.children) > 1 else None
@@ -93,42 +123,62 @@ class Calls(Expressions):
             return lambda frame: ([True], 0)
         if value is None:
             self.wrong(item, f"\\{one.name} needs a value")
-            return lambda frame: None
-        return self._argument(value, one)
+            return NOTHING.run
+        return self._argument(routine, value, one)
 
-    def _argument(self, item: Any, one: Parameter) -> Run:
+    def _fitting(self, item: Node, one: Parameter) -> Parameter:
+        """Which of the alternatives for one place an argument is."""
+        if not one.others:
+            return one
+        kind = self.read(item, self.expression(item, one.kind)).kind
+        options = (one, *one.others)
+        return next((option for option in options if self.types.fit(kind, option.kind)), one)
+
+    def _argument(self, routine: Routine, item: Node, one: Parameter) -> Run:
+        one = self._fitting(item, one)
+        found = self.value(item, one.kind)
+        if routine.native is not None and not found.kind.is_unknown:
+            is_left_out = one.is_optional and one.name not in routine.takes
+            fits = one.executed_as is not None and self.types.fit(found.kind, one.executed_as)
+            if not is_left_out and not fits:
+                self.left_out(item, f"{routine.name} of a {found.kind}")
         if one.mode == "lazy":
-            run = self.value(item, one.kind).run
+            run = found.run
             return lambda frame: ([lambda: run(frame)], 0)
         if one.mode == "value":
-            run = self.value(item, one.kind).run
-            return lambda frame: ([copy(run(frame))], 0)
-        found = self.value(item, one.kind)
-        variable = found.variable
-        if found.kind == UNKNOWN:
             run = found.run
-            return lambda frame: ([run(frame)], 0)
+            return lambda frame: ([copy(run(frame))], 0)
+        variable = found.variable
+        if found is NOTHING:
+            return lambda frame: ([0.0], 0)
         wants_write = one.mode in ("var", "inout")
         if found.place is None or variable is None or (wants_write and not variable.is_writable):
             self.wrong(item, f"{one.name} needs data that can be written")
         elif one.mode == "var" and variable.storage == "pers":
             self.wrong(item, f"{one.name} needs a VAR, {variable.name} is a PERS")
-        elif one.mode == "pers" and variable.storage != "pers":
+        elif one.mode == "pers" and variable.storage not in ("pers", "inout"):
             self.wrong(item, f"{one.name} needs a PERS, {variable.name} is none")
         return found.place or found.run
 
 
-def _call(routine: Routine, makers: list[Run | None]) -> Run:
-    if routine.native is None:
-        return lambda frame: routine.call([make(frame) if make else None for make in makers])
-    native, modes = routine.native, [one.mode for one in routine.parameters]
-    by_value = [mode in ("value", "lazy") for mode in modes]
+def _required(required: list[Parameter], name: str) -> Parameter | None:
+    for one in required:
+        if name in (one.name, *(other.name for other in one.others)):
+            return one
+    return None
+
+
+def _native(routine: Routine, given: dict[str, Run]) -> Run:
+    native = routine.native
+    assert native is not None
+    modes = {one.name: one.mode for one in routine.parameters}
+    makers = [(given.get(name), modes[name] in ("value", "lazy")) for name in routine.takes]
 
     def run(frame: Frame) -> Any:
-        given: list[Any] = []
-        for make, is_value in zip(makers, by_value, strict=False):
+        values: list[Any] = []
+        for make, is_value in makers:
             place = make(frame) if make else None
-            given.append(place[0][place[1]] if is_value and place is not None else place)
-        return native(*given)
+            values.append(place[0][place[1]] if is_value and place is not None else place)
+        return native(*values)
 
     return run

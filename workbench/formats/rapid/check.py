@@ -1,13 +1,18 @@
-"""RAPID modules checked without being run: syntax, names, types, bounds, what is never reached."""
+"""RAPID modules checked without being run: what is wrong, not known, or not executed here."""
 
-from collections.abc import Callable, Sequence
+import gc
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from workbench.formats.files.whole_files import is_file
-from workbench.formats.rapid.loading import Loaded, Source
-from workbench.formats.rapid.problems import BadModule, Problem
-from workbench.formats.rapid.setup import FILE, read_module, read_setup
+from workbench.formats.rapid.backups.files import ENCODED
+from workbench.formats.rapid.backups.folders import Controller, declared, find_tasks
+from workbench.formats.rapid.declaring import Source
+from workbench.formats.rapid.loading import Loaded
+from workbench.formats.rapid.problems import UNKNOWN_NAME, UNREADABLE, BadModule, Problem
+from workbench.formats.rapid.setup import FILE, read_setup
 
 
 class Nobody:
@@ -26,40 +31,145 @@ class Nobody:
         """Never."""
 
 
-def check_modules(paths: Sequence[Path], signals: Sequence[str] = ()) -> list[Problem]:
-    """What is wrong with modules, by module, line and column.
+@dataclass(frozen=True)
+class Name:
+    """A name that is not known or not executed here, and how often it is used.
 
-    A folder with a `controller.toml` is checked as it is configured, task by task; files alone are
-    one task.  Names that are neither declared nor executed here are problems, too.
+    `use` says as what; `first` is where it is used first; `elsewhere` are modules that declare it,
+    but not in the task where it is used.
+    """
+
+    name: str
+    use: str
+    uses: int
+    first: Problem
+    elsewhere: Sequence[str] = ()
+
+
+@dataclass
+class Checked:
+    """What was found in all tasks; `tasks` are the paths of the modules in each.
+
+    `spare` are modules of backups that no task loads, and that were not checked for this reason.
+    """
+
+    problems: list[Problem] = field(default_factory=list[Problem])
+    tasks: list[tuple[str, list[str]]] = field(default_factory=list[tuple[str, list[str]]])
+    uses: dict[str, str] = field(default_factory=dict[str, str])
+    places: dict[str, list[str]] = field(default_factory=dict[str, list[str]])
+    spare: list[str] = field(default_factory=list[str])
+
+    def of(self, kind: str) -> list[Problem]:
+        """The problems of one kind."""
+        return [one for one in self.problems if one.kind == kind]
+
+    def names(self, kind: str) -> list[Name]:
+        """The names of one kind, those that are used most first."""
+        found: dict[str, list[Problem]] = {}
+        for one in self.of(kind):
+            found.setdefault(one.name.lower(), []).append(one)
+        names = [
+            Name(ones[0].name, self._use(ones[0]), len(ones), ones[0], self.places.get(low, ()))
+            for low, ones in found.items()
+        ]
+        return sorted(names, key=lambda one: (-one.uses, one.name.lower()))
+
+    def _use(self, one: Problem) -> str:
+        return ENCODED if one.what == ENCODED else self.uses.get(one.name.lower(), "")
+
+
+def check_modules(paths: Sequence[Path], signals: Iterable[str] = ()) -> list[Problem]:
+    """All that is found in modules, by module, line and column; see `check`."""
+    return check(paths, signals).problems
+
+
+def check(paths: Sequence[Path], signals: Iterable[str] = ()) -> Checked:
+    """Everything that is found in modules.
+
+    A folder with a `controller.toml` is checked as it is configured, task by task; a backup as its
+    folders and its `SYS.cfg` say; `find_tasks` says what becomes of other files.
 
     Args:
-        paths: a folder, or files.
-        signals: names of outputs that are configured.
+        paths: folders, or files.
+        signals: names of signals, or `NAME:DI` and the like; outputs where nothing else is said.
 
     Raises:
         FileError: a file is missing, or the configuration is not right.
     """
-    found: set[Problem] = set()
+    # Trees are many small objects that all stay: looking for garbage takes longer than reading.
+    is_on = gc.isenabled()
+    gc.disable()
+    try:
+        return _check_all(paths, dict(_signal(one) for one in signals))
+    finally:
+        if is_on:
+            gc.enable()
+
+
+def _check_all(paths: Sequence[Path], made: dict[str, str]) -> Checked:
+    checked, rest = Checked(), list[Path]()
     sources: list[Source] = []
+    problems: set[Problem] = set()
     for path in paths:
+        if not is_file(path / FILE):
+            rest.append(path)
+            continue
         try:
-            if is_file(path / FILE):
-                setup = read_setup(path)
-                shared: dict[str, list[Any]] = {}
-                for task in setup.tasks.values():
-                    found |= set(_problems(task.modules, [*signals, *setup.outputs], shared))
-            else:
-                sources.append(read_module(path))
+            one = read_setup(path).controller()
         except BadModule as error:
-            found |= set(error.problems)
-    if sources:
-        found |= set(_problems(sources, signals, {}))
-    return sorted(found)
+            problems |= set(error.problems)
+            continue
+        sources += _check(one, {**one.configuration.names(), **made}, checked, problems)
+    if rest:
+        found = find_tasks(rest)
+        problems |= set(found.problems)
+        sources += found.spare
+        checked.spare = [one.path for one in found.spare]
+        for one in found.controllers:
+            sources += _check(one, {**one.configuration.names(), **made}, checked, problems)
+        if not sources:
+            # Nothing was read at all: that an encoded module is no mistake helps nobody.
+            problems = {_as_unreadable(one) for one in problems}
+    unknown = {one.name.lower() for one in problems if one.kind == UNKNOWN_NAME}
+    for source in sources:
+        for name in declared(source) & unknown:
+            where = checked.places.setdefault(name, [])
+            if source.path not in where:
+                where.append(source.path)
+    checked.problems = sorted(problems)
+    return checked
 
 
-def _problems(
-    sources: Sequence[Source], signals: Sequence[str], shared: dict[str, list[Any]]
-) -> list[Problem]:
-    makers: dict[str, Callable[[str], Any]] = {}
+def _as_unreadable(one: Problem) -> Problem:
+    kind = UNREADABLE if one.kind == UNKNOWN_NAME else one.kind
+    return Problem(one.module, one.line, one.column, one.what, kind, one.name)
+
+
+def _signal(text: str) -> tuple[str, str]:
+    name, _, kind = text.partition(":")
+    return name, f"signal{kind.lower() or 'do'}"
+
+
+def _check(
+    controller: Controller, data: dict[str, str], checked: Checked, problems: set[Problem]
+) -> list[Source]:
+    shared: dict[str, list[Any]] = {}
     host = Nobody()
-    return Loaded(sources, host, natives={}, makers=makers, shared=shared, signals=signals).problems
+    sources: list[Source] = []
+    for task in controller.tasks:
+        loaded = Loaded(
+            task.sources,
+            host,
+            natives={},
+            makers={},
+            shared=shared,
+            signals=data,
+            entry=task.entry,
+        )
+        problems |= set(loaded.problems)
+        for name, use in loaded.problems.uses.items():
+            if checked.uses.get(name, "data") == "data":
+                checked.uses[name] = use
+        sources += task.sources
+        checked.tasks.append((task.name, [source.path for source in task.sources]))
+    return sources

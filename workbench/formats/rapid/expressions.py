@@ -1,27 +1,28 @@
 """Expressions of RAPID, checked and made callables of Python."""
 
-import operator
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lark import Token
-
-from workbench.formats.rapid.grammar import LONGEST_STRING, content_of
-from workbench.formats.rapid.problems import Problem, RapidError, RapidStop
-from workbench.formats.rapid.symbols import (
-    Frame,
-    Node,
-    Routine,
-    Run,
-    Variable,
-    parts,
+from workbench.formats.rapid.operators import ARITHMETIC, scaled, way
+from workbench.formats.rapid.problems import (
+    LEFT_OUT,
+    REMARK,
+    UNKNOWN_NAME,
+    WRONG,
+    Findings,
+    Problem,
+    RapidError,
+    RapidStop,
 )
+from workbench.formats.rapid.symbols import Frame, Node, Routine, Run, Variable
+from workbench.formats.rapid.syntax.tokens import Token, content_of
 from workbench.formats.rapid.values import (
     BOOL,
     DNUM,
     NUM,
     RANGES,
+    SIGNALS,
     STRING,
     UNKNOWN,
     Kind,
@@ -29,12 +30,15 @@ from workbench.formats.rapid.values import (
     Types,
     copy,
     single,
-)  # fmt: skip
+)
 
 
 @dataclass(slots=True)
 class Ex:
-    """An expression: its type, what gives its value, and the place of it if it has one."""
+    """An expression: its type, what gives its value, and the place of it if it has one.
+
+    A literal is written out, and may be a num or a dnum.
+    """
 
     kind: Kind
     run: Run
@@ -42,73 +46,60 @@ class Ex:
     variable: Variable | None = None
     sizes: tuple[int, ...] = ()
     is_constant: bool = False
+    is_literal: bool = False
 
 
-WRONG = Ex(UNKNOWN, lambda frame: 0.0)
-
-RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
-    "=": operator.eq, "<>": operator.ne, "<": operator.lt, ">": operator.gt,
-    "<=": operator.le, ">=": operator.ge,
-}  # fmt: skip
-
-
-def _divide(a: float, b: float) -> float:
-    if b == 0:
-        raise RapidError("ERR_DIVZERO")
-    return a / b
-
-
-def _whole(name: str, divide: Callable[[int, int], int]) -> Callable[[float, float], float]:
-    def run(a: float, b: float) -> float:
-        if b == 0:
-            raise RapidError("ERR_DIVZERO")
-        if a != int(a) or b != int(b):
-            raise RapidStop(f"{name} of {a:g} and {b:g}: both must be whole numbers")
-        return float(divide(int(a), int(b)))
-
-    return run
-
-
-def _quotient(a: int, b: int) -> int:
-    return -(-a // b) if (a < 0) != (b < 0) else a // b
-
-
-ARITHMETIC: dict[str, Callable[[float, float], float]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": _divide,
-    "div": _whole("DIV", _quotient),
-    "mod": _whole("MOD", lambda a, b: a - b * _quotient(a, b)),
-}  # fmt: skip
-
-
-def _joined(a: str, b: str) -> str:
-    if len(a) + len(b) > LONGEST_STRING:
-        raise RapidError("ERR_STRTOOLNG")
-    return a + b
+NOTHING = Ex(UNKNOWN, lambda frame: 0.0)
+"""Of no type, so that one mistake is told once."""
 
 
 class Expressions:
-    """Compiles expressions in one scope; what is wrong is collected in `problems`."""
+    """Compiles expressions in one scope; what is found is collected in `problems`."""
 
-    def __init__(self, types: Types, module: str, problems: list[Problem]) -> None:
+    def __init__(self, types: Types, module: str, problems: Findings) -> None:
         self.types, self.module, self.problems = types, module, problems
         self.locals: dict[str, Variable] = {}
         self.find: Callable[[str], Any] = lambda name: None
 
-    def wrong(self, node: Any, what: str) -> Ex:
-        """Note a problem at a node; an expression of no type, so that one mistake is told once."""
-        at = node if isinstance(node, Token) else node.meta
-        found = Problem(self.module, getattr(at, "line", 1), getattr(at, "column", 1), what)
-        if found not in self.problems:
-            self.problems.append(found)
-        return WRONG
+    # -- what is found
+
+    def wrong(self, at: Token | Node, what: str) -> Ex:
+        """Note a mistake."""
+        return self._note(at, what, WRONG)
+
+    def remark(self, at: Token | Node, what: str) -> Ex:
+        """Note what a controller takes, though it should not be so."""
+        return self._note(at, what, REMARK)
+
+    def unknown(self, name: Token, use: str) -> Ex:
+        """Note a name that is declared nowhere here; `use` says what it is used as."""
+        self.problems.use(name, use)
+        return self._note(name, f"{name} is not known here", UNKNOWN_NAME, str(name))
+
+    def left_out(self, at: Token | Node, name: str) -> Ex:
+        """Note what RobotWare has and the interpreter does not execute."""
+        return self._note(at, f"{name} is not executed here", LEFT_OUT, name)
+
+    def _note(self, at: Token | Node, what: str, kind: str, name: str = "") -> Ex:
+        self.problems.add(Problem(self.module, at.line, at.column, what, kind, name))
+        return NOTHING
+
+    # -- names and values
 
     def symbol(self, name: str) -> Any:
         """What a name stands for here, None for nothing."""
-        return self.locals.get(name.lower()) or self.find(name.lower())
+        found = self.locals.get(name.lower()) or self.find(name.lower())
+        if type(found) is Variable and found.settle is not None:
+            found.settle()
+        return found
 
     def value(self, node: Any, wanted: Kind) -> Ex:
         """An expression that must have a type; aggregates take theirs from it."""
-        found = self._literal(node, self.expression(node, wanted), wanted)
+        found = self.expression(node, wanted)
+        if found.kind == wanted:
+            return found
+        if found.kind.name in SIGNALS and self.types.base(wanted) == NUM:
+            found = self.read(node, found)
         if not self.types.fit(found.kind, wanted):
             return self.wrong(node, f"a {found.kind} stands where a {wanted} is needed")
         low_high = RANGES.get(wanted.name)
@@ -116,20 +107,16 @@ class Expressions:
             return replace(found, run=_in_range(found.run, *low_high, wanted.name), place=None)
         return found
 
-    def _literal(self, node: Any, found: Ex, wanted: Kind) -> Ex:
-        """A number that is written out is a dnum where one is needed."""
-        is_one = getattr(node, "data", "") == "number" and self.types.base(wanted) == DNUM
-        if not is_one or found.kind != NUM:
+    def read(self, node: Any, found: Ex) -> Ex:
+        """The number that a signal has, which an expression may ask for by its name."""
+        if found.kind.name not in SIGNALS or found.kind.dims:
             return found
-        text = str(node.children[0]).lower()
-        value = float(int(text, 0) if text[:2] in ("0x", "0b") else text)
-        return Ex(DNUM, lambda frame: value, is_constant=True)
+        self.left_out(node, "a signal read by its name")
+        return Ex(NUM, found.run)
 
     def expression(self, node: Any, wanted: Kind | None = None) -> Ex:
-        """An expression of any type."""
-        if node.data == "aggregate":
-            return self._aggregate(node, wanted)
-        return getattr(self, f"_{node.data}")(node)
+        """An expression of any type; `wanted` is the one that would fit."""
+        return getattr(self, f"_{node.data}")(node, wanted)
 
     def known(self, node: Any, found: Ex) -> Any:
         """The value of a constant expression; None where it has none, which is noted."""
@@ -141,27 +128,41 @@ class Expressions:
 
     # -- literals
 
-    def _number(self, node: Node) -> Ex:
+    def _number(self, node: Node, wanted: Kind | None) -> Ex:
         text = str(node.children[0]).lower()
+        is_dnum = wanted is not None and self.types.base(wanted) == DNUM
         try:
-            value = single(float(int(text, 0) if text[:2] in ("0x", "0b") else text))
+            value = float(int(text, 0) if text[:2] in ("0x", "0b", "0o") else text)
+            value = value if is_dnum else single(value)
         except (RapidError, OverflowError):
             return self.wrong(node, f"{text} is larger than a num can be")
-        return Ex(NUM, lambda frame: value, is_constant=True)
+        kind = DNUM if is_dnum else NUM
+        return Ex(kind, lambda frame: value, is_constant=True, is_literal=True)
 
-    def _string(self, node: Node) -> Ex:
+    def _string(self, node: Node, wanted: Kind | None) -> Ex:
         text = content_of(str(node.children[0]))
         return Ex(STRING, lambda frame: text, is_constant=True)
 
-    def _bool(self, node: Node) -> Ex:
+    def _bool(self, node: Node, wanted: Kind | None) -> Ex:
         value = str(node.children[0]).lower() == "true"
         return Ex(BOOL, lambda frame: value, is_constant=True)
 
+    def _place(self, node: Node, wanted: Kind | None) -> Ex:
+        return self.left_out(node, str(node.children[0]))
+
+    def _mistake(self, node: Node, wanted: Kind | None) -> Ex:
+        return NOTHING
+
     def _aggregate(self, node: Node, wanted: Kind | None) -> Ex:
-        items = parts(node)
-        if wanted is None or wanted == UNKNOWN:
-            return self.wrong(node, "the type of [...] is not known here")
-        record = self.types.records.get(self.types.base(Kind(wanted.name)).name)
+        items = node.children
+        base = self.types.base(Kind(wanted.name)).name if wanted is not None else ""
+        if wanted is None or wanted.is_unknown or (base in self.types.opaque and not wanted.dims):
+            for item in items:
+                self.expression(item, UNKNOWN)
+            if wanted is None:
+                self.left_out(node, "[...] whose type nothing says")
+            return Ex(wanted or UNKNOWN, lambda frame: 0.0, is_constant=True)
+        record = self.types.records.get(base)
         if wanted.dims:
             kinds = [Kind(wanted.name, wanted.dims - 1)] * len(items)
         elif record is not None:
@@ -171,6 +172,8 @@ class Expressions:
         if len(kinds) != len(items):
             return self.wrong(node, f"{wanted} has {len(kinds)} components, not {len(items)}")
         found = [self.value(item, kind) for item, kind in zip(items, kinds, strict=True)]
+        if any(one.kind.is_unknown for one in found):
+            return NOTHING
         runs = [one.run for one in found]
         sizes = (len(items), *found[0].sizes) if wanted.dims else ()
         if wanted.dims and any(one.sizes != found[0].sizes for one in found):
@@ -185,116 +188,103 @@ class Expressions:
 
     # -- operators
 
-    def _binary(self, node: Node) -> Ex:
+    def _binary(self, node: Node, wanted: Kind | None) -> Ex:
         left, sign, right = node.children
         word = str(sign).lower()
-        one = self.expression(left)
-        other = self._literal(right, self.expression(right, one.kind), one.kind)
-        one = self._literal(left, one, other.kind)
-        both = one.is_constant and other.is_constant
-        a, b, bases = one.run, other.run, {self.types.base(one.kind), self.types.base(other.kind)}
-        if UNKNOWN in bases:
-            return WRONG
-        if word in ("and", "or", "xor") and bases == {BOOL}:
-            return Ex(BOOL, _LOGIC[word](a, b), is_constant=both)
-        if word in RELATIONS and (
-            bases in ({NUM}, {DNUM}) or (word in ("=", "<>") and len(bases) == 1)
-        ):
-            relation = RELATIONS[word]
-            return Ex(BOOL, lambda frame: relation(a(frame), b(frame)), is_constant=both)
-        if word in ARITHMETIC and bases == {NUM}:
-            act = ARITHMETIC[word]
-            return Ex(NUM, lambda frame: single(act(a(frame), b(frame))), is_constant=both)
-        if word == "+" and bases == {STRING}:
-            return Ex(STRING, lambda frame: _joined(a(frame), b(frame)), is_constant=both)
-        if word in ("+", "-") and bases == {Kind("pos")}:
-            act = ARITHMETIC[word]
-            return Ex(
-                one.kind, lambda f: [single(act(x, y)) for x, y in zip(a(f), b(f), strict=False)]
-            )
-        if word == "*" and bases == {Kind("pos"), NUM} and one.kind.name == "pos":
-            return Ex(one.kind, lambda f: [single(x * b(f)) for x in a(f)])
-        return self.wrong(sign, f"{one.kind} {sign} {other.kind} is no expression")
+        hint = wanted if word in ARITHMETIC else None
+        one = self.read(left, self.expression(left, hint))
+        other = self.read(right, self.expression(right, hint or one.kind))
+        if one.is_literal and other.kind == DNUM:
+            one = self.expression(left, DNUM)
+        if other.is_literal and self.types.base(one.kind) in (NUM, DNUM):
+            other = self.expression(right, one.kind)
+        if one.kind.is_unknown or other.kind.is_unknown:
+            return NOTHING
+        found = way(word, self.types.base(one.kind), self.types.base(other.kind))
+        if found is None:
+            return self.wrong(sign, f"{one.kind} {sign} {other.kind} is no expression")
+        kind, act = found
+        a, b = one.run, other.run
+        return Ex(
+            kind,
+            lambda frame: act(a(frame), b(frame)),
+            is_constant=one.is_constant and other.is_constant,
+            is_literal=one.is_literal and other.is_literal and kind in (NUM, DNUM),
+        )
 
-    def _not_(self, node: Node) -> Ex:
-        run = self.value(node.children[1], BOOL).run
-        return Ex(BOOL, lambda frame: not run(frame))
-
-    def _and_not(self, node: Node) -> Ex:
-        left, right = parts(node)
-        a, b = self.value(left, BOOL).run, self.value(right, BOOL).run
-        return Ex(BOOL, lambda frame: a(frame) & (not b(frame)))
-
-    def _sign(self, node: Node) -> Ex:
-        sign, rest = node.children
-        found = self.value(rest, NUM)
+    def _not_(self, node: Node, wanted: Kind | None) -> Ex:
+        found = self.value(node.children[0], BOOL)
         run = found.run
+        return Ex(BOOL, lambda frame: not run(frame), is_constant=found.is_constant)
+
+    def _sign(self, node: Node, wanted: Kind | None) -> Ex:
+        sign, rest = node.children
+        found = self.read(rest, self.expression(rest, wanted))
+        base, run = self.types.base(found.kind), found.run
+        if base.is_unknown:
+            return found
+        if base == Kind("pos"):
+            sign_of = -1.0 if sign == "-" else 1.0
+            return Ex(found.kind, lambda frame: scaled(run(frame), sign_of))
+        if base not in (NUM, DNUM):
+            return self.wrong(rest, f"a {found.kind} stands where a num is needed")
         if sign == "+":
             return replace(found, place=None)
-        return Ex(NUM, lambda frame: -run(frame), is_constant=found.is_constant)
+        return replace(found, kind=base, run=_negative(run), place=None, variable=None)
 
     # -- data
 
-    def _var(self, node: Node) -> Ex:
+    def _var(self, node: Node, wanted: Kind | None) -> Ex:
         name, index, *components = node.children
         found = self.symbol(str(name))
-        if not isinstance(found, Variable):
-            what = "is a routine, not data" if isinstance(found, Routine) else "is not declared"
-            return self.wrong(name, f"{name} {what}")
-        variable = found
-        if variable.place is not None:
-            place = variable.place
-
-            def where(frame: Frame) -> Place:
-                return place
-        else:
-            slot = variable.slot
-
-            def where(frame: Frame) -> Place:
-                if frame[slot] is None:
-                    raise RapidStop(f"the optional argument {variable.name} was not given")
-                return frame[slot]
-
-        constant = variable.storage == "const" and variable.place is not None
-        ex = Ex(variable.kind, _read(where), where, variable, variable.sizes, constant)
+        if found is None or (type(found) is Routine and found.module == "RobotWare"):
+            self._indices(node)
+            is_plain = wanted is not None and not wanted.is_unknown and not index and not components
+            return self.unknown(name, f"a {wanted}" if is_plain else "data")
+        if type(found) is not Variable:
+            return self.wrong(name, f"{name} is a routine, not data")
+        if not found.is_executed:
+            self.left_out(name, found.name)
+        ex = _read_variable(found)
         if index is not None:
             ex = self._element(node, ex, index)
         for component in components:
             ex = self._component(component, ex)
         return ex
 
+    def _indices(self, node: Node) -> None:
+        """Look at the indices of something that is not known itself."""
+        for part in node.children:
+            if type(part) is not Token and part is not None:
+                for one in part.children if part.data == "index" else ():
+                    self.value(one, NUM)
+                if part.data == "component":
+                    self._indices(part)
+
     def _element(self, node: Any, ex: Ex, index: Node) -> Ex:
-        found = [self.value(one, NUM) for one in parts(index)]
-        if ex.kind == UNKNOWN:
+        found = [self.value(one, NUM) for one in index.children]
+        if ex.kind.is_unknown:
             return ex
         if len(found) != ex.kind.dims:
             return self.wrong(node, f"{ex.kind} is indexed with {len(found)} numbers")
         for one, size in zip(found, ex.sizes, strict=False):
             value = self.known(index, one) if one.is_constant else 1.0
             if value is None:
-                return WRONG
+                return NOTHING
             if not 1 <= value <= size:
                 return self.wrong(index, f"index {value:g} is outside 1 to {size}")
         assert ex.place is not None
-        outer, runs, is_constant = ex.place, [one.run for one in found], ex.is_constant
-
-        def place(frame: Frame) -> Place:
-            holder, at = outer(frame)
-            for run in runs:
-                holder, at = holder[at], run(frame) - 1
-                if not 0 <= at < len(holder) or at != int(at):
-                    raise RapidError("ERR_OUTOFBND")
-                at = int(at)
-            return holder, at
-
-        is_constant = is_constant and all(one.is_constant for one in found)
+        place = _element_place(ex.place, [one.run for one in found])
+        is_constant = ex.is_constant and all(one.is_constant for one in found)
         return Ex(Kind(ex.kind.name), _read(place), place, ex.variable, (), is_constant)
 
     def _component(self, node: Node, ex: Ex) -> Ex:
         name, index = node.children
-        if ex.kind == UNKNOWN:
-            return ex
-        record = self.types.records.get(self.types.base(ex.kind).name, {})
+        base = self.types.base(ex.kind).name
+        if ex.kind.is_unknown or (base in self.types.opaque and not ex.kind.dims):
+            self._indices(node)
+            return replace(ex, kind=UNKNOWN)
+        record = self.types.records.get(base, {})
         if ex.kind.dims or str(name).lower() not in record:
             return self.wrong(name, f"{ex.kind} has no component {name}")
         assert ex.place is not None
@@ -309,12 +299,39 @@ class Expressions:
         return found if index is None else self._element(node, found, index)
 
 
-_LOGIC: dict[str, Callable[[Run, Run], Run]] = {
-    # Both sides are always computed: what runs so runs on a controller that stops early, too.
-    "and": lambda a, b: lambda frame: a(frame) & b(frame),
-    "or": lambda a, b: lambda frame: a(frame) | b(frame),
-    "xor": lambda a, b: lambda frame: a(frame) != b(frame),
-}
+def _negative(run: Run) -> Run:
+    return lambda frame: -run(frame)
+
+
+def _read_variable(variable: Variable) -> Ex:
+    if variable.place is not None:
+        place = variable.place
+
+        def where(frame: Frame) -> Place:
+            return place
+    else:
+        slot = variable.slot
+
+        def where(frame: Frame) -> Place:
+            if frame[slot] is None:
+                raise RapidStop(f"the optional argument {variable.name} was not given")
+            return frame[slot]
+
+    constant = variable.storage == "const" and variable.place is not None
+    return Ex(variable.kind, _read(where), where, variable, variable.sizes, constant)
+
+
+def _element_place(outer: Callable[[Frame], Place], runs: list[Run]) -> Callable[[Frame], Place]:
+    def place(frame: Frame) -> Place:
+        holder, at = outer(frame)
+        for run in runs:
+            holder, at = holder[at], run(frame) - 1
+            if not 0 <= at < len(holder) or at != int(at):
+                raise RapidError("ERR_OUTOFBND")
+            at = int(at)
+        return holder, at
+
+    return place
 
 
 def _read(place: Callable[[Frame], Place]) -> Run:

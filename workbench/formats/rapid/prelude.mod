@@ -1,102 +1,5 @@
-! What RAPID has before a module is loaded; see prelude.py.
+! What is executed here of what RobotWare has; see prelude.py.
 MODULE Prelude
-    ALIAS num byte;
-    ALIAS num errnum;
-    ALIAS num intnum;
-    ALIAS num identno;
-    ALIAS num mecunit;
-    ALIAS num egmident;
-    ALIAS num egmstopmode;
-    RECORD egm_minmax
-        num min;
-        num max;
-    ENDRECORD
-    RECORD pos
-        num x;
-        num y;
-        num z;
-    ENDRECORD
-    RECORD orient
-        num q1;
-        num q2;
-        num q3;
-        num q4;
-    ENDRECORD
-    RECORD pose
-        pos trans;
-        orient rot;
-    ENDRECORD
-    RECORD confdata
-        num cf1;
-        num cf4;
-        num cf6;
-        num cfx;
-    ENDRECORD
-    RECORD extjoint
-        num eax_a;
-        num eax_b;
-        num eax_c;
-        num eax_d;
-        num eax_e;
-        num eax_f;
-    ENDRECORD
-    RECORD robjoint
-        num rax_1;
-        num rax_2;
-        num rax_3;
-        num rax_4;
-        num rax_5;
-        num rax_6;
-    ENDRECORD
-    RECORD jointtarget
-        robjoint robax;
-        extjoint extax;
-    ENDRECORD
-    RECORD robtarget
-        pos trans;
-        orient rot;
-        confdata robconf;
-        extjoint extax;
-    ENDRECORD
-    RECORD speeddata
-        num v_tcp;
-        num v_ori;
-        num v_leax;
-        num v_reax;
-    ENDRECORD
-    RECORD zonedata
-        bool finep;
-        num pzone_tcp;
-        num pzone_ori;
-        num pzone_eax;
-        num zone_ori;
-        num zone_leax;
-        num zone_reax;
-    ENDRECORD
-    RECORD loaddata
-        num mass;
-        pos cog;
-        orient aom;
-        num ix;
-        num iy;
-        num iz;
-    ENDRECORD
-    RECORD tooldata
-        bool robhold;
-        pose tframe;
-        loaddata tload;
-    ENDRECORD
-    RECORD wobjdata
-        bool robhold;
-        bool ufprog;
-        string ufmec;
-        pose uframe;
-        pose oframe;
-    ENDRECORD
-    RECORD tasks
-        string taskname;
-    ENDRECORD
-
     CONST num pi:=3.14159265;
     CONST num WAIT_MAX:=8388608;
     CONST string stEmpty:="";
@@ -104,7 +7,6 @@ MODULE Prelude
     CONST string STR_LOWER:="abcdefghijklmnopqrstuvwxyz";
     CONST string STR_UPPER:="ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     CONST string STR_WHITE:="\09\0A\0B\0C\0D ";
-    CONST num diskhome:=0;
     CONST mecunit ROB_1:=1;
     CONST mecunit ROB_2:=2;
     CONST mecunit ROB_L:=3;
@@ -112,8 +14,15 @@ MODULE Prelude
     CONST egmstopmode EGM_STOP_HOLD:=1;
     PERS tooldata tool0:=[TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
     PERS wobjdata wobj0:=[FALSE,TRUE,"",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];
+    PERS loaddata load0:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
     VAR errnum ERRNO;
     VAR intnum INTNO;
+    VAR num reg1:=0;
+    VAR num reg2:=0;
+    VAR num reg3:=0;
+    VAR num reg4:=0;
+    VAR num reg5:=0;
+    VAR clock clock1;
 
     PROC ClkReset(VAR clock Clock)
     ENDPROC
@@ -305,9 +214,5 @@ MODULE Prelude
     FUNC num StrMatch(string Str, num ChPos, string Pattern)
     ENDFUNC
     FUNC bool StrMemb(string Str, num ChPos, string Set)
-    ENDFUNC
-    FUNC bool Present(num OptPar)
-    ENDFUNC
-    FUNC num Dim(num ArrPar, num DimNo)
     ENDFUNC
 ENDMODULE

@@ -1,10 +1,10 @@
-"""What RAPID has before a module is loaded: types, constants, instructions and functions.
+"""What the interpreter executes of RobotWare: constants, instructions and functions.
 
-`prelude.mod` is RAPID itself: the shipped reader reads it, and calls are checked against it.  Names
-and arguments are those of ABB's "Technical reference manual: RAPID instructions, functions and data
-types" (3HAC050917); those of the gripper of "Product manual: Grippers for IRB 14000" (3HAC054949);
-those of EGM are taken from modules that others have published, as `devices/abb_egm/guided.py` says.
-Only what is executed here stands there: everything else is refused by its name.
+`prelude.mod` is RAPID itself: the shipped reader reads it.  What stands there, and which arguments
+it names, is executed; `robotware/` knows all others.  Names and arguments are those of ABB's
+"Technical reference manual: RAPID instructions, functions and data types" (3HAC050917); those of
+the gripper of "Product manual: Grippers for IRB 14000" (3HAC054949); those of EGM are taken from
+modules that others have published, as `devices/abb_egm/guided.py` says.
 """
 
 from pathlib import Path
@@ -39,7 +39,7 @@ SPEEDS = (5, 10, 20, 30, 40, 50, 60, 80, 100, 150, 200, 300, 400, 500, 600, 800,
 
 
 def prelude() -> str:
-    """Types, instructions and functions, as RAPID."""
+    """Data, instructions and functions, as RAPID."""
     return Path(__file__).with_name("prelude.mod").read_text(encoding="ascii")
 
 
@@ -52,4 +52,5 @@ def constants() -> str:
         for name, values in ZONES.items()
     ]
     rows += [f"CONST speeddata v{speed}:=[{speed},500,5000,1000];" for speed in SPEEDS]
+    rows += ["CONST speeddata vmax:=[7000,500,5000,1000];"]
     return "\n".join(["MODULE Predefined", *rows, "ENDMODULE"])

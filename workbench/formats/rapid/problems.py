@@ -1,21 +1,51 @@
-"""What is wrong with a RAPID program: found before it runs, or while it does."""
+"""What is found in a RAPID program: before it runs, or while it does."""
 
 from dataclasses import dataclass
 
 from workbench.model.errors import InputError
 
+WRONG, UNREADABLE, UNKNOWN_NAME = "wrong", "unreadable", "unknown"
+LEFT_OUT, REMARK = "not executed", "remark"
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Problem:
-    """One thing that is wrong with the text of a module; lines and columns count from 1."""
+    """One thing that was found in the text of a module; lines and columns count from 1.
+
+    `kind` is `wrong`; `unreadable`: the file is no module, or ends in the middle of one; `unknown`:
+    `name` is declared nowhere here; `not executed`: RobotWare has `name`, the interpreter does not;
+    `remark`: a controller takes it, though it should not be so.
+    """
 
     module: str
     line: int
     column: int
     what: str
+    kind: str = WRONG
+    name: str = ""
 
     def __str__(self) -> str:
         return f"{self.module}:{self.line}:{self.column}: {self.what}"
+
+
+class Findings(list[Problem]):
+    """Problems, each once; `uses` is what names are used as that are not known, by small name."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.uses: dict[str, str] = {}
+        self._seen: set[Problem] = set()
+
+    def add(self, problem: Problem) -> None:
+        """Keep it, if it is new."""
+        if problem not in self._seen:
+            self._seen.add(problem)
+            self.append(problem)
+
+    def use(self, name: str, kind: str) -> None:
+        """Remember what a name is used as; of several uses the one that says most."""
+        if self.uses.get(name.lower(), "data") == "data":
+            self.uses[name.lower()] = kind
 
 
 class BadModule(InputError):

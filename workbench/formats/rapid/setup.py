@@ -10,14 +10,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workbench.formats.files.toml_keys import read_toml
-from workbench.formats.files.whole_files import read_whole
-from workbench.formats.rapid.loading import Source, read_source
+from workbench.formats.rapid.backups.cfg import Configuration
+from workbench.formats.rapid.backups.files import read_modules
+from workbench.formats.rapid.backups.folders import Controller, TaskFiles
+from workbench.formats.rapid.declaring import Source
+from workbench.formats.rapid.problems import BadModule
 from workbench.model.errors import FileError
 
 FILE = "controller.toml"
-
-LARGEST_MODULE = 1 << 20
-"""[bytes]"""
 
 
 @dataclass(frozen=True)
@@ -39,16 +39,24 @@ class Setup:
     outputs: Mapping[str, tuple[str, ...]]
     devices: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
+    def controller(self) -> Controller:
+        """The same as a check takes it: each task begins at main."""
+        tasks = [TaskFiles(name, list(one.modules), "main") for name, one in self.tasks.items()]
+        signals = dict.fromkeys(self.outputs, "signaldo")
+        return Controller(tasks, Configuration(signals))
+
 
 def read_module(path: Path) -> Source:
-    """A module; its text may be of any Windows code page, as editors of controllers write.
+    """The only module of a file, whatever its encoding.
 
     Raises:
         FileError: there is no such file, or it is too large.
         BadModule: it is no RAPID.
     """
-    text = read_whole(path, LARGEST_MODULE).decode("latin-1").replace("\r\n", "\n")
-    return read_source(path.name, text.lstrip("\ufeffï»¿"))
+    sources, problems = read_modules(path, path.name)
+    if problems:
+        raise BadModule(problems)
+    return sources[0]
 
 
 def read_setup(folder: Path) -> Setup:

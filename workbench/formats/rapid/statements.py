@@ -1,11 +1,20 @@
 """Statements of RAPID, checked and made callables of Python."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from workbench.formats.rapid.calls import Calls
-from workbench.formats.rapid.expressions import Ex
-from workbench.formats.rapid.problems import Problem, RapidError, RapidStop
+from workbench.formats.rapid.expressions import NOTHING, Ex
+from workbench.formats.rapid.hosts import (
+    LEAVES,
+    Host,
+    Jump,
+    Key,
+    acted,
+    labels_of,
+    no_action,
+)
+from workbench.formats.rapid.problems import Findings, RapidError, RapidStop
 from workbench.formats.rapid.symbols import (
     RETRY,
     RETURN,
@@ -15,65 +24,31 @@ from workbench.formats.rapid.symbols import (
     Routine,
     Run,
     Variable,
-    parts,
-)  # fmt: skip
-from workbench.formats.rapid.values import BOOL, NUM, STRING, UNKNOWN, Types, copy
-
-Key = tuple[str, int, int]
-"""Module, line and column of a statement."""
-
-LEAVES = ("return_", "raise_", "retry", "trynext", "exit", "goto")
-"""After these nothing is reached in the same block."""
-
-
-class Host(Protocol):
-    """What runs the statements: told of each, and of what only it can do."""
-
-    def step(self, key: Key) -> None:
-        """A statement begins."""
-        ...
-
-    def hold(self, why: RapidStop) -> None:
-        """The program cannot go on, and stays where it is until it is started again."""
-        ...
-
-    def exit(self) -> None:
-        """EXIT: the program ends."""
-        ...
-
-    def connect(self, place: Any, trap: Routine) -> None:
-        """CONNECT: an interrupt gets its trap routine."""
-        ...
-
-
-def _acted(act: Run, frame: Frame) -> Any:
-    try:
-        return act(frame)
-    except OverflowError:
-        raise RapidError("ERR_NUM_OVERFLOW") from None
-    except RecursionError:
-        raise RapidStop("routines call each other without end") from None
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
-        raise RapidStop(f"an argument makes no sense: {error}") from error
+)
+from workbench.formats.rapid.values import BOOL, NUM, STRING, Types, copy
 
 
 class Statements(Calls):
     """Compiles the statements of one routine for a host."""
 
-    def __init__(self, types: Types, module: str, problems: list[Problem], host: Host) -> None:
+    def __init__(self, types: Types, module: str, problems: Findings, host: Host) -> None:
         super().__init__(types, module, problems)
         self.host = host
         self.routine: Routine | None = None
         self.keys: set[Key] = set()
         self._in_handler = False
+        self._labels: list[set[str]] = []
 
     def block(self, node: Node) -> Run:
         """Statements one after the other; the first that does not go on ends it."""
         runs: list[Run] = []
+        labels = labels_of(node)
+        self._labels.append(set(labels))
         for k, child in enumerate(node.children):
             if k and node.children[k - 1].data in LEAVES and child.data != "label":
-                self.wrong(child, "this is never reached")
+                self.remark(child, "this is never reached")
             runs.append(getattr(self, f"_{child.data}_statement")(child))
+        self._labels.pop()
 
         def run(frame: Frame) -> Any:
             for one in runs:
@@ -82,15 +57,28 @@ class Statements(Calls):
                     return signal
             return None
 
-        return run
+        def run_with_labels(frame: Frame) -> Any:
+            at = 0
+            while at < len(runs):
+                signal = runs[at](frame)
+                at += 1
+                if type(signal) is Jump and signal.label in labels:
+                    at = labels[signal.label]
+                elif signal is not None:
+                    return signal
+            return None
+
+        return run_with_labels if labels else run
 
     def handler(self, node: Node) -> Run:
         """The statements of ERROR."""
-        if parts(node)[0] is not None:
-            self.wrong(node, "error numbers after ERROR are not executed here")
+        *numbers, block = node.children
+        for number in numbers:
+            self.value(number, NUM)
+            self.left_out(node, "numbers after ERROR")
         self._in_handler = True
         try:
-            return self.block(parts(node)[-1])
+            return self.block(block)
         finally:
             self._in_handler = False
 
@@ -103,8 +91,7 @@ class Statements(Calls):
 
     def _guard(self, node: Any, act: Run) -> Callable[[Frame], tuple[bool, Any]]:
         """Do something; (True, what came of it), or (False, how to go on after an error)."""
-        meta = node.meta
-        key = (self.module, meta.line, meta.column)
+        key = (self.module, node.line, node.column)
         self.keys.add(key)
         routine, host = self.routine, self.host
         assert routine is not None
@@ -114,7 +101,7 @@ class Statements(Calls):
                 host.step(key)
                 try:
                     try:
-                        return True, _acted(act, frame)
+                        return True, acted(act, frame)
                     except RapidError as error:
                         signal = routine.recover(frame, error)
                 except RapidStop as why:
@@ -134,7 +121,7 @@ class Statements(Calls):
     def _assign_statement(self, node: Node) -> Run:
         target = self.expression(node.children[0])
         value = self.value(node.children[1], target.kind)
-        if target.kind == UNKNOWN:
+        if target is NOTHING:
             return value.run
         place, run = target.place, value.run
         name = str(node.children[0].children[0])
@@ -154,12 +141,13 @@ class Statements(Calls):
     def _call_statement(self, node: Node) -> Run:
         name, args = node.children
         routine = self.symbol(str(name))
-        if not isinstance(routine, Routine) or routine.word != "proc":
-            known = (
-                "is no procedure" if routine is not None else "is not declared or not known here"
-            )
-            self.wrong(name, f"{name} {known}")
-            return lambda frame: None
+        if routine is None:
+            self.loose(args)
+            self.unknown(name, "a procedure")
+            return NOTHING.run
+        if type(routine) is not Routine or (routine.word != "proc" and not routine.is_loose):
+            self.wrong(name, f"{name} is no procedure")
+            return NOTHING.run
         run = self.bound(routine, args, node)
 
         def act(frame: Frame) -> None:
@@ -170,9 +158,13 @@ class Statements(Calls):
     def _late_statement(self, node: Node) -> Run:
         """A procedure whose name is computed; only those without arguments."""
         name, args = node.children
-        run, find = self.value(name, STRING).run, self.find
+        found, find = self.value(name, STRING), self.find
+        run = found.run
         if args is not None:
-            self.wrong(node, "a late call with arguments is not executed here")
+            self.loose(args)
+            self.left_out(node, "a late call with arguments")
+        if found.is_constant and name.data == "string" and find(run(Frame()).lower()) is None:
+            self.remark(name, f"no procedure {run(Frame())} is known here: this call fails")
 
         def act(frame: Frame) -> None:
             routine = find(run(frame).lower())
@@ -183,19 +175,23 @@ class Statements(Calls):
         return self._simple(node, act)
 
     def _connect_statement(self, node: Node) -> Run:
-        var, name = parts(node)
+        var, name = node.children
         place = self.value(var, NUM).place
         trap = self.symbol(str(name))
-        if not isinstance(trap, Routine) or trap.word != "trap" or place is None:
+        if trap is None or place is None:
+            if trap is None:
+                self.unknown(name, "a trap routine")
+            return NOTHING.run
+        if type(trap) is not Routine or trap.word != "trap":
             self.wrong(name, f"{name} is no trap routine")
-            return lambda frame: None
+            return NOTHING.run
         connect = self.host.connect
         return self._simple(node, lambda frame: connect(place(frame), trap))
 
     # -- branches and loops
 
     def _if__statement(self, node: Node) -> Run:
-        children = parts(node)
+        children = node.children
         conditions = [self.value(one, BOOL).run for one in children[:-1:2]]
         blocks = [self.block(one) for one in children[1:-1:2]]
         # The last child is the block after ELSE, None when there is none.
@@ -210,17 +206,17 @@ class Statements(Calls):
         return self._choice(node, choose)
 
     def _if_compact_statement(self, node: Node) -> Run:
-        condition, then = parts(node)
+        condition, then = node.children
         run = self.value(condition, BOOL).run
         block: Run = getattr(self, f"_{then.data}_statement")(then)
         return self._choice(node, lambda frame: block if run(frame) else None)
 
     def _test_statement(self, node: Node) -> Run:
-        subject, *cases = parts(node)
+        subject, *cases = node.children
         value = self.expression(subject)
         tries: list[tuple[list[Ex], Run]] = []
         for case in cases[:-1]:
-            *labels, body = parts(case)
+            *labels, body = case.children
             tries.append(([self.value(one, value.kind) for one in labels], self.block(body)))
         default = self.block(cases[-1]) if cases[-1] is not None else None
 
@@ -245,7 +241,7 @@ class Statements(Calls):
         return run
 
     def _while__statement(self, node: Node) -> Run:
-        condition, body = parts(node)
+        condition, body = node.children
         guarded, block = self._guard(node, self.value(condition, BOOL).run), self.block(body)
 
         def run(frame: Frame) -> Any:
@@ -260,7 +256,7 @@ class Statements(Calls):
         return run
 
     def _for__statement(self, node: Node) -> Run:
-        name, *bounds, body = parts(node)
+        name, *bounds, body = node.children
         runs = [self.value(one, NUM).run if one is not None else None for one in bounds]
         before = self.locals.get(str(name).lower())
         variable = Variable(str(name), NUM, storage="loop")
@@ -301,7 +297,7 @@ class Statements(Calls):
     # -- leaving
 
     def _return__statement(self, node: Node) -> Run:
-        routine, given = self.routine, parts(node)[0]
+        routine, given = self.routine, node.children[0]
         assert routine is not None
         if (routine.kind is None) != (given is None):
             self.wrong(node, "RETURN has a value in a FUNC, and in nothing else")
@@ -315,7 +311,7 @@ class Statements(Calls):
         return self._simple(node, act)
 
     def _raise__statement(self, node: Node) -> Run:
-        given = parts(node)[0]
+        given = node.children[0]
         run = self.value(given, NUM).run if given is not None else None
         if run is None and not self._in_handler:
             self.wrong(node, "RAISE without a number stands in an ERROR handler only")
@@ -344,8 +340,20 @@ class Statements(Calls):
         return self._simple(node, lambda frame: exit())
 
     def _goto_statement(self, node: Node) -> Run:
-        self.wrong(node, "GOTO is not executed here")
-        return lambda frame: None
+        label = str(node.children[0]).lower()
+        if not any(label in labels for labels in self._labels):
+            assert self.routine is not None and self.routine.node is not None
+            within = (labels_of(one) for one in self.routine.node.walk() if one.data == "block")
+            if any(label in labels for labels in within):
+                self.left_out(node, "GOTO into a block")
+            else:
+                self.wrong(node, f"{self.routine.name} has no label {node.children[0]}")
+        jump = Jump(label)
+        return self._simple(node, lambda frame: jump)
 
     def _label_statement(self, node: Node) -> Run:
-        return lambda frame: None
+        return no_action
+
+    def _place_statement(self, node: Node) -> Run:
+        self.left_out(node, str(node.children[0]))
+        return no_action

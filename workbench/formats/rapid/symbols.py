@@ -4,13 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from lark import Token, Tree
-
-from workbench.formats.rapid.grammar import KEPT
 from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
+from workbench.formats.rapid.syntax.tokens import Token, Tree
 from workbench.formats.rapid.values import Kind, Place
 
-Node = Tree[Any]
+Node = Tree
+
+MARKS = frozenset({"local", "task", "const", "var", "pers", "inout"})
+"""Words of the language that stay in the tree of a declaration."""
 
 
 class Frame(list[Any]):
@@ -30,7 +31,10 @@ RETURN, RETRY, TRYNEXT = "RETURN", "RETRY", "TRYNEXT"
 
 @dataclass(slots=True)
 class Variable:
-    """Data: global ones have a place, local ones a slot in the frame."""
+    """Data: global ones have a place, local ones a slot in the frame.
+
+    `settle` is there until type, sizes and value are known, and finds them.
+    """
 
     name: str
     kind: Kind
@@ -39,6 +43,8 @@ class Variable:
     slot: int = -1
     storage: str = "var"
     is_optional: bool = False
+    is_executed: bool = True
+    settle: Callable[[], None] | None = None
 
     @property
     def is_writable(self) -> bool:
@@ -48,21 +54,27 @@ class Variable:
 
 @dataclass(slots=True)
 class Parameter:
-    """Of a routine; those of a `group` other than 0 exclude each other."""
+    """Of a routine; those of a `group` other than 0 exclude each other.
+
+    `others` may stand at its place instead; `executed_as` is what the interpreter takes of it, None
+    for nothing.
+    """
 
     name: str
     kind: Kind
     mode: str = "value"
     is_optional: bool = False
     group: int = 0
+    others: list["Parameter"] = field(default_factory=list["Parameter"])
+    executed_as: Kind | None = None
 
 
 @dataclass(slots=True, eq=False)
 class Routine:
     """A PROC, FUNC or TRAP, or an instruction or function of the controller.
 
-    `native` is what the controller does, `body` what the module says; `calls` are all frames of the
-    task that are under way.
+    `native` is what the controller does with the parameters `takes`, `body` what the module says;
+    `calls` are all frames of the task that are under way.  One that is loose takes any arguments.
     """
 
     name: str
@@ -79,6 +91,9 @@ class Routine:
     locals: list[tuple[int, Run]] = field(default_factory=list[tuple[int, Run]])
     told: Callable[[RapidError], None] = lambda error: None
     calls: list[Frame] = field(default_factory=list[Frame])
+    takes: list[str] = field(default_factory=list[str])
+    is_executed: bool = True
+    is_loose: bool = False
 
     def call(self, places: list[Place | None]) -> Any:
         """Run it with the places of its arguments.
@@ -129,22 +144,17 @@ class Routine:
 
 def parts(node: Node) -> list[Any]:
     """The children of a node without the words that only mark it."""
-    return [
-        child
-        for child in node.children
-        if not (isinstance(child, Token) and child.type.lower() in KEPT and child.type != "NAME")
-    ]
+    return [one for one in node.children if type(one) is not Token or one.type not in MARKS]
 
 
 def words(node: Node) -> set[str]:
-    """The reserved words directly in a node, small."""
-    found = (child for child in node.children if isinstance(child, Token))
-    return {child.type.lower() for child in found if child.type.lower() in KEPT}
+    """The words that mark a node."""
+    return {one.type for one in node.children if type(one) is Token and one.type in MARKS}
 
 
 def only(node: Node, data: str) -> Node | None:
     """The child of that kind, if there is one."""
     for child in node.children:
-        if isinstance(child, Tree) and child.data == data:
+        if type(child) is Tree and child.data == data:
             return child
     return None

@@ -11,8 +11,8 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from workbench.formats.rapid.grammar import LONGEST_STRING
 from workbench.formats.rapid.problems import RapidError, RapidStop
+from workbench.formats.rapid.syntax.tokens import LONGEST_STRING
 from workbench.formats.rapid.values import Place, single
 
 NUMBER = re.compile(r" *[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)? *")

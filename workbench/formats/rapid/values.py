@@ -26,16 +26,27 @@ class Kind(NamedTuple):
     name: str
     dims: int = 0
 
+    @property
+    def is_unknown(self) -> bool:
+        """Whether nothing is known of it, so that it fits everything."""
+        return not self.name
+
     def __str__(self) -> str:
-        return self.name + (f"{{{','.join('*' * self.dims)}}}" if self.dims else "")
+        # Behind the sign is the module that has the type for itself.
+        return (self.name.partition("@")[0] or "?") + (
+            f"{{{','.join('*' * self.dims)}}}" if self.dims else ""
+        )
 
 
 NUM, DNUM, BOOL, STRING = Kind("num"), Kind("dnum"), Kind("bool"), Kind("string")
 UNKNOWN = Kind("")
-"""Of an expression that is wrong in itself: nothing more is said about it."""
+"""Of an expression that is wrong in itself, or not known here: nothing more is said about it."""
 
-NO_VALUE = {"socketdev": object, "clock": object, "syncident": object, "iodev": object}
-"""Types whose data cannot be copied; a controller brings what makes them."""
+ATOMS = ("num", "dnum", "bool", "string")
+"""Types with values that are not made of others."""
+
+SIGNALS = ("signaldi", "signaldo", "signalai", "signalao", "signalgi", "signalgo")
+"""Types of signals; in an expression each is the number that the signal has."""
 
 RANGES = {"byte": (0.0, 255.0)}
 """Aliases of num that hold whole numbers in a range."""
@@ -64,20 +75,45 @@ def copy(value: Any) -> Any:
 
 @dataclass
 class Types:
-    """The types of a task: atoms, aliases, and records with their components in order."""
+    """The types of a task: atoms, aliases, and records with their components in order.
 
+    Data of `atoms_known` have no value that can be assigned; of `opaque` records the components are
+    not known here.
+    """
+
+    atoms_known: set[str] = field(default_factory=set[str])
+    opaque: set[str] = field(default_factory=set[str])
     records: dict[str, dict[str, str]] = field(default_factory=dict[str, dict[str, str]])
     aliases: dict[str, str] = field(default_factory=dict[str, str])
     makers: dict[str, Callable[[str], Any]] = field(default_factory=dict[str, Callable[[str], Any]])
 
     def exists(self, name: str) -> bool:
         """Whether there is a type of that name (small letters)."""
-        atoms = ("num", "dnum", "bool", "string", "switch", "signaldo", "signaldi")
-        return name in atoms or name in self.records or name in self.aliases or name in NO_VALUE
+        tables = (ATOMS, self.records, self.aliases, self.atoms_known, self.opaque)
+        return any(name in table for table in tables)
+
+    def copy(self) -> "Types":
+        """Types of another task that begin with these."""
+        return Types(
+            atoms_known=set(self.atoms_known),
+            opaque=set(self.opaque),
+            records=dict(self.records),
+            aliases=dict(self.aliases),
+            makers=dict(self.makers),
+        )
+
+    def forget(self, name: str) -> None:
+        """Let a type be declared anew."""
+        self.atoms_known.discard(name)
+        self.opaque.discard(name)
+        self.records.pop(name, None)
+        self.aliases.pop(name, None)
 
     def base(self, kind: Kind) -> Kind:
         """The type that an alias stands for."""
         name = kind.name
+        if name not in self.aliases:
+            return kind
         while name in self.aliases:
             name = self.aliases[name]
         return Kind(name, kind.dims)
@@ -96,7 +132,9 @@ class Types:
 
     def fit(self, one: Kind, other: Kind) -> bool:
         """Whether a value of one type can be used as the other."""
-        return UNKNOWN in (one, other) or self.base(one) == self.base(other)
+        if one == other or not one.name or not other.name:
+            return True
+        return self.base(one) == self.base(other)
 
     def default(self, kind: Kind, sizes: tuple[int, ...], name: str = "") -> Any:
         """What data hold that were not given a value; `name` is that of the data."""

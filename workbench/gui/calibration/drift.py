@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from workbench.app.core.commands import ChangeCell, Command
-from workbench.app.core.state import State
+from workbench.app.core.state import State, counted
 from workbench.app.records.session_archive import sessions_in
 from workbench.app.runtime.bench import Bench
 from workbench.gui.help.groups import group
@@ -107,8 +107,9 @@ class DriftGroup:
 
         cell = bench.state.cell
         found = drift_apart(sessions_in(bench.folder.parent), cell, self._report, given_up)
+        scans, sessions = counted(found.scans, "scan"), counted(found.sessions, "session")
         said = [
-            line(f"{found.scans} scans of {found.sessions} sessions since the calibration."),
+            line(f"{scans} of {sessions} since the calibration."),
             *(line(f"{sentence(one)}.") for one in drift_words(cell, found.drift)),
             *(course_html(one.thing, one.days, one.moved) for one in found.drift.courses),
             *(line(one, kind="bad") for one in found.problems),

@@ -14,6 +14,7 @@ from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
 from workbench.gui.scene.measure import pointed_at
+from workbench.gui.scene.surroundings import nodes_with
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import (
     SCANNER,
@@ -63,6 +64,7 @@ class CellPanel:
                 command=ChangeCell,
                 meant=self._move,
                 otherwise=self._otherwise,
+                carried=self._carried,
             )
             self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
             self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
@@ -238,6 +240,11 @@ class CellPanel:
         cell, thing = self._visitor.cell, self._thing.value
         is_in_none = thing == SCANNER or bool(tool_of(cell, thing))
         return None if is_in_none else {"change": moving(cell, thing, T)}
+
+    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+        """What follows the hand that drags a thing."""
+        shapes = self._visitor.look.now.shapes
+        return nodes_with(self._visitor.cell, self._thing.value, T, as_checked=shapes)
 
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value

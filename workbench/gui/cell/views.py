@@ -2,7 +2,7 @@
 
 from html import escape
 
-from workbench.app.core.state import State
+from workbench.app.core.state import State, counted
 from workbench.gui.scene.marks import measured_text
 from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH, Jogged
 from workbench.gui.shared.views import line, mm
@@ -18,7 +18,8 @@ def cell_line(state: State) -> str:
     if state.cell_problem:
         return line(f"The cell file cannot be used: {state.cell_problem}", kind="bad")
     if state.saved != state.cell.digest:
-        return line(f"Changed and not saved; {len(state.before)} changes can be undone.")
+        changes = counted(len(state.before), "change")
+        return line(f"Changed and not saved; {changes} can be undone.")
     return line(f"As in its file; digest {state.cell.digest[:12]}.", kind="hint")
 
 

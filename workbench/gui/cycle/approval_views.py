@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from workbench.app.core.release import moved_away, standing_votes
+from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
@@ -16,20 +16,25 @@ def approval_line(state: State, now: float, problem: str) -> str:
     """Who has approved, and until when that holds; or the `problem` that an approval meets."""
     purpose = "A person looks at the facts of this plan and gives a name for it."
     if state.phase in (Phase.PLANNED, Phase.APPROVED) and problem:
-        return line(f"{sentence(problem)}.", kind="bad", span=2, tip=f"{sentence(problem)}.")
+        # What is to be done next, or waited for, is no fault.
+        kind = "result" if problem == NOT_PLAYED or state.job is not None else "bad"
+        return line(f"{sentence(problem)}.", kind=kind, tip=f"{sentence(problem)}.")
     if state.approval is None:
         if state.phase is Phase.PLANNED:
-            return line(_missing(state, now), span=2, tip=purpose)
-        return line(purpose, kind="hint", span=2, tip=purpose)
+            return line(_missing(state, now), tip=purpose)
+        return line(purpose, kind="hint", tip=purpose)
     approval = state.approval
-    text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
+    text = f"Approved by {' and '.join(approval.people)}"
+    if state.phase is Phase.APPROVED:
+        # It is for one sending: once that has begun, nothing is let out by it any more.
+        text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
     if words := manner_words(*approval.manner):
         text += f", {words}"
     if approval.is_unwatched:
         text += "; not every one of them has seen it played"
     if now >= approval.until and state.phase is Phase.APPROVED:
-        return line(f"{text}, run out", kind="bad", span=2, tip=purpose)
-    return line(text, span=2, tip=purpose)
+        return line(f"{text}, run out", kind="bad", tip=purpose)
+    return line(text, tip=purpose)
 
 
 def _missing(state: State, now: float) -> str:

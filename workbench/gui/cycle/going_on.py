@@ -1,4 +1,8 @@
-"""The button that begins the next cycle, after a finished one or while one runs."""
+"""The button that begins the next cycle, after a finished one or while one runs.
+
+It stands beside the scan that it begins with, and always: nothing that lets a robot move comes to
+stand where another button was just pressed.
+"""
 
 from collections.abc import Callable
 
@@ -21,7 +25,7 @@ BESIDE = (
 
 
 class GoOnButton:
-    """Seen while a plan is sent, and once a cycle has ended well.
+    """To be pressed while a plan is sent, and once a cycle has ended well.
 
     What it begins ends before anything is approved.
     """
@@ -32,7 +36,7 @@ class GoOnButton:
         seed: viser.GuiInputHandle[int],
         wanted: Callable[[], tuple[TakeScan, FindParts, MakePlan]],
     ):
-        """Add the button, unseen.
+        """Add the button.
 
         Args:
             visitor: whose it is.
@@ -41,8 +45,8 @@ class GoOnButton:
         """
         self._visitor, self._seed, self._wanted = visitor, seed, wanted
         gui = visitor.gui
-        self._line = gui.add_html(line(SAYS, kind="hint", span=2), visible=False)
-        self._button = gui.add_button("Go on", icon=viser.Icon.REPEAT, visible=False, hint=SAYS)
+        self._button = gui.add_button("Go on", icon=viser.Icon.REPEAT, hint=SAYS)
+        self._line = gui.add_html("", visible=False)
         self._button.on_click(lambda _: self._pressed())
 
     def _pressed(self) -> None:
@@ -56,19 +60,13 @@ class GoOnButton:
     def show(self, new: View) -> None:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
-        is_sending = state.phase is Phase.SENDING
-        is_asked = state.job is not None or state.ahead is not None
-        is_there = (is_sending or state.phase is Phase.DONE) and not is_asked
-        is_there = is_there and not new.is_recorded
+        self._line.visible = state.ahead is not None
         if state.ahead is not None:
-            self._line.content = line(_said(state, state.ahead), kind="hint", span=2)
-            self._line.visible, self._button.visible = not new.is_recorded, False
-            return
-        beside = line(BESIDE, kind="hint", span=2) if is_sending else ""
-        self._line.content = line(SAYS, kind="hint", span=2) + beside
-        self._line.visible = self._button.visible = is_there
-        if is_there:
-            visitor.allow(self._button, visitor.refusal(state, GoOn(), new.at))
+            self._line.content = line(_said(state, state.ahead), kind="hint")
+        problem = visitor.refusal(state, GoOn(), new.at)
+        visitor.allow(self._button, problem)
+        if state.phase is Phase.SENDING and not problem:
+            visitor.explain(self._button, f"{SAYS} {BESIDE}")
 
 
 def _said(state: State, ahead: Ahead) -> str:

@@ -3,7 +3,7 @@
 import viser
 
 from workbench.app.core.commands import Command, ReportPick
-from workbench.app.core.outcomes import parts_sent_for
+from workbench.app.core.outcomes import parts_sent_for, sent_for
 from workbench.app.core.state import Outcome
 from workbench.app.core.value_checks import LONGEST_TEXT
 from workbench.gui.help.groups import help_html
@@ -43,19 +43,21 @@ class OutcomeInputs:
         state = new.state
         if old is not None and old.state is state:
             return
-        if old is not None and old.state.scan is not state.scan and self._why.value:
+        is_scanned = old is not None and state.scan is not None and old.state.scan is not state.scan
+        if is_scanned and self._why.value:
             self._why.value = ""
-        is_sent = state.plan is not None and not self._visitor.obstacle(state, ReportPick)
-        self._folder.visible = is_sent
-        parts = parts_sent_for(state) if is_sent else ()
+        sent = None if self._visitor.obstacle(state, ReportPick) else sent_for(state)
+        self._folder.visible = sent is not None
+        parts = () if sent is None else parts_sent_for(state)
         with self._folder:
             for _, arm in parts[len(self._rows) :]:
                 self._rows.append(_PartRow(self._visitor, self._why, arm))
-        said = {one.detection: one for one in state.outcomes}
+        said = {} if sent is None else {one.detection: one for one in sent.outcomes}
         for row in self._rows[len(parts) :]:
             row.hide()
+        first = "" if sent is None else sent.plans[0].digest
         for row, (number, arm) in zip(self._rows, parts, strict=False):
-            row.show(state.plans[0].digest, number, arm, said.get(number))
+            row.show(first, number, arm, said.get(number))
 
 
 class _PartRow:
@@ -68,7 +70,7 @@ class _PartRow:
         gui = visitor.gui
         self._text = gui.add_html("")
         self._picked = gui.add_button(_words(arm, True), color="green")
-        self._failed = gui.add_button(_words(arm, False), color="red")
+        self._failed = gui.add_button(_words(arm, False), color="gray")
         visitor.on_press(self._picked, lambda: self._word(True))
         self._failed.on_click(lambda _: self._pressed_failed())
 
@@ -79,7 +81,8 @@ class _PartRow:
 
     def _word(self, is_picked: bool) -> Command:
         first, number = self._shown
-        if all(plan.digest != first for plan in self._visitor.bench.state.plans[:1]):
+        sent = sent_for(self._visitor.bench.state)
+        if sent is None or sent.plans[0].digest != first:
             raise InputError("another plan was sent meanwhile; look again")
         why = "" if is_picked else self._why.value.strip()[:LONGEST_TEXT]
         return ReportPick(number, is_picked, why)

@@ -16,7 +16,7 @@ from workbench.app.core.commands import (
     Stop,
     TakeScan,
 )
-from workbench.app.core.release import moved_away, standing_votes
+from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
@@ -26,9 +26,12 @@ from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.row import RowInputs
+from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
+from workbench.gui.drawing.in_view import hidden_words
+from workbench.gui.drawing.play_button import PlayButton, watched_words
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -40,7 +43,6 @@ from workbench.gui.shared.views import (
     parts_line,
     plan_line,
     scan_line,
-    send_line,
     sentence,
 )
 from workbench.gui.shared.visitor import Visitor, whole
@@ -83,6 +85,7 @@ class CyclePanel:
             self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
+            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
             self._bin_line = gui.add_html("")
             self._move_bin = gui.add_button(
                 "Move bin",
@@ -114,6 +117,8 @@ class CyclePanel:
             gui.add_html(ROW)
             gui.add_html(STAYS)
             self._approval_line = gui.add_html("")
+            self._watched_line = gui.add_html("")
+            self._play = PlayButton(visitor)
             self._approve = gui.add_button("Approve", icon=viser.Icon.USER_CHECK)
             self._send_line = gui.add_html("")
             self._step = StepButton(visitor, sending)
@@ -121,7 +126,6 @@ class CyclePanel:
                 "Stop", icon=viser.Icon.HAND_STOP, color="red", hint=NO_SAFETY
             )
             self._send = gui.add_button("Send", icon=viser.Icon.SEND)
-            self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
         self._outcomes = OutcomeInputs(visitor, ROW)
         with group(gui, "How it is planned", expand_by_default=False):
             gui.add_html(ROW)
@@ -137,6 +141,11 @@ class CyclePanel:
             self._help_line.content = line(sentence(new.help.words), kind="warn")
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
+        self._play.show(old, new)
+        watched = watched_words(new, self._visitor.person.name)
+        words = line(watched, kind="hint", span=1)
+        if words != self._watched_line.content:
+            self._watched_line.content = words
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._show_kinds(state.cell)
@@ -155,6 +164,8 @@ class CyclePanel:
         visitor = self._visitor
         approval = Approve(_digest(state), row=row_of(state))
         problem = visitor.refusal(state, approval, new.at, joints)
+        if problem == NOT_PLAYED and new.hidden:
+            problem = hidden_words(new.hidden)
         self._approval_line.content = approval_line(state, new.at, problem)
         self._send_line.content = send_line(state)
         self._go_on.show(new)
@@ -252,10 +263,13 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _passing(view: View) -> tuple[bool, int, str]:
-    """What changes while the state stays: approval and votes lapse, the robot is moved."""
+def _passing(view: View) -> tuple[bool, int, str, tuple[tuple[float, float], ...]]:
+    """What changes while the state stays: approvals lapse, the robot is moved, a plan is played."""
     state, approval = view.state, view.state.approval
     moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
     has_run_out = approval is not None and view.at >= approval.until
     is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
-    return has_run_out, len(standing_votes(state, view.at)), moved if is_let_out else ""
+    votes = len(standing_votes(state, view.at))
+    # Not at every drawing while it goes on.
+    hidden = () if view.look.is_playing else view.hidden
+    return has_run_out, votes, moved if is_let_out else "", hidden

@@ -9,9 +9,10 @@ import viser
 
 from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
 from workbench.gui.dragging.verdicts import LiveVerdicts
-from workbench.gui.dragging.views import dragged_html
+from workbench.gui.dragging.views import Room, dragged_html
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.look import Held, View
+from workbench.gui.shared.own import Carried
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 
@@ -31,6 +32,7 @@ class PoseInputs:
         command: type,
         meant: Callable[[pin.SE3], bool],
         otherwise: Callable[[pin.SE3], Mapping[str, Any] | None],
+        carried: Callable[[pin.SE3], Mapping[str, pin.SE3]],
     ):
         """Add the controls.
 
@@ -42,10 +44,11 @@ class PoseInputs:
             meant: told the pose that a person wants; whether it was carried out.
             otherwise: what would be other with it at a pose, for verdicts while it is dragged
                 (`LiveVerdicts.ask`); None: no verdict would.
+            carried: what is drawn elsewhere with it at a pose (`Carried`).
         """
         self._visitor = visitor
         self._name, self._size = name, size
-        self._meant, self._otherwise = meant, otherwise
+        self._meant, self._otherwise, self._carried = meant, otherwise, carried
         self._verdicts = LiveVerdicts(visitor, command)
         self._T = self._T_world_frame = pin.SE3.Identity()
         self._gizmo: viser.TransformControlsHandle | None = None
@@ -96,14 +99,27 @@ class PoseInputs:
 
     def tell(self, old: View | None, new: View) -> None:
         """Bring what is told while it is dragged from `old` to `new`."""
-        if old is None or old.own.dragged is not new.own.dragged:
-            self._told.content = dragged_html(new.own.dragged)
+        if (
+            old is None
+            or old.own.dragged is not new.own.dragged
+            or old.state.detections is not new.state.detections
+        ):
+            self._tell_verdicts()
 
     def _put(self, T: pin.SE3) -> None:
         self._T = pin.SE3(T)
         self._tell_numbers(T)
         if self._gizmo is not None:
             place(self._gizmo, T)
+
+    def _tell_verdicts(self) -> None:
+        """What is told of the candidates; with a gizmo there is room for it before a drag."""
+        room = Room.NONE if self._gizmo is None else Room.EMPTY
+        if self._gizmo is not None and self._visitor.bench.state.detections:
+            room = Room.TOLD
+        content = dragged_html(self._visitor.own.now.dragged, room)
+        if self._told.content != content:
+            self._told.content = content
 
     def _tell_numbers(self, T: pin.SE3) -> None:
         self._position.value, self._angles.value = shown_pose(self._T_world_frame.actInv(T))
@@ -120,6 +136,7 @@ class PoseInputs:
             self._verdicts.end()
             self._gizmo.remove()
             self._gizmo, self._switch.label = None, "Show gizmo"
+            self._tell_verdicts()
 
     def _turn(self) -> None:
         """Show the gizmo in this browser, or take it away."""
@@ -129,6 +146,7 @@ class PoseInputs:
         gizmo = add_gizmo(self._visitor, self._name, self._size, self._T)
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
         self._verdicts.prepare()
+        self._tell_verdicts()
 
         follow(
             gizmo,
@@ -148,7 +166,11 @@ class PoseInputs:
         if is_over:
             self._verdicts.end()
             self._end(self._typed())
-        elif (otherwise := self._otherwise(held.T_world_held)) is not None:
+            visitor.own.change(carried=None)
+            return
+        state = visitor.bench.state
+        visitor.own.change(carried=Carried(self._carried(held.T_world_held), state))
+        if (otherwise := self._otherwise(held.T_world_held)) is not None:
             self._verdicts.ask(otherwise, held.T_world_held)
 
     def _put_back(self) -> None:
@@ -156,4 +178,5 @@ class PoseInputs:
         if held is not None and held.browser == self._visitor.number:
             self._visitor.look.change(held=None)
         self._verdicts.end()
+        self._visitor.own.change(carried=None)
         self._put(self._T)

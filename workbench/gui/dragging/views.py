@@ -1,5 +1,6 @@
 """What is told of the candidates while something is dragged, as HTML."""
 
+import enum
 from collections import Counter
 from html import escape
 
@@ -8,11 +9,24 @@ from workbench.gui.shared.colours import KINDS, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.views import line
 
+BEFORE = "While you drag, this says how many candidates would work there."
 
-def dragged_html(dragged: Dragged | None) -> str:
-    """How many candidates would work, and how many would be refused why; empty for None."""
-    if dragged is None:
+
+class Room(enum.Enum):
+    """What stands where verdicts will stand, so that nothing below moves as a drag begins."""
+
+    NONE = enum.auto()
+    EMPTY = enum.auto()
+    TOLD = enum.auto()
+
+
+def dragged_html(dragged: Dragged | None, room: Room = Room.NONE) -> str:
+    """How many candidates would work, and how many would be refused why; for None the `room`."""
+    if dragged is None and room is Room.NONE:
         return ""
+    if dragged is None:
+        told = line(BEFORE, kind="hint") if room is Room.TOLD else ""
+        return f'<div class="wb-live">{told}</div>'
     counts = Counter(kinds_in(dragged.glance))
     chips = "".join(
         f'<span class="wb-told-kind" style="--wb-own:{verdict_colour(kind)}">'
@@ -20,4 +34,5 @@ def dragged_html(dragged: Dragged | None) -> str:
         for kind in KINDS
         if counts[kind]
     )
-    return line(live_words(dragged.glance)) + f'<div class="wb-funnel">{chips}</div>'
+    told = line(live_words(dragged.glance)) + f'<div class="wb-funnel">{chips}</div>'
+    return f'<div class="wb-live">{told}</div>'

@@ -1,4 +1,4 @@
-"""What is worked out beside the drawing, and who has seen it.
+"""Computations that run in parallel with drawing, and who has watched what.
 
 Imports `shared`, `scene`, `cell` and `emptying`.
 """

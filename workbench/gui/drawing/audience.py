@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from collections.abc import Sequence
 
 import viser
 
@@ -27,7 +28,8 @@ class Audience:
 
     A browser draws when its page is in front: one that is hidden, that hangs or that has gone does
     not answer.  What is drawn for everybody and the question travel apart, so the question comes
-    a while later.  What was seen in several stretches counts together.
+    a while later.  What was seen in several stretches counts together; what was drawn with the
+    hands out of the picture does not.
 
     Lifetime: from construction until `close`, or until the browser has gone.
 
@@ -46,6 +48,9 @@ class Audience:
         self._is_on = self._is_closed = False
         self._drawn = self._seen = self._from = 0.0
         self._spans: tuple[Span, ...] = ((0.0, 0.0),)
+        # When the hands were out of the picture: in this stretch, and in all.
+        self._out: tuple[Span, ...] = ()
+        self._outs: tuple[Span, ...] = ()
         threading.Thread(target=self._run, name="audience", daemon=True).start()
 
     def unseen(self, end: float) -> tuple[Span, ...]:
@@ -54,6 +59,15 @@ class Audience:
         ends = (*(begin for begin, _ in spans[1:]), end)
         return tuple(
             (seen, after) for (_, seen), after in zip(spans, ends, strict=True) if seen < after
+        )
+
+    def hidden(self, end: float) -> tuple[Span, ...]:
+        """What of that, from and to [s], was drawn with the hands out of the picture."""
+        return tuple(
+            (max(begin, start), min(stop, until))
+            for start, until in self.unseen(end)
+            for begin, stop in self._outs
+            if max(begin, start) < min(stop, until)
         )
 
     @property
@@ -77,6 +91,7 @@ class Audience:
             self._stretch += 1
             self._is_on = True
             self._drawn = self._seen = self._from = at
+            self._out = ()
             self._changed.notify()
         return at
 
@@ -86,6 +101,12 @@ class Audience:
             if self._is_on:
                 self._drawn = at
                 self._changed.notify()
+
+    def out(self, begin: float, end: float) -> None:
+        """From one time [s] to another the hands are out of the picture; before it is `drawn`."""
+        with self._changed:
+            self._out = joined(*self._out, (begin, end))
+            self._outs = joined(*self._outs, (begin, end))
 
     def stop(self) -> None:
         """The stretch ends here; what is not confirmed now was not seen."""
@@ -128,7 +149,7 @@ class Audience:
             if not self._is_on or stretch != self._stretch:
                 return
             self._seen = max(self._seen, at)
-            self._spans = joined(*self._spans, (self._from, self._seen))
+            self._spans = joined(*self._spans, *without((self._from, self._seen), self._out))
 
 
 def joined(*spans: Span) -> tuple[Span, ...]:
@@ -140,3 +161,14 @@ def joined(*spans: Span) -> tuple[Span, ...]:
         else:
             found.append((begin, end))
     return tuple(found)
+
+
+def without(span: Span, outs: Sequence[Span]) -> tuple[Span, ...]:
+    """What is left of a stretch [s] where others, in order and apart, are taken out of it."""
+    begin, end = span
+    found: list[Span] = []
+    for first, last in outs:
+        if begin < min(first, end):
+            found.append((begin, min(first, end)))
+        begin = max(begin, last)
+    return (*found, (begin, end)) if begin < end else tuple(found)

@@ -1,4 +1,4 @@
-"""Which moment of the plan belongs to a state: where the robot has got to, or the end, or none."""
+"""What is looked at belongs to a state: the moment of the plan, and parts of searches beside it."""
 
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
@@ -7,6 +7,9 @@ from workbench.gui.shared.playback import Run, followed
 
 SENT = AFTER_CYCLE | {Phase.SENDING}
 """The plan has moved the robot, or does."""
+
+LET_OUT = frozenset({Phase.APPROVED, Phase.SENDING})
+"""Phases that are nothing but what becomes of a plan."""
 
 
 def keep_up(
@@ -23,6 +26,8 @@ def keep_up(
     """
     if before is not None and _is_other_scene(before, state):
         look.change(time=0.0, is_playing=False, candidate=None, pose=0, by=None, follows=True)
+    if before is not None and (look.now.search is not None or look.now.rejected):
+        _end_comparing(look, before, state)
     if state.phase is Phase.SENDING:
         at = look.now.followed
         if live.joints:
@@ -36,6 +41,27 @@ def keep_up(
         # done before this page began never were.
         end = max((run.end for run in runs), default=0.0)
         look.change(time=end, is_playing=False, by=None, follows=True)
+
+
+def _planning(state: State) -> int:
+    """The number of the planning that is under way; 0: none is."""
+    return state.job.number if state.job is not None and state.job.name == "plan" else 0
+
+
+def _end_comparing(look: SharedLook, before: State, state: State) -> None:
+    """What a search found besides, or rejected, goes where a plan is asked for or let out.
+
+    Nobody must take it for what lies in the bin.
+    """
+    is_planned = before.plans != state.plans or _planning(before) < _planning(state)
+    is_let_out = state.phase is not before.phase and state.phase in LET_OUT
+    chosen = next((one for one in state.searches if one.number == look.now.search), None)
+    is_other = before.detections is not state.detections
+    is_taken = chosen is not None and is_other and chosen.detections == state.detections
+    if is_planned or is_let_out:
+        look.change(search=None, rejected=False)
+    elif before.scan is not state.scan or is_taken:
+        look.change(search=None)
 
 
 def _is_other_scene(before: State, state: State) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.live import DrawnVerdicts
+from workbench.gui.scene.live import DrawnCarried, DrawnVerdicts
 from workbench.gui.scene.marks import draw_measured, draw_visited
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
@@ -33,7 +33,8 @@ class OwnScene:
         self._scene = visitor.client.scene
         self._root: viser.FrameHandle | None = None
         self._frames: dict[str, viser.FrameHandle] = {}
-        self._verdicts = DrawnVerdicts(self._scene)
+        self._verdicts = DrawnVerdicts(self._scene, visitor.client.camera)
+        self._carried = DrawnCarried(self._scene)
         visitor.on_end(self._clear, in_scene=True)
 
     def show(self, old: View | None, new: View) -> None:
@@ -48,6 +49,8 @@ class OwnScene:
                 draw_measured(self._scene, new.own.measured)
             if is_first or old.own.dragged is not new.own.dragged:
                 self._verdicts.draw(new.own.dragged)
+            if is_first or old.own.carried is not new.own.carried:
+                self._carried.draw(new.own.carried)
             if is_first or old.visited is not new.visited:
                 draw_visited(self._scene, new.visited)
             if new.jogged is None and new.overlay is None and new.filmed is None:
@@ -93,6 +96,7 @@ class OwnScene:
     def _clear(self) -> None:
         self._give_back()
         self._verdicts.draw(None)
+        self._carried.draw(None)
         for name in ("/observation", "/jog_meets", "/measured", "/nearest", "/nearest_points"):
             self._scene.remove_by_name(name)
 

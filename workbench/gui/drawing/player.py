@@ -5,9 +5,11 @@ from collections.abc import Mapping
 
 from workbench.app.core.commands import WatchPlan
 from workbench.app.core.people import Person
+from workbench.app.core.state import Phase, State
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.drawing.audience import Audience, Span
+from workbench.gui.drawing.in_view import InView
 from workbench.gui.shared.look import SharedLook, View
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import WorkbenchError
@@ -34,6 +36,7 @@ class Player:
         self._key: tuple[int | None, Row] = (None, ())
         self._told: Row = ()
         self._at = 0.0
+        self._view = InView()
 
     def step(self, view: View | None, visitors: Mapping[int, Visitor], elapsed: float) -> None:
         """Move a plan that plays on by the time [s] since the last drawing.
@@ -58,7 +61,7 @@ class Player:
         elif look.is_playing:
             # The first drawing after Play was pressed only begins.
             if view.look.is_playing:
-                self._go_on(look.time, view.plan_seconds, audience, elapsed)
+                self._go_on(view, audience, visitor, elapsed)
         elif audience is not None and (look.time != self._at or self._at < view.plan_seconds):
             audience.stop()
         if audience is None or visitor is None or not view.state.plans:
@@ -79,22 +82,39 @@ class Player:
         is_played = row != () and self._key[1] == row
         return audience.unseen(end) if audience is not None and is_played else ()
 
+    def hidden(self, row: Row, end: float) -> tuple[Span, ...]:
+        """What of that the hands were out of the picture of that browser."""
+        audience = self._audience
+        is_played = row != () and self._key[1] == row
+        return audience.hidden(end) if audience is not None and is_played else ()
+
     def close(self) -> None:
         """Nothing plays any more."""
         if self._audience is not None:
             self._audience.close()
 
-    def _go_on(self, time: float, end: float, audience: Audience | None, elapsed: float) -> None:
-        # From the end, Play begins at the start again.
-        begin = 0.0 if time >= end else time
-        limit = end
-        if audience is not None:
+    def _go_on(
+        self, view: View, audience: Audience | None, visitor: Visitor | None, elapsed: float
+    ) -> None:
+        time, end = self._look.now.time, view.plan_seconds
+        begin = time
+        if time >= end:
+            # From the end, Play begins at the start again, or where something was not seen.
+            missing = audience.unseen(end) if audience is not None else ()
+            begin = missing[0][0] if missing else 0.0
+        if audience is None or visitor is None:
+            self._at = min(begin + elapsed, end)
+        else:
             if not audience.is_on or time != self._at or time >= end:
                 begin = audience.begin(begin)
                 # What was refused once may be taken the next time.
                 self._told = ()
-            limit = min(end, audience.limit)
-        self._at = max(begin, min(begin + elapsed, limit))
+                if counts(view.state, visitor):
+                    self._view.bring(view, visitor, begin, audience.unseen(end))
+            limit = begin if self._view.is_on_its_way(visitor) else min(end, audience.limit)
+            self._at = max(begin, min(begin + elapsed, limit))
+            if self._view.are_out(view, visitor, begin, self._at):
+                audience.out(begin, self._at)
         self._look.change(time=self._at, is_playing=self._at < end, by=None)
 
     def _audience_of(self, row: Row, visitor: Visitor | None) -> Audience | None:
@@ -116,3 +136,9 @@ class Player:
             self._bench.do(WatchPlan(first, row=tuple(rest)), person.name, person.role)
         except WorkbenchError as error:
             log.info("that the plan was watched is not taken: %s", error)
+
+
+def counts(state: State, visitor: Visitor) -> bool:
+    """Whether it matters that a person sees the plan of a state to its end, and has not yet."""
+    is_waiting = state.phase in (Phase.PLANNED, Phase.APPROVED) and not visitor.is_recorded
+    return is_waiting and visitor.person.name not in state.watched

@@ -1,13 +1,14 @@
-"""The poses in which a candidate can be looked at: its way, or where it failed and what meets."""
+"""The poses in which a candidate can be looked at: its way, or where it was refused."""
 
 import numpy as np
 
 from workbench.app.core.state import State
+from workbench.gui.drawing.refusals import refused_pose
 from workbench.gui.shared.look import Pose
-from workbench.gui.shared.views import mm, verdict_words
+from workbench.gui.shared.views import mm
 from workbench.model.candidate import Candidate, Pick
 from workbench.model.geometry import Floats
-from workbench.model.scan import Detection, Obstacle
+from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.self_motion import self_motion
 from workbench.planning.picking.resolve import approach_phase, resolve
@@ -20,35 +21,30 @@ class PoseFinder:
     """
 
     def __init__(self) -> None:
-        self._detections: tuple[Detection, ...] | None = None
-        self._obstacles: tuple[Obstacle, ...] = ()
         self._world: World | None = None
 
     def poses(self, state: State, candidate: Candidate) -> tuple[Pose, ...]:
         """Where it failed; or pre-grasp, grasp, lifted and place, and the elbow's freedom."""
         if not state.detections:
             return ()
-        if self._world is None or not self._is_current(state):
-            self._world = World(state.cell, state.detections, state.obstacles)
-            self._detections, self._obstacles = state.detections, state.obstacles
-        world, verdict = self._world, candidate.verdict
-        if not verdict.is_ok:
-            if verdict.q is None or len(verdict.q) != len(world.arm(candidate.arm).joints):
-                return ()
-            return (self._failed(world, candidate, np.asarray(verdict.q)),)
+        world = self._world_of(state, state.detections)
+        if not candidate.verdict.is_ok:
+            pose = refused_pose(world, candidate)
+            return () if pose is None else (pose,)
         pick = resolve(world, candidate, seed=state.plan.seed if state.plan is not None else 0)
         return self._on_the_way(world, pick) if isinstance(pick, Pick) else ()
 
-    def _is_current(self, state: State) -> bool:
-        return self._detections is state.detections and self._obstacles is state.obstacles
-
-    def _failed(self, world: World, candidate: Candidate, q: Floats) -> Pose:
-        verdict = candidate.verdict
-        world.enter(approach_phase(candidate, world.arm(candidate.arm)))
-        whole = world.configuration({candidate.arm: q})
-        meets = () if verdict.pair is None else world.placed(whole, verdict.pair)
-        note = verdict_words(verdict)
-        return Pose(f"where it failed: {verdict.stage}", q, candidate.grasp.opening, note, meets)
+    def _world_of(self, state: State, detections: tuple[Detection, ...]) -> World:
+        """The world of these parts: that from before where nothing is other than it was."""
+        world = self._world
+        if (
+            world is None
+            or world.cell is not state.cell
+            or world.detections is not detections
+            or world.obstacles is not state.obstacles
+        ):
+            world = self._world = World(state.cell, detections, state.obstacles)
+        return world
 
     def _on_the_way(self, world: World, pick: Pick) -> tuple[Pose, ...]:
         candidate, opening = pick.candidate, pick.candidate.grasp.opening

@@ -7,7 +7,7 @@ from typing import Any
 import viser
 
 from workbench.app.core.commands import DropDraft, SaveCell
-from workbench.app.core.state import State
+from workbench.app.core.state import State, counted
 from workbench.app.picking.part_import import PARTS
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.saves import Version, draft_of, versions
@@ -144,8 +144,8 @@ class LibraryControls:
         if draft is None:
             self._draft.content = ""
             return
-        count = len(changes_in_words(part.library, draft))
-        says = f"An earlier session has left a draft with {count} changes that nobody saved."
+        count = counted(len(changes_in_words(part.library, draft)), "change")
+        says = f"An earlier session has left a draft with {count} that nobody saved."
         self._draft.content = line(says)
 
     def _chosen(self) -> Version | None:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from html import escape
 
 import numpy as np
@@ -10,7 +11,7 @@ from workbench.app.statistics.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
-from workbench.gui.shared.views import line, mm, sentence
+from workbench.gui.shared.views import day_and_time, line, mm, sentence
 from workbench.model.geometry import Floats
 from workbench.model.part import Entry, GraspPair, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
@@ -203,14 +204,22 @@ def versions_html(versions: Sequence[Version]) -> str:
     if not versions:
         return line("Nothing was saved from here yet.", kind="hint")
     body = "".join(
-        f"<tr><td>{one.number}</td><td>{escape(one.at[:16].replace('T', ' '))}</td>"
+        f"<tr><td>{one.number}</td><td>{escape(_when(one))}</td>"
         f"<td>{escape(one.by)}</td><td>{escape(one.remark)}</td></tr>"
         for one in reversed(versions)
     )
     return (
-        '<div class="wb-list"><table class="wb-facts"><thead><tr><th>No</th><th>UTC</th>'
+        '<div class="wb-list"><table class="wb-facts"><thead><tr><th>No</th><th>At</th>'
         f"<th>By</th><th>Remark</th></tr></thead><tbody>{body}</tbody></table></div>"
     )
+
+
+def _when(version: Version) -> str:
+    """When it was saved, as the page tells times; what somebody has written there stays."""
+    try:
+        return day_and_time(datetime.fromisoformat(version.at).timestamp())
+    except (ValueError, OverflowError):
+        return version.at
 
 
 def words_html(words: Sequence[str], otherwise: str) -> str:

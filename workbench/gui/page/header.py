@@ -4,6 +4,7 @@ import viser
 
 from workbench.app.core.commands import AcknowledgeChanges, AcknowledgeFault, CancelJob
 from workbench.app.core.state import Phase, State
+from workbench.gui.cycle.sending_views import share_sent
 from workbench.gui.page.control import ControlStrip
 from workbench.gui.page.looks import Looks
 from workbench.gui.page.modes import mode_html
@@ -48,6 +49,8 @@ class Header:
         self._theme, self._gui = theme, gui
         self._control = ControlStrip(visitor)
         self._looks = Looks(visitor)
+        self._ends_comparing = visitor.unseen(lambda: visitor.look.change(search=None))
+        visitor.hide([self._ends_comparing])
         visitor.on_press(self._cancel, CancelJob)
         visitor.on_key("L", "Dark or light page", self._turn)
         visitor.on_press(self._acknowledge, AcknowledgeFault)
@@ -57,7 +60,8 @@ class Header:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
-        mode = mode_html(new)
+        is_comparing = new.look.searcher == self._visitor.number
+        mode = mode_html(new, self._ends_comparing if is_comparing else "")
         if mode != self._mode.content:
             self._mode.content = mode
         self._control.show(old, new)
@@ -80,12 +84,10 @@ class Header:
             self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:
             self._progress.value = round(100 * live.getting_ready.done, 1)
-        elif state.let and state.plan is not None:
-            self._progress.value = round(100 * state.let / len(state.plan.sequence))
-        elif state.receipts:
-            self._progress.value = round(100 * state.receipts[-1].done / state.receipts[-1].total)
         else:
-            self._progress.value = 0.0
+            self._progress.value = round(100 * share_sent(state), 1)
+        # What has ended early is not on its way any more.
+        self._progress.color = "gray" if state.phase is Phase.FAULT else None
 
     def _show_changes(self, state: State) -> None:
         self._shown = "" if state.ran is None else state.ran.digest

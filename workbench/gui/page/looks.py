@@ -1,4 +1,4 @@
-"""Ways to look at the cell that a key or a press brings back: home, top, front, bin, selected.
+"""Ways to look at the cell that a key or a press brings back: default, top, front, bin, selected.
 
 A double click brings what lies there into the middle.
 """
@@ -36,7 +36,7 @@ TWICE, SAME = 0.5, math.radians(1.0)
 """[s, rad] Two clicks within this time, and along rays that differ by no more, are a double one."""
 
 KEYS: Mapping[str, tuple[HotkeyKey, str]] = {
-    "Home": ("1", "as the page begins"),
+    "Default view": ("1", "as the page begins"),
     "Top": ("2", "from above"),
     "Front": ("3", "from in front"),
     "Bin": ("4", "into the bin"),
@@ -59,7 +59,7 @@ def camera_of(name: str, state: State, look: Look, thing: str = "") -> Camera:
     """
     cell = state.cell
     match name:
-        case "Home":
+        case "Default view":
             return first_look(cell)
         case "Top":
             return _framed(whole(cell), _forward(cell) * 0.02, 1.0)

@@ -1,6 +1,7 @@
 """What the robots of the scene are at this moment: one rule, said in words and in colour.
 
-The solid robot is the real one, as its controller reports it.  The see-through one is planned: a
+The solid robot is the real one, as its controller reports it.  It is grey where the controller
+does not report: it stands as it was reported last, or at home.  The see-through one is planned: a
 moment of the plan, or a robot that somebody moves by hand in their own view.
 """
 
@@ -8,9 +9,19 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
-from workbench.gui.shared.colours import CHECKED, PLANNED_ROBOT, kind_of, verdict_colour
+from workbench.gui.drawing.play_button import missed_words
+from workbench.gui.shared.colours import (
+    BAD,
+    CHECKED,
+    COMPARED,
+    NOT_REPORTED,
+    PLANNED_ROBOT,
+    verdict_colour,
+)
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
+from workbench.gui.shared.views import when
+from workbench.model.candidate import kind_of
 
 
 class Mode(enum.StrEnum):
@@ -56,9 +67,12 @@ ENDS_AFTER_CYCLE = "Ends with End preview"
 
 NOTES = {
     Mode.PREVIEW: "Parts: as planned; nothing is sent",
-    Mode.END: "Parts: as planned; nothing was sent",
+    Mode.END: "Parts: where hands let go of them, not yet fallen; nothing was sent",
     Mode.FILM: "Parts: a simulated pile, not what is in the bin; nothing is sent",
 }
+
+
+HIDDEN_NOW = "The hands are out of view: this part does not count as watched"
 
 
 def mode_of(view: View) -> Mode:
@@ -79,25 +93,36 @@ def mode_of(view: View) -> Mode:
     return Mode.LIVE if view.is_reported else Mode.NO_REPORT
 
 
-def mode_html(view: View) -> str:
-    """The mode with its legend, to be laid over the scene."""
+def mode_html(view: View, ends_comparing: str = "") -> str:
+    """The mode with its legend, to be laid over the scene.
+
+    Args:
+        view: what this browser looks at.
+        ends_comparing: id of a button, which the page around the scene presses when the table of
+            the searches that are compared here is out of sight; empty: another browser has it.
+    """
     mode = mode_of(view)
     lines = _robots(view, mode)
     chosen, all_of_them = view.look.candidate, view.state.candidates or ()
     if chosen is not None and chosen < len(all_of_them):
         colour = verdict_colour(kind_of(all_of_them[chosen].verdict))
         lines.append(("See-through: the chosen candidate", f"background:{colour};opacity:0.7"))
+        if view.pose is not None and view.pose.meets:
+            lines.append(("Red: the bodies that come too close there", f"background:{BAD}"))
+    lines += _of_searches(view)
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missed(view) if mode is Mode.END else ""
+    missed = _missed(view, mode) if is_preview else ""
     told = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
     notes = (NOTES.get(mode, ""), missed, ends)
     told += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
+    if ends_comparing and view.look.search is not None:
+        told += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
     kind = mode.name.lower().replace("_", "-")
     return (
         f'<div class="wb-mode wb-mode-{kind}" data-mode="{kind}" role="status">'
@@ -105,12 +130,27 @@ def mode_html(view: View) -> str:
     )
 
 
-def _missed(view: View) -> str:
-    """What has to be played before the plan counts as watched."""
+def _missed(view: View, mode: Mode) -> str:
+    """What has to be played before the plan counts as watched; while it plays, what does not."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
         return ""
-    spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
-    return f"Not watched yet: {spans}"
+    if mode is not Mode.END:
+        is_now = bool(view.hidden) and view.hidden[-1][1] == view.look.time
+        return HIDDEN_NOW if is_now and view.look.is_playing else ""
+    return missed_words(view)
+
+
+def _of_searches(view: View) -> list[tuple[str, str]]:
+    """What searches have found besides, or have rejected, as far as it is drawn."""
+    lines: list[tuple[str, str]] = []
+    searches = view.state.searches
+    for place, one in enumerate(searches, 1):
+        if one.number == view.look.search:
+            style = f"background:rgba({_rgb(COMPARED)},0.55)"
+            lines.append((f"Violet: parts of search {place}, to be compared; not taken", style))
+    if view.look.rejected and view.rejected:
+        lines.append(("Red, see-through: poses that the search rejected", f"background:{BAD}40"))
+    return lines
 
 
 def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:
@@ -120,13 +160,21 @@ def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:
         # There is one robot of these: where another one would be see-through, or else the real one.
         stands = STANDS[mode] if is_planned else _real(view)
         return [(f"Collision shapes: {stands}", f"background:rgb({_rgb(CHECKED)})")]
-    is_alone = view.is_recorded or not (view.is_reported or view.own.hides_robot)
-    lines = [] if view.planned_arms and is_alone else [(f"Solid: {_real(view)}", "")]
+    is_placed = view.is_reported or view.was_reported
+    is_alone = view.is_recorded or not (is_placed or view.own.hides_robot)
+    lines = [] if view.planned_arms and is_alone else [_solid(view)]
     if is_planned:
         lines.append(
             (f"See-through: {STANDS[mode]}", f"background:rgba({_rgb(PLANNED_ROBOT)},0.55)")
         )
     return lines
+
+
+def _solid(view: View) -> tuple[str, str]:
+    """What the solid robot is, with the style of its mark."""
+    if view.is_reported:
+        return f"Solid: {_real(view)}", ""
+    return f"Grey: {_real(view)}", f"background:rgb({_rgb(NOT_REPORTED)})"
 
 
 def _real(view: View) -> str:
@@ -135,6 +183,8 @@ def _real(view: View) -> str:
         return "at home; where it stood is not recorded"
     if view.is_reported:
         return "the robot, as its controller reports it"
+    if view.was_reported:
+        return f"last reported at {when(view.live.reported_at, view.at)}; it may be elsewhere now"
     return "drawn at home; the controller does not report where it is"
 
 

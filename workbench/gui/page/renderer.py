@@ -212,11 +212,12 @@ class Renderer:
                 visitor.own.let_go()
             elif has_lost_observation(visitor.own.now, old and old.state, new.state):
                 visitor.own.change(observation=None)
-            dragged = visitor.own.now.dragged
-            if dragged is not None and (
-                is_begun or follows or not is_same_scene(dragged.state, new.state)
-            ):
-                visitor.own.change(dragged=None)
+            for name in ("dragged", "carried"):
+                shown = getattr(visitor.own.now, name)
+                if shown is not None and (
+                    is_begun or follows or not is_same_scene(shown.state, new.state)
+                ):
+                    visitor.own.change(**{name: None})
             if visitor.own.now.film is not None and old is not None and is_news(old, new):
                 visitor.own.change(film=None)
 
@@ -230,12 +231,14 @@ class Renderer:
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
-        """Browsers come and go: control goes with their people, and what they drag is let go."""
+        """Browsers come and go: with them control, what they drag, and what they compare."""
         now = time.monotonic()
         for client, is_here in waiting:
             held = self._look.now.held
             if not is_here and held is not None and held.browser == client.client_id:
                 self._look.change(held=None)
+            if not is_here and self._look.now.searcher == client.client_id:
+                self._look.change(search=None, searcher=None)
             if self._presence is not None:
                 _shielded(partial(_count, self._presence, client, now, is_here=is_here))
         if self._presence is not None:
@@ -248,7 +251,7 @@ class Renderer:
             self._runs = timeline(*state.plans)
         live = self._bench.live
         keep_up(self._look, before, state, live, self._runs)
-        look = self._look.now
+        look, end = self._look.now, max((run.end for run in self._runs), default=0.0)
         return View(
             state,
             live,
@@ -263,7 +266,8 @@ class Renderer:
             self._calibration(state),
             bin_check_of(state),
             isinstance(self._bench, History),
-            self._player.unseen(state.plans, max((run.end for run in self._runs), default=0.0)),
+            self._player.unseen(state.plans, end),
+            self._player.hidden(state.plans, end),
             self._sureness.of(state, look.candidate),
         )
 

@@ -1,16 +1,15 @@
 """The tab with the parts found: what speaks for and against each, and a person's word on it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import pinocchio as pin
 import viser
 
 from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
-from workbench.formats.clouds.scans import parse_scan
-from workbench.formats.plans.pose_files import parse_poses
+from workbench.app.core.state import counted
+from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
 from workbench.gui.parts.keeping import KeepInputs
@@ -24,11 +23,20 @@ from workbench.gui.parts.views import (
 from workbench.gui.scene.searches import SearchInputs
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
+from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.uploads.reading import sent_poses, sent_scan
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError
+from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
+from workbench.plugins.progress import Cancelled
+
+Made = Callable[[str, bytes, Cancelled], Command]
+"""Makes a command of a file's name and content."""
+
+SLOW = 1.0
+"""[s] After which somebody who waits for a file is told that it is being read."""
 
 GIZMO = 0.09
 """[m] Size of the gizmo that corrects a part."""
@@ -52,6 +60,7 @@ class PartsPanel:
         self._visitor = visitor
         self._chosen: Detection | None = None
         self._shown: tuple[Detection, ...] = ()
+        self._sent: object = None
         gui = visitor.gui
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._scan = gui.add_upload_button(
@@ -86,6 +95,7 @@ class PartsPanel:
             command=UseDetections,
             meant=self._correct,
             otherwise=self._otherwise,
+            carried=self._carried,
         )
         self._kind = gui.add_dropdown(
             "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
@@ -107,6 +117,7 @@ class PartsPanel:
         self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
         self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
+        visitor.on_end(self._read_no_more)
         visitor.on_press(self._veto, self._without)
         visitor.on_press(self._undo, self._undone)
         self._add.on_click(lambda _: self._add_one())
@@ -204,6 +215,11 @@ class PartsPanel:
             return None
         return {"detections": self._with_chosen_at(T)}
 
+    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+        """What follows the hand that drags the chosen part."""
+        place = _place(self._found, self._chosen)
+        return {} if place is None else {f"/parts/part-{place + 1}": T}
+
     def _with_chosen_at(self, T: pin.SE3) -> tuple[Detection, ...]:
         found, number = list(self._found), self._number
         found[number] = Detection(found[number].part, T)
@@ -247,17 +263,37 @@ class PartsPanel:
         self._chosen = one = Detection(self._kind.value, middle)
         return UseDetections((*self._found, one), f"a {one.part} was added by hand")
 
-    def _uploaded(self, event: Any, made: Any) -> None:
-        file = event.target.value
-        self._visitor.ask(lambda: made(Path(file.name).name, file.content))
+    def _read_no_more(self) -> None:
+        self._sent = None
 
-    def _scan_of(self, name: str, content: bytes) -> Command:
-        scan = parse_scan(Path(name), content, self._visitor.cell.scanner)
-        return UseScan(replace(scan, source=name))
+    def _uploaded(self, event: Any, made: Made) -> None:
+        """Read a file; another one that is chosen meanwhile takes its place."""
+        name, content = taken_upload(event.target)
+        self._sent = sent = object()
+        slow = Timer(
+            SLOW, lambda: self._visitor.tell(name, "This file is being read.", color="blue")
+        )
+        slow.start()
+        try:
+            self._visitor.attempt(
+                lambda: self._read(made, name, content, lambda: self._sent is not sent)
+            )
+        finally:
+            slow.cancel()
 
-    def _poses_of(self, name: str, content: bytes) -> Command:
-        detections = parse_poses(Path(name), content, self._kind.value)
-        return UseDetections(detections, f"{len(detections)} poses taken from {name}")
+    def _read(self, made: Made, name: str, content: bytes, cancelled: Cancelled) -> None:
+        try:
+            command = made(sent_name(name), content, cancelled)
+        except JobCancelled:
+            return
+        self._visitor.give(command)
+
+    def _scan_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
+        return UseScan(sent_scan(name, content, self._visitor.cell.scanner, cancelled=cancelled))
+
+    def _poses_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
+        detections = sent_poses(name, content, self._kind.value, cancelled=cancelled)
+        return UseDetections(detections, f"{counted(len(detections), 'pose')} taken from {name}")
 
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:

@@ -4,9 +4,10 @@ import math
 
 import viser
 
-from workbench.app.core.commands import MakePlan, WatchPlan
+from workbench.app.core.commands import MakePlan
 from workbench.app.core.results import MOST_OUTLINES
-from workbench.app.core.state import Phase, State
+from workbench.app.core.state import State
+from workbench.gui.drawing.play_button import PlayButton, play_problem
 from workbench.gui.plan.curves import doing, lanes_html, now_html, plots_of
 from workbench.gui.plan.views import outlines_html, plan_html
 from workbench.gui.scene.nearest import PlanLinks, proof_html
@@ -49,7 +50,7 @@ class PlanPanel:
         self._links = PlanLinks(visitor)
         self._plans = visitor.rows(MOST_OUTLINES, self._again)
         gui.add_html('<div class="wb-buttons wb-two"></div>')
-        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+        self._play = PlayButton(visitor)
         self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
         self._at = gui.add_html("")
         # A plot and its legend for clearance, the arms' distance, speeds, and each arm's axes.
@@ -65,11 +66,9 @@ class PlanPanel:
         if is_other or (old is not None and old.state.plans != new.state.plans):
             self._draw_plan(new)
         if old is None or old.state is not new.state:
-            problem = self._problem(new.state)
-            for control in (self._time, self._play, self._start):
-                control.disabled = bool(problem)
-            for button in (self._play, self._start):
-                self._visitor.explain(button, problem)
+            problem = play_problem(self._visitor, new.state)
+            self._time.disabled = bool(problem)
+            self._visitor.allow(self._start, problem)
             self._start.label = END_PREVIEW if self._ends_preview(new.state) else TO_START
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
@@ -82,23 +81,11 @@ class PlanPanel:
             # The browser that drags knows best where its own slider stands.
             if new.look.by != self._visitor.number:
                 self._time.value = round(new.look.time, 2)
-        if old is None or old.look.is_playing != new.look.is_playing:
-            self._play.label = "Pause" if new.look.is_playing else "Play"
-            self._play.icon = (
-                viser.Icon.PLAYER_PAUSE if new.look.is_playing else viser.Icon.PLAYER_PLAY
-            )
+        self._play.show(old, new)
 
     def _ends_preview(self, state: State) -> bool:
         """Whether there is a robot to look at again that does not stand at the plan's start."""
         return state.phase in AFTER_CYCLE and not self._visitor.is_recorded
-
-    def _problem(self, state: State) -> str:
-        """Why the plan cannot be played; empty when it can."""
-        if state.plan is None:
-            return "make a plan first"
-        if state.phase is Phase.SENDING:
-            return "while a plan is sent, its picture follows the robot"
-        return self._visitor.lacks(state, WatchPlan)
 
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
@@ -137,8 +124,7 @@ class PlanPanel:
 
     def _react(self) -> None:
         self._visitor.by_hand(self._time, self._go_to)
-        self._play.on_click(lambda _: self._play_or_pause())
-        self._visitor.on_key("K", "Play or pause the plan", self._play_or_pause)
+        self._visitor.on_key("K", "Play or pause the plan", self._play.press)
         self._start.on_click(lambda _: self._go_back())
 
     def _go_to(self, time: float) -> None:
@@ -164,9 +150,3 @@ class PlanPanel:
             return
         one = state.outlines[number]
         visitor.ask(lambda: MakePlan(one.asked, one.threshold, one.seed, one.overrides))
-
-    def _play_or_pause(self) -> None:
-        visitor, look = self._visitor, self._visitor.look
-        if not self._play.disabled:
-            visitor.own.end()
-            look.change(is_playing=not look.now.is_playing, by=None, browser=visitor.number)

@@ -7,7 +7,7 @@ from workbench.app.core.state import Phase
 from workbench.app.picking.pallets import pallets_of
 from workbench.gui.shared.link_views import link_html
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import joints_html, line
+from workbench.gui.shared.views import joints_html, line, when
 from workbench.gui.shared.visitor import Visitor
 
 
@@ -38,8 +38,12 @@ class RobotPanel:
             self._empty.visible = keeps
             missing = "" if count else "no part lies on the pallets"
             self._visitor.admit(self._empty, new.state, EmptyPallets, otherwise=missing)
-        if old is None or old.live.joints is not new.live.joints:
-            self._joints.content = joints_html(new.state.cell, new.live.joints)
+        live = new.live
+        if old is None or old.live.joints is not live.joints:
+            joints, at = live.joints, ""
+            if not joints and live.last_joints:
+                joints, at = live.last_joints, when(live.reported_at, new.at)
+            self._joints.content = joints_html(new.state.cell, joints, at)
 
 
 def _link_shown(view: View) -> tuple[object, ...]:

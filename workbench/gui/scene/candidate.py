@@ -7,11 +7,11 @@ import viser
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import DrawnRobot, place
-from workbench.gui.shared.colours import kind_of, rgb_of, verdict_colour
+from workbench.gui.shared.colours import rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View
 from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, kind_of
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.kinematics.robot import Kinematics
@@ -98,16 +98,19 @@ class DrawnCandidates:
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
         colour = rgb_of(verdict_colour(kind_of(candidate.verdict)))
         arm = self._cell.arm(candidate.arm)
+        T_world_tcp, opening = candidate.T_world_tcp, candidate.grasp.opening
+        if pose is not None and pose.T_world_tcp is not None:
+            T_world_tcp, opening = pose.T_world_tcp, pose.opening
         node = self._scene.add_frame("/candidate", axes_length=0.04, axes_radius=0.0015)
-        place(node, candidate.T_world_tcp)
+        place(node, T_world_tcp)
         self._scene.add_label(
             "/candidate/label",
             candidate_label(candidate),
-            position=ABOVE * candidate.T_world_tcp.rotation[2],
+            position=ABOVE * T_world_tcp.rotation[2],
             font_screen_scale=0.8,
             anchor="bottom-center",
         )
-        if pose is not None:
+        if pose is not None and pose.q is not None:
             if arm.name not in self._arms:
                 self._arms[arm.name] = DrawnRobot(
                     self._scene, f"/candidate_{arm.name}", self._cell, arms=(arm,), opacity=0.45
@@ -117,9 +120,10 @@ class DrawnCandidates:
             self._arms[arm.name].show(True)
             self._pose(pose)
             return
+        self._pose(pose)
         T_tcp_flange = arm.tool.T_flange_tcp.inverse()
         opened = [
-            (finger.solid, pin.SE3(np.eye(3), candidate.grasp.opening / 2 * finger.direction))
+            (finger.solid, pin.SE3(np.eye(3), opening / 2 * finger.direction))
             for finger in arm.tool.fingers
         ]
         pieces = by_colour(arm.tool.body, T_tcp_flange)
@@ -135,10 +139,10 @@ class DrawnCandidates:
             )
 
     def _pose(self, pose: Pose | None) -> None:
-        """Move the shown arm, and draw in red what it meets there."""
+        """Move the arm, where one is shown, and draw in red what meets there."""
         arm = self._shown
-        draw_meets(self._scene, "/meets", () if pose is None or arm is None else pose.meets)
-        if pose is None or arm is None:
+        draw_meets(self._scene, "/meets", () if pose is None else pose.meets)
+        if pose is None or pose.q is None or arm is None:
             return
         links = self._kinematics.link_poses(dict(zip(arm.joints, pose.q.tolist(), strict=True)))
         self._arms[arm.name].pose(links, {arm.name: pose.opening})

@@ -1,4 +1,6 @@
-"""Verdicts while something is dragged, over what all see: strokes, parts in colour, and words."""
+"""While something is dragged, over what all see: the thing, strokes, parts in colour, and words."""
+
+import itertools
 
 import numpy as np
 import viser
@@ -7,14 +9,22 @@ from workbench.app.picking.glance import Glance
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import strokes_of
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.shared.colours import BAD, GOOD, kind_said, rgb_of, verdict_colour
-from workbench.gui.shared.own import Dragged
+from workbench.gui.scene.robot import place
+from workbench.gui.scene.stage import T_WORLD_STAGE
+from workbench.gui.scene.surroundings import Camera
+from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
+from workbench.gui.shared.own import Carried, Dragged
 from workbench.gui.shared.solids import with_hard_edges
+from workbench.model.candidate import kind_said
+from workbench.model.geometry import Floats
 
 WORDS = "/dragged"
 
-ABOVE = 0.06
-"""[m] The words stand so far above what is dragged."""
+STAGE_SIZE = 100.0
+"""[m] Around where a part stands alone there is nothing else."""
+
+BESIDE = 0.02
+"""[m] The words stand so far beside the bin and what is dragged."""
 
 
 class DrawnVerdicts:
@@ -26,9 +36,14 @@ class DrawnVerdicts:
     Concurrency: the renderer's thread.
     """
 
-    def __init__(self, scene: viser.SceneApi):
-        """Nothing is dragged."""
-        self._scene = scene
+    def __init__(self, scene: viser.SceneApi, camera: Camera):
+        """Nothing is dragged.
+
+        Args:
+            scene: of one browser.
+            camera: of that browser.
+        """
+        self._scene, self._camera = scene, camera
         self._words: viser.LabelHandle | None = None
         self._meshes: dict[int, viser.MeshHandle] = {}
 
@@ -45,12 +60,12 @@ class DrawnVerdicts:
         self._paint_parts(dragged)
         if self._words is None:
             self._words = self._scene.add_label(
-                WORDS, "", font_screen_scale=1.0, anchor="bottom-center", depth_test=False
+                WORDS, "", font_screen_scale=1.0, anchor="center-left", depth_test=False
             )
-        text = live_words(glance)
+        text = short_words(glance)
         if self._words.text != text:
             self._words.text = text
-        self._words.position = dragged.T_world_words.translation + np.array([0.0, 0.0, ABOVE])
+        self._words.position = beside(self._camera, _covered(dragged))
 
     def _paint_parts(self, dragged: Dragged) -> None:
         glance, cell = dragged.glance, dragged.state.cell
@@ -75,6 +90,58 @@ class DrawnVerdicts:
         self._words, self._meshes = None, {}
 
 
+class DrawnCarried:
+    """What a person drags, where it is dragged to, in one browser alone.
+
+    As `DrawnVerdicts`: frames of this browser take the place of those that all see, and what
+    hangs below them follows.
+
+    Concurrency: the renderer's thread.
+    """
+
+    def __init__(self, scene: viser.SceneApi):
+        """Nothing is dragged."""
+        self._scene = scene
+        self._frames: dict[str, viser.FrameHandle] = {}
+
+    def draw(self, carried: Carried | None) -> None:
+        """Show it there; None: all is where everybody sees it."""
+        Ts_node = carried.Ts_node if carried is not None else {}
+        for name in self._frames.keys() - Ts_node.keys():
+            self._scene.remove_by_name(name)
+            del self._frames[name]
+        for name, T in Ts_node.items():
+            if name not in self._frames:
+                self._frames[name] = self._scene.add_frame(name, show_axes=False)
+            place(self._frames[name], T)
+
+
+def _covered(dragged: Dragged) -> Floats:
+    """Corners (n, 3) [m] around what words must not lie upon: bin and parts, or one part alone."""
+    cell, at = dragged.state.cell, dragged.T_world_words.translation
+    unit = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    reach = {one.name: float(np.linalg.norm(one.mesh.points, axis=1).max()) for one in cell.parts}
+    if np.linalg.norm(at - T_WORLD_STAGE.translation) < STAGE_SIZE:
+        return T_WORLD_STAGE.translation + max(reach.values()) * unit
+    half, T = np.asarray(cell.bin.size) / 2, cell.bin.T_world_bin
+    corners = [(unit * half + [0.0, 0.0, half[2]]) @ T.rotation.T + T.translation, at[None]]
+    for one in dragged.state.detections or ():
+        corners.append(one.T_world_part.translation + reach[one.part] * unit)
+    return np.concatenate(corners)
+
+
+def beside(camera: Camera, points: Floats) -> Floats:
+    """A point (3,) [m] at the right of all points (n, 3) [m], as a camera sees them."""
+    away = points.mean(axis=0) - camera.position
+    right = np.cross(away, camera.up_direction)
+    right /= max(float(np.linalg.norm(right)), 1e-9)
+    offsets = points - points.mean(axis=0)
+    # What is nearer to the camera is seen farther from the middle.
+    depth = np.linalg.norm(away)
+    nearer = depth / np.maximum(depth + offsets @ away / depth, 0.1 * depth)
+    return points.mean(axis=0) + (float((offsets @ right * nearer).max()) + BESIDE) * right
+
+
 def kinds_in(glance: Glance) -> list[str]:
     """What is said of each candidate."""
     return [
@@ -87,3 +154,8 @@ def live_words(glance: Glance) -> str:
     """How many would work, and how far that was looked at, in one sentence."""
     count, whole = int(glance.working.sum()), len(glance.reasons)
     return f"while you drag: {count} of {whole} work, as far as hand, reach and place say"
+
+
+def short_words(glance: Glance) -> str:
+    """The same in the scene, where there is little room beside the bin; the panel says it whole."""
+    return f"{int(glance.working.sum())} of {len(glance.reasons)} work"

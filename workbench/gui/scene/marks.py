@@ -70,7 +70,7 @@ def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:
 
 def draw_visited(scene: viser.SceneApi, visited: Visited | None) -> None:
     """Two bodies of a plan where they are nearest, and where they are nearest to each other."""
-    draw_meets(scene, "/nearest", () if visited is None else visited.spot.bodies, BUSY, 0.4)
+    draw_meets(scene, "/nearest", () if visited is None else visited.spot.bodies, BUSY, 0.4, 0.0)
     scene.remove_by_name("/nearest_points")
     if visited is None:
         return

@@ -10,6 +10,9 @@ from workbench.gui.shared.look import Placed
 from workbench.gui.shared.solids import Colour, with_hard_edges
 from workbench.model.geometry import Shape
 
+GROWN = 0.0015
+"""[m] What is marked stands out so far beyond what it marks."""
+
 
 def draw_meets(
     scene: viser.SceneApi,
@@ -17,11 +20,16 @@ def draw_meets(
     meets: tuple[Placed, ...],
     colour: str = BAD,
     opacity: float = 0.75,
+    grown: float = GROWN,
 ) -> None:
-    """Show these bodies under a node of that name, and what was there before no more."""
+    """Show these bodies under a node of that name, and what was there before no more.
+
+    They are `grown` [m] to all sides: their own surfaces, and scanned points on these, are drawn
+    in other colours.
+    """
     scene.remove_by_name(name)
     for number, (shape, T) in enumerate(meets):
-        add_body(scene, f"{name}/{number}", shape, T, rgb_of(colour), opacity)
+        add_body(scene, f"{name}/{number}", shape, T, rgb_of(colour), opacity, grown=grown)
 
 
 def add_body(
@@ -31,7 +39,13 @@ def add_body(
     T: pin.SE3,
     colour: Colour,
     opacity: float | None = None,
+    *,
+    grown: float = 0.0,
 ) -> None:
-    """Show a body under that name at `T`, its pose in what the name is below of."""
-    points, triangles = with_hard_edges(triangles_of(shape))
+    """Show a body, `grown` [m] to all sides, at `T`, its pose in what its name is below of."""
+    surface = triangles_of(shape)
+    if grown:
+        surface.merge_vertices()
+        surface.vertices = surface.vertices + grown * surface.vertex_normals
+    points, triangles = with_hard_edges(surface)
     place(scene.add_mesh_simple(name, points, triangles, color=colour, opacity=opacity), T)

@@ -9,7 +9,7 @@ import viser
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, in_short, painted_cloud, shown_colours
-from workbench.gui.scene.held import DrawnHeld
+from workbench.gui.scene.held import DrawnHeld, DrawnLost
 from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search
@@ -98,7 +98,7 @@ class Scene:
             is_visible=False,
         )
         self._candidates = DrawnCandidates(scene, cell, self._kinematics)
-        self._held = DrawnHeld(scene)
+        self._held, self._lost = DrawnHeld(scene), DrawnLost(scene)
         self._beside = DrawnBeside(scene)
 
     def _use(self, cell: Cell) -> bool:
@@ -146,7 +146,11 @@ class Scene:
             or old.look.time != new.look.time
             or before.cell is not state.cell
         )
-        is_elsewhere = old is None or old.live.joints is not new.live.joints
+        is_elsewhere = (
+            old is None
+            or old.live.joints is not new.live.joints
+            or old.live.last_joints is not new.live.last_joints
+        )
         is_other_time = is_other_time or (old is not None and old.look.follows != new.look.follows)
         are_other_shapes = old is None or old.look.shapes != new.look.shapes
         if are_other_shapes:
@@ -168,6 +172,7 @@ class Scene:
         if is_other_plan or are_other_parts or is_other_time or are_other_shapes or is_elsewhere:
             self._pose(new)
         self._beside.draw(new, self._Ts_world_part)
+        self._lost.draw(new, self._kinematics)
         self._candidates.draw(old, new)
 
     def _painted(
@@ -275,8 +280,10 @@ class Scene:
     def _pose(self, view: View) -> None:
         planned, all_arms = view.planned_arms, frozenset(arm.name for arm in self._cell.arms)
         self._pose_robot(self._robot, view.real)
-        # Where nobody knows where the robot is, what is planned stands alone.
-        self._robot.show_arms(all_arms if view.is_reported else all_arms - planned)
+        self._robot.drain(not (view.is_reported or self._planned_is_solid))
+        # Where nobody knows where the robot is or was, what is planned stands alone.
+        is_placed = view.is_reported or view.was_reported
+        self._robot.show_arms(all_arms if is_placed else all_arms - planned)
         self._planned.show(bool(planned) and not view.look.shapes)
         if planned:
             self._pose_robot(self._planned, view.moments)

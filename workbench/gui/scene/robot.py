@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import viser
 
+from workbench.gui.shared.colours import NOT_REPORTED
 from workbench.gui.shared.solids import Colour, by_colour
 from workbench.model.cell import Arm, Cell, Finger
 from workbench.model.errors import InputError
@@ -13,6 +14,13 @@ from workbench.model.geometry import Floats, Solid
 
 ROBOT, PLANNED, ROBOT_CHECKED = "/robot", "/planned", "/robot_checked"
 """Nodes that all browsers share: the real robot, solid; the planned one; and as it is checked."""
+
+
+LIGHTNESS = (0.299, 0.587, 0.114)
+"""What red, green and blue add to how light a colour is."""
+
+KEPT = 0.25
+"""So much of the differences in lightness stays in a robot without its colours."""
 
 
 class DrawnRobot:
@@ -46,6 +54,8 @@ class DrawnRobot:
         self._colour = colour
         self._opacity = opacity
         self._meshes: list[viser.MeshHandle] = []
+        self._own: list[Colour] = []
+        self._is_drained = False
         self.root = scene.add_frame(name, show_axes=False, visible=is_visible)
         self._links: dict[str, viser.FrameHandle] = {}
         self._fingers: dict[str, list[tuple[Finger, viser.FrameHandle]]] = {}
@@ -102,8 +112,18 @@ class DrawnRobot:
         for mesh in self._meshes:
             mesh.color = colour
 
+    def drain(self, is_drained: bool) -> None:
+        """Take the colours away, or give them back."""
+        if is_drained == self._is_drained:
+            return
+        self._is_drained = is_drained
+        for mesh, own in zip(self._meshes, self._own, strict=True):
+            mesh.color = drained(own) if is_drained else own
+
     def _add(self, name: str, solids: tuple[Solid, ...]) -> None:
-        self._meshes += add_solids(self._scene, name, solids, self._colour, self._opacity)
+        meshes = add_solids(self._scene, name, solids, self._colour, self._opacity)
+        self._meshes += meshes
+        self._own += [mesh.color for mesh in meshes]
 
     def _is_new(self, name: str, value: Floats) -> bool:
         if name in self._shown and np.array_equal(self._shown[name], value):
@@ -126,6 +146,13 @@ def add_solids(
         )
         for number, (own, points, triangles) in enumerate(by_colour(solids))
     ]
+
+
+def drained(colour: Colour) -> Colour:
+    """A grey for a colour of what nobody reports: what is lighter stays a little lighter."""
+    lightness = float(np.dot(colour, LIGHTNESS))
+    red, green, blue = (round(one + KEPT * (lightness - one)) for one in NOT_REPORTED)
+    return red, green, blue
 
 
 def finger_name(arm: Arm, finger: Finger) -> str:

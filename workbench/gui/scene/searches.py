@@ -78,7 +78,7 @@ class SearchInputs:
         state = new.state
         if searched(state, self._asked) is not None:
             # Who has asked for it wants to compare it.
-            self._visitor.look.change(search=self._asked)
+            self._visitor.look.change(search=self._asked, searcher=self._visitor.number)
             self._asked = None
         missing = "" if state.scan is not None else "take a scan first"
         self._visitor.admit(self._search, state, FindParts, otherwise=missing)
@@ -96,7 +96,8 @@ class SearchInputs:
             visitor.tell("Refused", problem)
             return
         number = searches[place].number
-        look.change(search=None if look.now.search == number else number)
+        chosen = None if look.now.search == number else number
+        look.change(search=chosen, searcher=visitor.number)
 
     def _search_again(self) -> None:
         if self._visitor.ask(self._wanted):

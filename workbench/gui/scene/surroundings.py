@@ -2,15 +2,18 @@
 
 import itertools
 import math
+from typing import Protocol
 
 import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.robot import place, quaternion
+from workbench.gui.scene.robot import ROBOT as DRAWN_ROBOT
+from workbench.gui.scene.robot import ROBOT_CHECKED, place
 from workbench.gui.scene.stations import add_regions, add_stations
 from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
 from workbench.gui.shared.solids import by_colour
+from workbench.gui.shared.things import name_of_region
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
@@ -42,19 +45,45 @@ UP = (0.0, 0.0, 1.0)
 """Where the sky is."""
 
 
+class Camera(Protocol):
+    """What viser knows of a browser's camera: its frame looks along z, with y down."""
+
+    @property
+    def position(self) -> Floats:
+        """(3,) [m] in the world."""
+        ...
+
+    @property
+    def wxyz(self) -> Floats:
+        """Its turn as a quaternion (4,), no unit."""
+        ...
+
+    @property
+    def fov(self) -> float:
+        """Vertical field of view [rad]."""
+        ...
+
+    @property
+    def aspect(self) -> float:
+        """Width by height of the picture."""
+        ...
+
+    @property
+    def up_direction(self) -> Floats:
+        """Where up is (3,), no unit."""
+        ...
+
+
 def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
-    """Floor, fixtures, stations, bin, regions and scanner: they never move."""
+    """Floor, fixtures, stations, bin, regions and scanner: each is a frame that a drag can move."""
     for fixture in cell.fixtures:
-        for number, (colour, points, triangles) in enumerate(
-            by_colour(fixture.solids, fixture.T_world_fixture)
-        ):
-            scene.add_mesh_simple(
-                f"/fixtures/{fixture.name}/{number}", points, triangles, color=colour
-            )
+        name = f"/fixtures/{fixture.name}"
+        place(scene.add_frame(name, show_axes=False), fixture.T_world_fixture)
+        for number, (colour, points, triangles) in enumerate(by_colour(fixture.solids)):
+            scene.add_mesh_simple(f"{name}/{number}", points, triangles, color=colour)
     add_stations(scene, cell)
-    for number, (colour, points, triangles) in enumerate(
-        by_colour(cell.bin.solids, cell.bin.T_world_bin)
-    ):
+    place(scene.add_frame("/bin", show_axes=False), cell.bin.T_world_bin)
+    for number, (colour, points, triangles) in enumerate(by_colour(cell.bin.solids)):
         scene.add_mesh_simple(
             f"/bin/{number}", points, triangles, color=colour, opacity=0.35, side="double"
         )
@@ -62,16 +91,15 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
     mount = cell.scanner
     columns, rows = mount.resolution
     height = 2 * math.atan(math.tan(mount.field_of_view / 2) * rows / columns)
+    place(scene.add_frame("/scanner", show_axes=False), mount.T_world_scanner)
     scene.add_camera_frustum(
-        "/scanner",
+        "/scanner/frustum",
         height,
         columns / rows,
         scale=0.05,
         color=(73, 80, 87),
         thickness=1.5,
         thickness_units="screen",
-        wxyz=quaternion(mount.T_world_scanner),
-        position=mount.T_world_scanner.translation,
     )
     scene.add_label(
         "/scanner/label",
@@ -99,6 +127,36 @@ def add_floor(scene: viser.SceneApi, cell: Cell, *, is_dark: bool = False) -> No
         cell_color=rgb_of(fine),
         section_color=rgb_of(coarse),
     )
+
+
+def nodes_with(
+    cell: Cell, thing: str, T: pin.SE3, *, as_checked: bool = False
+) -> dict[str, pin.SE3]:
+    """What is drawn elsewhere with one of `things` at `T`: nodes by name, with their poses.
+
+    Args:
+        cell: as it is drawn.
+        thing: one of `things`; of places and tools nothing is drawn.
+        T: where it would be in the world.
+        as_checked: whether the robot is drawn as it is checked for collisions.
+    """
+    match thing:
+        case "bin":
+            regions = enumerate(cell.bin.regions)
+            return {"/bin": T} | {f"/regions/{k}": T * one.T_bin_region for k, one in regions}
+        case "scanner":
+            return {"/scanner": T}
+        case "robot":
+            # Its links are drawn where they are in the world.
+            root = ROBOT_CHECKED if as_checked else DRAWN_ROBOT
+            return {root: T * cell.T_world_robot.inverse()}
+        case _:
+            if any(one.name == thing for one in cell.fixtures):
+                on_it = (one for one in cell.stations if one.fixture == thing)
+                stations = {f"/stations/{one.name}": T * one.T_base_station for one in on_it}
+                return {f"/fixtures/{thing}": T} | stations
+            names = [name_of_region(one) for one in cell.bin.regions]
+            return {f"/regions/{names.index(thing)}": T} if thing in names else {}
 
 
 def remove_surroundings(scene: viser.SceneApi) -> None:
@@ -183,11 +241,15 @@ def first_look(cell: Cell) -> tuple[Floats, Floats]:
     Returns:
         Position of the camera and the point it looks at, each (3,) [m] in the world.
     """
-    points = interesting_points(cell)
+    return framed(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
+
+
+def look_direction(cell: Cell) -> Floats:
+    """The unit vector (3,) from a cell to where it is looked at from first."""
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
     azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
     direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
-    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+    return direction / np.linalg.norm(direction)
 
 
 def interesting_points(cell: Cell) -> Floats:

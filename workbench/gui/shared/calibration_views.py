@@ -1,6 +1,5 @@
 """What the page says about calibration and bin, as text and HTML; see `views` for how."""
 
-import time
 from collections.abc import Sequence
 from html import escape
 
@@ -11,7 +10,7 @@ from workbench.app.core.state import State
 from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
-from workbench.gui.shared.views import line, mm, sentence, table_html
+from workbench.gui.shared.views import day_and_time, line, mm, sentence, table_html
 from workbench.model.calibration import (
     BinCheck,
     Calibration,
@@ -55,7 +54,7 @@ def record_line(cell: Cell, now: float) -> str:
     record = cell.scanner.calibration
     if record is None:
         return line("Not calibrated: the pose is as somebody has written or moved it.", kind="hint")
-    on = time.strftime("%Y-%m-%d %H:%M", time.localtime(record.at))
+    on = day_and_time(record.at)
     said = f"Calibrated {on} by {record.by}: {record.poses} poses, {mm(record.rms, 2)} RMS."
     if record.covariance is not None:
         largest = max(corner_errors(cell, record.covariance).values())

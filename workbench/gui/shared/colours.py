@@ -1,7 +1,7 @@
 """The colours of the page and the scene: each means one thing everywhere."""
 
 from workbench.gui.shared.solids import Colour
-from workbench.model.candidate import Reason, Verdict
+from workbench.model.candidate import MARGIN_NOT_KEPT, Reason
 
 MUTED = "#868e96"
 BRAND = "#1c64b4"
@@ -28,23 +28,8 @@ VERDICTS: dict[Reason, str] = {
 """Green works, grey was not asked for, red touches, orange and ochre get stuck on the way,
 violet finds no way, cyan ran out of time, blue wants another scan."""
 
-MARGIN_NOT_KEPT = "margin not kept"
-"""What is said of bodies that do not touch, and are nearer to each other than was asked."""
-
 KINDS = (*(str(reason) for reason in Reason), MARGIN_NOT_KEPT)
 """All that is said of a candidate, in the order in which the page lists it."""
-
-
-def kind_of(verdict: Verdict) -> str:
-    """What is said of a candidate: its reason, unless that is a collision that is none."""
-    is_apart = verdict.distance is not None and verdict.distance > 0
-    return kind_said(verdict.reason, is_apart=is_apart)
-
-
-def kind_said(reason: Reason, *, is_apart: bool) -> str:
-    """As `kind_of`, where all that is known besides is whether the distance is above 0."""
-    touching = reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
-    return MARGIN_NOT_KEPT if touching and is_apart else str(reason)
 
 
 def verdict_colour(kind: str) -> str:
@@ -90,6 +75,9 @@ COMPARED = (217, 70, 239)
 
 PLANNED_ROBOT = (77, 148, 235)
 """Of the robot as it is planned or moved by hand, see-through; the real one has its own colours."""
+
+NOT_REPORTED = (118, 126, 134)
+"""Of the solid robot where its controller does not report how it stands."""
 
 CHECKED = (253, 150, 68)
 """Of shapes that are checked for collisions."""

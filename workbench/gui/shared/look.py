@@ -52,10 +52,10 @@ class Look:
     browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
     no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
-    found, by its number; `rejected` says whether the poses that the last search rejected are
-    shown, `scan_colours` whether a scan is in its own colours, if it has some; `held` is what
-    somebody drags at this moment; `fixed` is the digest of the cell that the fix has made which was
-    applied last.
+    found, by its number, which the browser `searcher` has chosen; `rejected` says whether the poses
+    that the last search rejected are shown, `scan_colours` whether a scan is in its own colours, if
+    it has some; `held` is what somebody drags at this moment; `fixed` is the digest of the cell
+    that the fix has made which was applied last.
     """
 
     time: float = 0.0
@@ -70,6 +70,7 @@ class Look:
     frames: bool = False
     reach: str = ""
     search: int | None = None
+    searcher: int | None = None
     rejected: bool = False
     scan_colours: bool = False
     held: Held | None = None
@@ -104,17 +105,19 @@ Placed = tuple[Shape, pin.SE3]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """One arm standing somewhere on a candidate's way.
+    """One arm standing somewhere on a candidate's way, or its hand alone.
 
-    `q` (n,) [rad]; `opening` [m] of its fingers; `note` says whether it is clear there; `meets`
-    are the two bodies that come too close, in the world, empty when none do.
+    `q` (n,) [rad], None where no arm was asked: then the hand is at `T_world_tcp`; `opening` [m] of
+    its fingers; `note` says whether it is clear there; `meets` are the two bodies that come too
+    close, in the world, empty when none do.
     """
 
     label: str
-    q: Floats
+    q: Floats | None
     opening: float
     note: str
     meets: tuple[Placed, ...] = ()
+    T_world_tcp: pin.SE3 | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +174,8 @@ class View:
     the poses scanned so far, or why there is none; `bin_check` is what the scan says about the bin
     of the cell; `at` [s since the epoch] is when it looked like this; `is_recorded` says that it is
     a recorded session; `unseen` are stretches of the plan, from and to [s], that the browser that
-    played it has not seen yet.
+    played it has not seen yet, and `hidden` those of them in which the hands were out of its
+    picture.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
     look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
@@ -192,6 +196,7 @@ class View:
     bin_check: BinCheck | None = None
     is_recorded: bool = False
     unseen: tuple[tuple[float, float], ...] = ()
+    hidden: tuple[tuple[float, float], ...] = ()
     sure: str = ""
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
@@ -208,16 +213,24 @@ class View:
     @property
     def is_reported(self) -> bool:
         """Whether it is known where the robot stands: its controller reports every joint."""
-        arms = self.state.cell.arms
-        return all(joint in self.live.joints for arm in arms for joint in arm.joints)
+        return self._has_all(self.live.joints)
+
+    @property
+    def was_reported(self) -> bool:
+        """Whether its controller reports nothing now, but has told where every joint was."""
+        return not self.is_reported and self._has_all(self.live.last_joints)
+
+    def _has_all(self, joints: Mapping[str, float]) -> bool:
+        return all(joint in joints for arm in self.state.cell.arms for joint in arm.joints)
 
     @property
     def real(self) -> dict[str, Moment]:
-        """How every arm stands, by name: as reported, and at home where nothing is.
+        """How every arm stands, by name: as reported, or as reported last, and else at home.
 
         What the fingers do nobody reports: while a plan is sent they are as planned.
         """
-        cell, joints = self.state.cell, self.live.joints
+        cell = self.state.cell
+        joints = self.live.last_joints if self.was_reported else self.live.joints
         found = moments(cell, (), 0.0)
         planned = moments(cell, self.runs, self.look.time) if self.look.follows else found
         for arm in cell.arms:
@@ -239,7 +252,8 @@ class View:
         if self.own.hides_robot:
             # By hand a robot is moved by little, too.
             return self._elsewhere(0.0)
-        if self.state.plan is None or not (self.is_reported or self.is_previewed):
+        is_placed = self.is_reported or self.was_reported
+        if self.state.plan is None or not (is_placed or self.is_previewed):
             return frozenset()
         return self._elsewhere(SAME)
 

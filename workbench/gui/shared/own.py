@@ -55,6 +55,17 @@ class Dragged:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Carried:
+    """What of the scene follows a gizmo that is dragged: nodes by name, with their poses.
+
+    A pose is in what the node is below of; all else is as in `state`.
+    """
+
+    Ts_node: Mapping[str, pin.SE3]
+    state: State
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Own:
     """What somebody does in their own view; nobody else sees anything of it.
 
@@ -62,7 +73,8 @@ class Own:
     the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
     the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
     were clicked on, up to two; `visited` is the place of the plan that is looked at; `dragged` is
-    what is shown of the candidates while something is dragged; `thing` is what of the cell was
+    what is shown of the candidates while something is dragged, `carried` what of the scene follows
+    the hand that drags; `thing` is what of the cell was
     chosen to be moved, empty where a candidate was chosen since.
     """
 
@@ -73,6 +85,7 @@ class Own:
     measured: tuple[Floats, ...] = ()
     visited: Visited | None = None
     dragged: Dragged | None = None
+    carried: Carried | None = None
     thing: str = ""
 
     @property

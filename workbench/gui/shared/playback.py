@@ -237,6 +237,20 @@ def part_poses(
     return tuple(poses)
 
 
+def in_hands(
+    cell: Cell, row: Sequence[Plan], runs: tuple[Run, ...], time: float
+) -> dict[str, tuple[str, pin.SE3]]:
+    """What each arm holds at `time` [s], by its name: the kind of part, and `T_tcp_part`."""
+    found: dict[str, tuple[str, pin.SE3]] = {}
+    for arm in cell.arms:
+        run = latest(runs, arm.name, time)
+        if run is not None and run.leg.holding:
+            plan = row[run.plan]
+            one = plan.arm(arm.name)
+            found[arm.name] = plan.detections[one.detection].part, one.T_tcp_part
+    return found
+
+
 def tcp_path(kinematics: Kinematics, cell: Cell, run: Run, *, points: int) -> Floats:
     """The way of the tool centre point along one leg, shape (points, 3) [m], world frame."""
     arm = cell.arm(run.arm)

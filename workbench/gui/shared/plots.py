@@ -18,6 +18,9 @@ WIDE, HIGH = 1000.0, 100.0
 
 MOST_TICKS = 5
 
+COUNTED = ("cycle",)
+"""Axes along which things are counted."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
@@ -57,11 +60,15 @@ class Plot:
         return (float(low), float(high)) if high > low else (low - 0.5, low + 0.5)
 
 
-def ticks(low: float, high: float) -> tuple[float, ...]:
-    """Round numbers in a range, five at most, in steps of 1, 2 or 5 times a power of ten."""
+def ticks(low: float, high: float, *, is_whole: bool = False) -> tuple[float, ...]:
+    """Round numbers in a range, five at most, in steps of 1, 2 or 5 times a power of ten.
+
+    Of what is counted there are none between whole numbers.
+    """
     rough = (high - low) / MOST_TICKS
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * k for k in (1, 2, 5, 10) if power * k >= rough * (1 - 1e-9))
+    step = max(step, 1.0) if is_whole else step
     first = math.ceil(low / step - 1e-9)
     last = math.floor(high / step + 1e-9)
     return tuple(k * step for k in range(first, last + 1))
@@ -133,9 +140,9 @@ def _line(
 
 
 def _along(begin: float, end: float, unit: str) -> str:
+    every = ticks(begin, max(end, begin + 1e-3), is_whole=unit in COUNTED)
     marks = "".join(
-        f'<b style="left:{_share(tick, begin, end):.2f}%">{tick:g}</b>'
-        for tick in ticks(begin, max(end, begin + 1e-3))
+        f'<b style="left:{_share(tick, begin, end):.2f}%">{tick:g}</b>' for tick in every
     )
     return f'<div class="wb-times">{marks}<span>{escape(unit)}</span></div>'
 

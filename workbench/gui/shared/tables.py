@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from workbench.gui.shared.colours import KINDS, kind_of, verdict_colour
+from workbench.gui.shared.colours import KINDS, verdict_colour
 from workbench.gui.shared.views import mm, verdict_words
-from workbench.model.candidate import Candidate, Reason, Stage
+from workbench.model.candidate import Candidate, Reason, Stage, kind_of
 
 Column = Literal["part", "grasp", "arm", "verdict", "distance", "rank"]
 

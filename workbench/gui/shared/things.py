@@ -35,7 +35,7 @@ def things(cell: Cell) -> tuple[str, ...]:
         for number in range(1, len(arm.part_places) + 1)
     ]
     tcps = [f"{TCP} {name}" for name in _carriers(cell)]
-    regions = [_of_region(one) for one in cell.bin.regions]
+    regions = [name_of_region(one) for one in cell.bin.regions]
     fixtures = [fixture.name for fixture in cell.fixtures]
     return (BIN, *regions, SCANNER, ROBOT, *fixtures, *places, *tcps)
 
@@ -87,7 +87,7 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
                 if fixture.name == thing:
                     return fixture.T_world_fixture
             for region in cell.bin.regions:
-                if _of_region(region) == thing:
+                if name_of_region(region) == thing:
                     return cell.bin.T_world_bin * region.T_bin_region
             if tool := tool_of(cell, thing):
                 arm = _carriers(cell)[tool]
@@ -124,10 +124,10 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
                     for one in cell.fixtures
                 )
                 return {"fixtures": fixtures}
-            if any(_of_region(region) == thing for region in cell.bin.regions):
+            if any(name_of_region(region) == thing for region in cell.bin.regions):
                 T_bin_region = cell.bin.T_world_bin.inverse() * T
                 regions = tuple(
-                    replace(one, T_bin_region=T_bin_region) if _of_region(one) == thing else one
+                    replace(one, T_bin_region=T_bin_region) if name_of_region(one) == thing else one
                     for one in cell.bin.regions
                 )
                 return {"bin": replace(cell.bin, regions=regions)}
@@ -181,7 +181,8 @@ def _arms_with(cell: Cell, name: str, **fields: Any) -> tuple[Arm, ...]:
     return tuple(replace(arm, **fields) if arm.name == name else arm for arm in cell.arms)
 
 
-def _of_region(region: Region) -> str:
+def name_of_region(region: Region) -> str:
+    """What a region is called among `things`."""
     return f"region {region.name}"
 
 

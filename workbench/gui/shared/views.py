@@ -11,12 +11,12 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
+from workbench.app.core.results import is_failure
 from workbench.app.core.rights import JOBS, what_is_missing
 from workbench.app.core.state import Phase, State
-from workbench.gui.shared.colours import MARGIN_NOT_KEPT, kind_of
 from workbench.gui.shared.look import View
 from workbench.model.calibration import BinCheck
-from workbench.model.candidate import Candidate, Verdict
+from workbench.model.candidate import MARGIN_NOT_KEPT, Candidate, Verdict, kind_of
 from workbench.model.cell import Cell
 from workbench.model.plan import Proof, at_least, cycle_words
 from workbench.model.prediction import Predictions
@@ -62,6 +62,17 @@ def mm(metres: float, digits: int = 1) -> str:
 def clock(at: float) -> str:
     """A time of day, local, with its zone."""
     return f"{time_of_day(at)} {zone(at)}"
+
+
+def when(at: float, now: float) -> str:
+    """A time, local, with its zone; with its day where that is not today."""
+    day, today = (time.strftime("%Y-%m-%d", time.localtime(one)) for one in (at, now))
+    return clock(at) if day == today else f"{day} {clock(at)}"
+
+
+def day_and_time(at: float) -> str:
+    """A day and a time of it, local, with its zone."""
+    return f"{time.strftime('%Y-%m-%d %H:%M', time.localtime(at))} {zone(at)}"
 
 
 def time_of_day(at: float) -> str:
@@ -132,7 +143,7 @@ def status_html(view: View) -> str:
         case Phase.SENDING:
             return _box("busy", escape(said(state.message)), parts_placed(state))
         case Phase.DONE:
-            is_good = all(one.is_picked for one in state.outcomes)
+            is_good = all(one.is_picked for one in state.outcomes) and not is_failure(state.message)
             return _box("good" if is_good else "fault", escape(said(state.message)))
         case _:
             message = said(state.message) or "Ready. Take a scan to begin."
@@ -140,7 +151,7 @@ def status_html(view: View) -> str:
                 message = f"No plan: {verdict_words(state.verdict)}"
             if state.proof is not None and state.message.startswith(PLAN_READY):
                 message = f"Plan ready: {_takes(state)}, {clearance_words(state.proof)}"
-            return _box("plain", escape(message))
+            return _box("fault" if is_failure(state.message) else "plain", escape(message))
 
 
 def changes_html(state: State) -> str:
@@ -148,8 +159,8 @@ def changes_html(state: State) -> str:
     if not state.changed:
         return ""
     since = (
-        f"The software has changed since {state.changed_since}; "
-        "nothing is sent before an engineer acknowledges:"
+        f"This has changed since {state.changed_since}; "
+        "nothing is sent before an engineer acknowledges it:"
     )
     listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
     head = f"<b>{escape(since)}</b>"
@@ -214,9 +225,9 @@ def scan_line(state: State) -> str:
     """What the scan step has brought."""
     purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
-        return hint(state, TakeScan, purpose, 3)
+        return hint(state, TakeScan, purpose, 2)
     at = f", {clock(state.scan.at)}" if state.scan.at else ""
-    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", tip=purpose)
+    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", span=2, tip=purpose)
 
 
 def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | None = None) -> str:
@@ -307,19 +318,6 @@ def straight_bound(proof: Proof) -> float | None:
     return float(min(kept)) if kept else None
 
 
-def send_line(state: State) -> str:
-    """How far the plan has gone out."""
-    purpose = "Sends the approved plan to the robot controller."
-    if not state.receipts:
-        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
-    last = state.receipts[-1]
-    words = f"{last.done} of {last.total} messages sent"
-    if len(state.plans) > 1:
-        # They are counted anew for each plan of a row.
-        words = f"Plan {len(state.sent_before) + 1}: {words}"
-    return line(words, span=1, tip=purpose)
-
-
 def table_html(
     rows: list[tuple[str, str]], *, title: str = "", made: Mapping[str, str] = NOTHING_MADE
 ) -> str:
@@ -363,10 +361,17 @@ def candidate_label(candidate: Candidate) -> str:
     return "\n".join(text for text in lines if text)
 
 
-def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
-    """What the controller reports of its joints [deg], in its own order."""
+def joints_html(cell: Cell, joints: Mapping[str, float], heard: str = "") -> str:
+    """What the controller reports of its joints [deg], in its own order.
+
+    Args:
+        cell: whose joints.
+        joints: by name [rad]; empty: none is reported.
+        heard: when they were reported, where that is over; empty: they are reported now.
+    """
     if not joints:
         return line("The controller reports no joint values.", kind="hint")
+    last = line(f"The controller reported these last at {heard}.", kind="warn") if heard else ""
     most = max(len(arm.joints) for arm in cell.arms)
     head = "".join(f"<th>{escape(arm.name)} [deg]</th>" for arm in cell.arms)
     rows = ""
@@ -379,4 +384,5 @@ def joints_html(cell: Cell, joints: Mapping[str, float]) -> str:
             text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
             cells += f'<td class="wb-number">{text}</td>'
         rows += f"<tr><th>Axis {axis + 1}</th>{cells}</tr>"
-    return f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    return last + table

@@ -4,7 +4,7 @@ viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port
 wanted one is busy, opens a public tunnel for any browser that asks, talks to pages of
 other sites, and may stop talking to a browser for good.  It knows no logins either: those are
 the front's, which alone has the key to a server that wants one, and says whom it brings.
-viser's internals are used here and nowhere else; the version is pinned and
+viser's internals are used here and in `incoming` and nowhere else; the version is pinned and
 `tests/gui/shared/test_viser_server.py` tells when they change.
 """
 
@@ -31,6 +31,7 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.http11 import Request, Response
 
 from workbench.app.core.people import NOBODY, Person, Role
+from workbench.gui.incoming.gate import Gate
 from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
 from workbench.words.choosing import first_guess, known
@@ -69,6 +70,11 @@ class Messages(AsyncMessageBuffer):
 
     message_event: asyncio.Event = field(default_factory=_Bell)
 
+    def push(self, message: Any) -> None:
+        """Take a message, unless the browser has gone: what works for it may not know that yet."""
+        if not self.done:
+            super().push(message)
+
 
 _starting = threading.Lock()
 """Held while a server starts: that takes one change to a module for a moment."""
@@ -106,6 +112,7 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
         if not is_own_page(headers.get("Origin"), headers.get("Host", ""), host):
             await raw.close(POLICY_VIOLATION, "this page belongs to another site")
 
+    Gate(server, lambda number: _person(inner, number).name).close()
     # First in the row: viser waits for these before it reads anything from the browser.
     inner._client_connect_cb.insert(0, turn_away)
     # A browser may have come in since the server started to listen.
@@ -126,8 +133,11 @@ def language_of(client: viser.ClientHandle) -> str:
 
 def person_of(client: viser.ClientHandle) -> Person:
     """Who sits at a browser: whom the front has brought, or whoever came without one."""
-    inner = client._viser_server._websock_server
-    connection = inner._live_connections.get(client.client_id)
+    return _person(client._viser_server._websock_server, client.client_id)
+
+
+def _person(inner: Any, number: int) -> Person:
+    connection = inner._live_connections.get(number)
     if connection is None or connection.request is None:
         # Gone already; what it asked for is at least not done by somebody who may do more.
         return Person(NOBODY, Role.VIEWER)
@@ -150,6 +160,12 @@ def element_id(
 ) -> str:
     """The id of a control in the browser's document; of three numbers that of the first."""
     return control._impl.uuid
+
+
+def taken_upload(button: viser.GuiUploadButtonHandle) -> tuple[str, bytes]:
+    """Name and content of the file that was chosen last; viser would hold it until the next one."""
+    file, button._impl.value = button.value, viser.UploadedFile("", b"")
+    return file.name, file.content
 
 
 def buttons_of(gui: viser.GuiApi) -> list[viser.GuiButtonHandle | viser.GuiUploadButtonHandle]:

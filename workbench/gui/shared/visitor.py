@@ -136,8 +136,7 @@ class Visitor:
 
     def hide(self, buttons: Iterable[str]) -> None:
         """Take unseen buttons, and the room they would have, out of sight."""
-        rules = ",".join(f'div:has(> [id="{button}"])' for button in buttons)
-        self.gui.add_html(f'<style class="wb-style">{rules}{{display:none}}</style>')
+        self.gui.add_html(hidden_css(buttons))
 
     def on_key(self, key: HotkeyKey, says: str, pressed: Callable[[], object]) -> None:
         """Have a key do something while no field is typed in; listed by Ctrl+K.
@@ -309,6 +308,12 @@ class Panel(Protocol):
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` (None: nothing yet) to `new`."""
         ...
+
+
+def hidden_css(controls: Iterable[str]) -> str:
+    """A style, as HTML, that takes controls with these ids out of sight."""
+    rules = "".join(f'div:has(> [id="{control}"]){{display:none}}' for control in controls)
+    return f'<style class="wb-style">{rules}</style>'
 
 
 def whole(value: Any) -> Any:

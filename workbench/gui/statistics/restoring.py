@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import viser
@@ -16,12 +16,13 @@ from workbench.app.core.state import State
 from workbench.app.records.keeping import KINDS, write_backup
 from workbench.app.records.restoring import Thing, look_apart, restore_apart
 from workbench.formats.files.change_log import LOG, add_line, utc
-from workbench.formats.files.whole_files import make_folder, uploaded
+from workbench.formats.files.whole_files import make_folder, sent_name, uploaded
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
+from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.statistics.views import changes_any, not_restored, things_html
-from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.errors import CommandRefused, InputError, JobCancelled, WorkbenchError
 
 log = logging.getLogger(__name__)
 
@@ -53,6 +54,7 @@ class RestoreControls:
         """Add the controls."""
         self._visitor = visitor
         self._chosen: Chosen | None = None
+        self._wanted_look: Chosen | None = None
         self._things: tuple[Thing, ...] = ()
         self._view: View | None = None
         gui = visitor.gui
@@ -71,6 +73,7 @@ class RestoreControls:
         self._pick.on_upload(self._uploaded)
         self._kept.on_update(self._taken)
         self._restore.on_click(lambda _: self._wanted())
+        visitor.on_end(self._forget)
 
     def show(self, view: View) -> None:
         """Let it be used while nothing speaks against it."""
@@ -92,23 +95,33 @@ class RestoreControls:
         return "" if changes_any(self._things) else "it would change nothing"
 
     def _uploaded(self, event: Any) -> None:
-        sent = event.target.value
-        name = PurePosixPath(sent.name).name
-        self._look(Chosen(name, lambda: uploaded(name, sent.content)))
+        name, content = taken_upload(event.target)
+        try:
+            sent_name(name)
+        except InputError as error:
+            self._told.content = line(str(error), kind="bad")
+            return
+        self._look(Chosen(name, lambda: uploaded(name, content)))
 
     def _taken(self, event: Any) -> None:
         if event.client is not None and event.target.value != NONE:
             name = event.target.value
             self._look(Chosen(name, lambda: nullcontext(BACKUPS / name)))
 
+    def _forget(self) -> None:
+        self._chosen, self._wanted_look, self._things = None, None, ()
+
     def _look(self, chosen: Chosen) -> None:
-        self._chosen, self._things = None, ()
+        self._forget()
+        self._wanted_look = chosen
         self._told.content = line(f"{chosen.name}: being read …", kind="hint")
         self._begin(lambda: self._looked(chosen))
 
     def _looked(self, chosen: Chosen) -> None:
         with chosen.opened() as file:
-            things = look_apart(file, Path.cwd())
+            things = look_apart(file, Path.cwd(), cancelled=lambda: self._wanted_look is not chosen)
+        if self._wanted_look is not chosen:
+            return
         self._chosen, self._things = chosen, things
         self._told.content = things_html(chosen.name, things)
 
@@ -153,6 +166,8 @@ class RestoreControls:
         def told() -> None:
             try:
                 work()
+            except JobCancelled:
+                return
             except WorkbenchError as error:
                 self._told.content = line(str(error), kind="bad")
             except Exception:

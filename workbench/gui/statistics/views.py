@@ -7,7 +7,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
 from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
-from workbench.gui.shared.views import clock, line, table_html
+from workbench.gui.shared.views import line, table_html, time_of_day, zone
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
@@ -70,11 +70,12 @@ def statistics_html(counted: Statistics) -> str:
         ("Parts taken", f"{counted.picked}, {failed} failed"),
         ("Parts per hour", "" if rate is None else f"{rate:.0f}, pauses between cycles left out"),
     ]
+    hours = counted.by_hour()
     charts = [
         *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
         _bars(
-            "Parts taken in each hour, by local time",
-            [(clock(at)[:5], picked, f"{picked}") for at, picked, _ in counted.by_hour()],
+            f"Parts taken in each hour [{zone(hours[-1][0])}]" if hours else "",
+            [(time_of_day(at)[:5], picked, f"{picked}") for at, picked, _ in hours],
         ),
         _bars(
             "Median time of each stage",

@@ -12,12 +12,15 @@ import viser
 from workbench.app.core.state import State
 from workbench.formats.cells.drawn_tools import Drawing
 from workbench.formats.files.units import UNITS
+from workbench.formats.files.whole_files import sent_name
 from workbench.formats.meshes.cad_files import KINDS
-from workbench.formats.meshes.cad_look import CadLook, look_at
+from workbench.formats.meshes.cad_look import CadLook
 from workbench.gui.shared.views import line
-from workbench.gui.shared.visitor import Visitor
+from workbench.gui.shared.viser_server import element_id, taken_upload
+from workbench.gui.shared.visitor import Visitor, hidden_css
+from workbench.gui.uploads.reading import cad_look
 from workbench.gui.uploads.views import look_words, size_words
-from workbench.model.errors import WorkbenchError
+from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 
 log = logging.getLogger(__name__)
 
@@ -27,8 +30,9 @@ AS_SAID = "as the file says"
 class CadPick:
     """The button, the unit that the file may not say, and size, unit and volume once it is read.
 
-    Concurrency: callbacks of viser, and one thread for each look, whose answer is dropped when
-    another file or unit was chosen meanwhile; `drawing` and `look` are replaced as a whole.
+    Concurrency: callbacks of viser, and one thread for each look, which waits for a process of its
+    own and ends it when another file or unit was chosen meanwhile, or the browser has gone;
+    `drawing` and `look` are replaced as a whole.
     """
 
     def __init__(self, visitor: Visitor, label: str, changed: Callable[[], object]):
@@ -46,12 +50,14 @@ class CadPick:
         self._pick = gui.add_upload_button(
             label, icon=viser.Icon.UPLOAD, color="gray", hint=", ".join(KINDS)
         )
+        self._style = gui.add_html(hidden_css([]))
         self._line = gui.add_html(line("Nothing chosen yet.", kind="hint"))
         self._unit = gui.add_dropdown(
             "Unit", (AS_SAID, *UNITS), hint="STL, OBJ and PLY files do not say it."
         )
         self._pick.on_upload(self._chosen)
         self._unit.on_update(lambda _: self._look())
+        visitor.on_end(self._forget)
 
     @property
     def unit(self) -> str:
@@ -72,15 +78,24 @@ class CadPick:
         """Show the controls, or hide them."""
         for one in (self._pick, self._line, self._unit):
             one.visible = visible
+        # viser 1.1.1 shows a button for files whatever its `visible` says.
+        self._style.content = hidden_css([] if visible else [element_id(self._pick)])
+
+    def _forget(self) -> None:
+        self.drawing = self.look = None
 
     def _chosen(self, event: Any) -> None:
-        file = event.target.value
-        name = PurePosixPath(file.name.replace("\\", "/")).name
-        self.drawing = Drawing(name, np.frombuffer(file.content, np.uint8), self.unit)
+        name, content = taken_upload(event.target)
+        self._forget()
+        try:
+            self.drawing = Drawing(sent_name(name), np.frombuffer(content, np.uint8), self.unit)
+        except InputError as error:
+            self._line.content = line(str(error), kind="bad")
+            self._changed()
         self._look()
 
     def _look(self) -> None:
-        """Read the file in a thread of its own: a page does not wait for that."""
+        """Have the file read; a page does not wait for that."""
         if self.drawing is None:
             return
         # Another object for each look: by it an answer that comes too late is told.
@@ -93,8 +108,15 @@ class CadPick:
 
     def _read(self, drawing: Drawing) -> None:
         try:
-            look = look_at(drawing.file, drawing.content.tobytes(), drawing.unit)
+            look = cad_look(
+                drawing.file,
+                drawing.content.data,
+                drawing.unit,
+                cancelled=lambda: drawing is not self.drawing,
+            )
             says, kind = f"{drawing.file}: {look_words(look)}", "result"
+        except JobCancelled:
+            return
         except WorkbenchError as error:
             look, says, kind = None, str(error), "bad"
         except Exception:

@@ -31,17 +31,18 @@ def speak(client: viser.ClientHandle, words: Words) -> None:
     def queue_said(message: Any) -> None:
         queue(_said(message, said, words, choices))
 
-    async def heard(number: Any, message: Any) -> None:
-        english = choices.get(message.uuid)
-        value = message.updates.get("value")
-        if english is not None and isinstance(value, str):
-            message = dataclasses.replace(message, updates={"value": english.get(value, value)})
-        for handle in handlers:
-            await handle(number, message)
+    async def heard(client_id: Any, message: Any) -> None:
+        english = choices.get(getattr(message, "uuid", ""))
+        if english is not None and isinstance(message, messages.GuiUpdateMessage):
+            value = message.updates.get("value")
+            if isinstance(value, str):
+                message = dataclasses.replace(message, updates={"value": english.get(value, value)})
+        await hear(client_id, message)
 
     connection.queue_message = queue_said
-    handlers: list[Any] = connection._incoming_handlers[messages.GuiUpdateMessage]
-    connection._incoming_handlers[messages.GuiUpdateMessage] = [heard]
+    # In English before it is compared with what a widget offers.
+    hear = connection._handle_incoming_message
+    connection._handle_incoming_message = heard
 
 
 def _by_field(words: Words) -> Mapping[str, Say]:

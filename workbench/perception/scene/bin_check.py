@@ -48,8 +48,9 @@ place must show more of it than where the bin should be."""
 SHIFTED, TURNED = 0.003, np.deg2rad(1.0)
 """[m, rad] More than this the bin is somewhere else."""
 
-OVER = 0.01
-"""[m] Above the rim the bin is too full."""
+OVER, FULL = 0.01, 0.5
+"""[m, share] What is further above the rim is told; from this share of its room on the bin is too
+full then.  Below that a part stands upright, or leans on a wall."""
 
 EMPTY = 0.004
 """Share of the floor that may be covered in an empty bin: noise."""
@@ -81,10 +82,12 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     fill, above, covered = filled(p_bin, bin, seen)
-    is_empty, is_overfull = fill is not None and covered < EMPTY, above > OVER
+    is_empty, is_overfull = fill is not None and covered < EMPTY, _is_too_full(fill, above)
     findings: list[str] = []
     if is_overfull:
-        findings.append(f"the bin is too full: something is {above * 1000:.0f} mm above its rim")
+        findings.append(f"the bin is too full: parts lie {above * 1000:.0f} mm above its rim")
+    elif above > OVER:
+        findings.append(f"a part stands {above * 1000:.0f} mm above the rim")
     if is_elsewhere:
         x, y, z = np.round(T.translation * 1000, 1) + 0.0
         findings.append(
@@ -121,12 +124,17 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     """The same of a bin without walls: how high its floor lies, and how it leans, can be seen."""
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     fill, above, covered = filled(p_bin, bin, seen)
-    is_overfull = above > OVER
+    is_overfull, height = _is_too_full(fill, above), f"{bin.size[2] * 1000:.0f} mm"
     findings: list[str] = []
     if is_overfull:
         findings.append(
             f"overfilled: parts lie {above * 1000:.0f} mm above the height up to which they may, "
-            f"{bin.size[2] * 1000:.0f} mm"
+            f"{height}"
+        )
+    elif above > OVER:
+        findings.append(
+            f"a part stands {above * 1000:.0f} mm above the height up to which parts may lie, "
+            f"{height}"
         )
     if not seen.is_floor_seen:
         findings.append(
@@ -165,6 +173,10 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
         is_overfull=is_overfull,
         has_walls=False,
     )
+
+
+def _is_too_full(fill: float | None, above: float) -> bool:
+    return above > OVER and (fill is None or fill >= FULL)
 
 
 def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:

@@ -42,6 +42,9 @@ FARTHEST = 20.0
 GOES_ON = 0.25
 """Share of the longest part's length by which things go on unseen, beside what is seen of them."""
 
+AT_ONCE = 4096
+"""Points: Open3D lets no other thread of the process run meanwhile, and the page's draws scans."""
+
 OF_THE_CELL = -1
 UNEXPLAINED = -2
 
@@ -175,10 +178,14 @@ def known_surfaces(
 def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats) -> Ints:
     """Whose the surface near each point (n, 3) is, `UNEXPLAINED` where none is, (n,)."""
     queries = np.ascontiguousarray(points, dtype=np.float32)
-    nearest = scene.compute_closest_points(o3d.core.Tensor(queries), nthreads=1)
-    away = np.linalg.norm(nearest["points"].numpy() - queries, axis=1)
-    found = owners[nearest["geometry_ids"].numpy().astype(np.int64)]
-    return np.where(away <= TOLERANCE, found, UNEXPLAINED)
+    found = np.full(len(points), UNEXPLAINED, dtype=owners.dtype)
+    for begin in range(0, len(queries), AT_ONCE):
+        some = queries[begin : begin + AT_ONCE]
+        nearest = scene.compute_closest_points(o3d.core.Tensor(some), nthreads=1)
+        away = np.linalg.norm(nearest["points"].numpy() - some, axis=1)
+        whose = owners[nearest["geometry_ids"].numpy().astype(np.int64)]
+        found[begin : begin + AT_ONCE] = np.where(away <= TOLERANCE, whose, UNEXPLAINED)
+    return found
 
 
 @njit(cache=True)

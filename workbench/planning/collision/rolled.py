@@ -23,14 +23,15 @@ from workbench.model.geometry import (
 from workbench.model.part import Part, turned
 from workbench.model.scan import Detection
 
-TURNS = 24
-"""Turns that stand for all, where a part is looked at as it is."""
+TURNS, MOST_TURNS, BETWEEN = 24, 720, 0.001
+"""At how many turns a part is checked, at least and at most; and how far [m] any of its points may
+be from where it is at the nearest of these turns."""
 
 ROUND = 3e-4
 """[m] A cylinder that needs no more room than this around it fills the same at every turn."""
 
 Placed = tuple[tuple[Shape, pin.SE3], ...]
-"""A piece of a part as it may lie in the world: once, or at each of `TURNS` turns."""
+"""A piece of a part as it may lie in the world: once, or at several turns."""
 
 
 def room_of(part: Part, detection: Detection) -> tuple[Solid, ...]:
@@ -54,25 +55,31 @@ def axis_of(part: Part, detection: Detection) -> Floats:
     return np.array([part.symmetry.point, part.symmetry.axis])
 
 
-def turns_about(axis: Floats) -> tuple[pin.SE3, ...]:
+def turns_about(axis: Floats, count: int = TURNS) -> tuple[pin.SE3, ...]:
     """Turns about an axis (2, 3) [m], see `axis_of`, in equal steps, none at all first."""
     point, direction = axis
-    angles = np.arange(TURNS) * 2 * np.pi / TURNS
+    angles = np.arange(count) * 2 * np.pi / count
     return tuple(turned(direction, float(angle), point) for angle in angles)
 
 
 def placed(part: Part, detection: Detection) -> tuple[Placed, ...]:
     """Each piece of a part where it lies; where its roll is unknown, at every turn."""
-    T = detection.T_world_part
+    T, rooms = detection.T_world_part, room_of(part, detection)
     turns = [pin.SE3.Identity()]
     if not detection.roll_known:
-        turns = list(turns_about(axis_of(part, detection)))
+        uneven = [
+            room.shape.radius
+            for piece, room in zip(part.pieces, rooms, strict=True)
+            if isinstance(room.shape, Cylinder) and not _is_round(piece, room)
+        ]
+        count = int(np.ceil(np.pi * max(uneven, default=0.0) / BETWEEN))
+        turns = list(turns_about(axis_of(part, detection), min(max(count, TURNS), MOST_TURNS)))
     return tuple(
         tuple(
             (piece.shape, T * turn * piece.T_owner_shape)
             for turn in (turns[:1] if _is_round(piece, room) else turns)
         )
-        for piece, room in zip(part.pieces, room_of(part, detection), strict=True)
+        for piece, room in zip(part.pieces, rooms, strict=True)
     )
 
 

@@ -1,6 +1,6 @@
 """Every detection with every grasp and every arm, and the cheap tests that refuse most of them."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -23,7 +23,16 @@ _FITS = Verdict(Reason.OK, Stage.PROPOSE)
 _OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 
 
-def propose(world: World, *, priorities: Collection[int] | None = None) -> tuple[Candidate, ...]:
+Looked = Callable[[int, int], object]
+"""Told after each hand that was tried: how many were, of how many."""
+
+
+def propose(
+    world: World,
+    *,
+    priorities: Collection[int] | None = None,
+    looked: Looked = lambda count, of: None,
+) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
     The order: admitted ones first, then priority, then the SE(3) index, which is the way of
@@ -32,26 +41,23 @@ def propose(world: World, *, priorities: Collection[int] | None = None) -> tuple
     Args:
         world: of the cell with the parts found.
         priorities: of the grasps that are looked at; None for all of them.
+        looked: is told how far it is, and may end it by raising.
     """
     detections = world.detections
     grasps = grasps_of(world, priorities)
     found: dict[tuple[int, str], Iterator[Candidate]] = {}
     for numbers, arm in groups(world, grasps):
         part = detections[numbers[0]].part
-        candidates = iter(_candidates(world, numbers, grasps[part], arm))
+        candidates = _candidates(world, numbers, grasps[part], arm)
         # All take from the same, one part after the other.
         found.update({(number, arm.name): candidates for number in numbers})
-    return tuple(
-        sorted(
-            (
-                next(found[number, arm.name])
-                for number, one in enumerate(detections)
-                for _ in grasps[one.part]
-                for arm in world.cell.arms
-            ),
-            key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank),
-        )
-    )
+    total = sum(len(grasps[one.part]) for one in detections) * len(world.cell.arms)
+    every: list[Candidate] = []
+    for number, one in enumerate(detections):
+        for _, arm in product(grasps[one.part], world.cell.arms):
+            every.append(next(found[number, arm.name]))
+            looked(len(every), total)
+    return tuple(sorted(every, key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank)))
 
 
 def grasps_of(world: World, priorities: Collection[int] | None) -> dict[str, tuple[Grasp, ...]]:
@@ -77,7 +83,7 @@ def groups(world: World, grasps: Mapping[str, Sequence[Grasp]]) -> Iterator[tupl
 
 def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate:
     """One candidate with its first verdict, whether or not the part's library has that grasp."""
-    return _candidates(world, [number], (grasp,), arm)[0]
+    return next(_candidates(world, [number], (grasp,), arm))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +119,7 @@ def tried(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: 
 
 def _candidates(
     world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm
-) -> list[Candidate]:
+) -> Iterator[Candidate]:
     """The candidates of parts of one kind with one arm, by part and grasp, with first verdicts.
 
     A grasp whose fingers have to be less open than it says becomes one that says so.
@@ -126,7 +132,6 @@ def _candidates(
     cosine = (np.einsum("ij,nkij->nk", T_home.rotation, R) - 1.0) / 2.0
     turn = np.arccos(np.clip(cosine, -1.0, 1.0))
     ranks = (np.linalg.norm(p - T_home.translation, axis=2) + TURN_WEIGHT * turn).tolist()
-    found: list[Candidate] = []
     for n, number in enumerate(numbers):
         outside = None if is_taken_there(world, number) else _OUTSIDE
         for k, grasp in enumerate(grasps):
@@ -140,8 +145,7 @@ def _candidates(
                 )
                 if verdict.is_ok:
                     taken = as_it_fits(arm, grasp, fit)
-            found.append(Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict))
-    return found
+            yield Candidate(number, taken, arm.name, T_world_tcp, ranks[n][k], verdict)
 
 
 def is_taken_there(world: World, number: int) -> bool:

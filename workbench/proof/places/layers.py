@@ -13,8 +13,9 @@ from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, roll_axis, still_of, turned_pieces
 from workbench.proof.places.lying import place_offs
-from workbench.proof.places.standing import STEADY, middle_of, put_at, stands_within
+from workbench.proof.places.standing import STEADY, middle_of, stands_within
 from workbench.proof.robot import Tree
+from workbench.proof.stages import put_at
 
 FALL = 0.003
 """[m] So much more than the margin a part may fall when it is let go of onto a pallet."""

@@ -12,15 +12,13 @@ from workbench.model.plan import Violation
 from workbench.model.scan import Detection
 from workbench.model.symmetry import BALL, NONE, ROUND, Symmetry
 from workbench.proof.bodies import roll_axis
+from workbench.proof.tolerances import is_on_axis
 
 START_STEP, ROUNDS = np.deg2rad(15.0), 20
 """[rad] How far apart the search for the nearest right pose begins, and how often it goes on."""
 
 BESIDE = 0.002
 """[m] How far the end of the straight way to a place may be beside the direction that it states."""
-
-STRAY, STRAY_TURN = 2e-4, np.deg2rad(0.3)
-"""[m, rad] Axes that differ by less are one."""
 
 
 def lying_violations(
@@ -121,16 +119,12 @@ def _angle(axis: Floats, R: Floats) -> float:
 
 def _is_any_turn(place: PartPlace, part: Part, axis: Floats) -> bool:
     """Whether no turn of a part about an axis (2, 3) of its own matters at a place."""
-    symmetry, (point, along) = part.symmetry, axis
+    symmetry, along = part.symmetry, axis[1]
     lines = (
-        [(np.zeros(3), np.array([0.0, 0.0, 1.0]))] if place.free_rotation >= np.pi - 1e-6 else []
+        [np.array([np.zeros(3), [0.0, 0.0, 1.0]])] if place.free_rotation >= np.pi - 1e-6 else []
     )
     if symmetry.form == ROUND:
-        lines.append((np.array(symmetry.point), np.asarray(symmetry.axes[0].axis)))
+        lines.append(np.array([symmetry.point, symmetry.axes[0].axis]))
     elif symmetry.form == BALL:
-        lines.append((np.array(symmetry.point), along))
-    return any(
-        np.linalg.norm(np.cross(way, along)) <= STRAY_TURN
-        and np.linalg.norm(np.cross(point - through, way)) <= STRAY
-        for through, way in lines
-    )
+        lines.append(np.array([symmetry.point, along]))
+    return any(is_on_axis(part, axis, line) for line in lines)

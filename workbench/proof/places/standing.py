@@ -13,7 +13,7 @@ from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
 from workbench.proof.bodies import gap_of, still_of, turned_pieces
 from workbench.proof.robot import Tree
-from workbench.proof.stages import tcp
+from workbench.proof.stages import put_at
 
 STEADY = np.deg2rad(10.0)
 """[rad] So far a part has to be tilted before it falls over."""
@@ -110,15 +110,6 @@ def _standing(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, station: Station
     T_world_part = pin.SE3(T_world_put.rotation, T_world_put.translation - low * up)
     was = found.T_world_part if found.T_world_found is None else found.T_world_found
     return Detection(found.part, T_world_part, found.score, T_world_found=was)
-
-
-def put_at(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
-    """Where a part really is when the hand lets go of it, not where the plan says that it is."""
-    arm, T_world_part = cell.arm(one.arm), plan.detections[one.detection].T_world_part
-    T_grasp, T_put = (
-        tcp(tree, tree.rest, arm, np.asarray(one.leg(name).q[-1])) for name in ("approach", "place")
-    )
-    return T_put * T_grasp.actInv(T_world_part)
 
 
 def middle_of(part: Part) -> Floats | None:

@@ -7,6 +7,7 @@ Frames of viser are, after two lengths of 8 bytes, a map packed by Zstandard, an
 
 import asyncio
 import ssl
+import uuid
 from collections.abc import AsyncGenerator, Mapping
 from contextlib import asynccontextmanager
 from typing import Any
@@ -16,6 +17,9 @@ import msgspec
 import zstandard
 
 PROTOCOL = "viser-v1.1.1"
+
+PART_BYTES = 512 * 1024
+"""Of every part of a file but the last, by viser's page (`UploadButton.tsx`)."""
 
 FAREWELL = 0.1
 """How long connections over TLS, which close in steps, have before the event loop ends [s]."""
@@ -53,6 +57,10 @@ class RawBrowser:
         """Ids of widgets, by label; of several the first."""
         self.disabled: dict[str, bool] = {}
         """Whether a widget cannot be used now, by id."""
+        self.texts: dict[str, str] = {}
+        """What stands in the page beside widgets, by id."""
+        self.refused: list[str] = []
+        """Why something was not done, as notes have told it."""
 
     async def log_in(self, name: str, password: str) -> int:
         """Fill in the form; the status of the answer, 303 when it is right."""
@@ -104,6 +112,23 @@ class RawBrowser:
         """Use a widget: press a button (True), or give another value."""
         await self.send("GuiUpdateMessage", uuid=self.widgets[label], updates={"value": value})
 
+    async def upload(self, label: str, name: str, content: bytes) -> None:
+        """Choose a file with an upload button; it is there once the answers were read."""
+        widget, transfer = self.widgets[label], uuid.uuid4().hex
+        parts = range(0, len(content), PART_BYTES)
+        about = {"source_component_uuid": widget, "transfer_uuid": transfer}
+        await self.send(
+            "FileTransferStartUpload",
+            **about,
+            filename=name,
+            mime_type="application/octet-stream",
+            part_count=len(parts),
+            size_bytes=len(content),
+        )
+        for number, begin in enumerate(parts):
+            part = content[begin : begin + PART_BYTES]
+            await self.send("FileTransferPart", **about, part_index=number, content=part)
+
     async def read(self) -> list[dict[str, Any]] | None:
         """The messages of the next frame; None when the websocket is closed."""
         assert self.socket is not None
@@ -124,6 +149,10 @@ class RawBrowser:
             return
         if "props" in message and "label" in shown:
             self.widgets.setdefault(shown["label"], widget)
+        if message["type"] == "NotificationShowMessage" and shown.get("color") == "red":
+            self.refused.append(shown["body"])
+        if isinstance(shown.get("content"), str):
+            self.texts[widget] = shown["content"]
         if "disabled" in shown:
             self.disabled[widget] = bool(shown["disabled"])
 

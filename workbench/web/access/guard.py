@@ -8,6 +8,9 @@ from workbench.web.http.headers import ALWAYS
 from workbench.web.http.origins import Origins
 from workbench.web.http.refusals import refused
 
+ENCODINGS = frozenset({"identity", "gzip", "deflate"})
+"""Of a body, one at a time."""
+
 READING = frozenset({hdrs.METH_GET, hdrs.METH_HEAD})
 
 
@@ -29,9 +32,17 @@ def guard(origins: Origins) -> Middleware:
         if may_change and not has_token(request) and not origins.is_own(origin, host):
             refused("origin", why=f"{origin!r} asked {host!r}", origin=request.remote)
             raise web.HTTPForbidden(text="This came from a page of another site.\n")
+        said = request.headers.getall(hdrs.CONTENT_ENCODING, ["identity"])
+        encoding = ", ".join(said).strip().casefold()
+        if encoding not in ENCODINGS:
+            refused("body", why=f"encoded as {encoding!r}", origin=request.remote)
+            known = {hdrs.ACCEPT_ENCODING: ", ".join(sorted(ENCODINGS))}
+            text = "The body has an encoding that is not known here.\n"
+            raise web.HTTPUnsupportedMediaType(text=text, headers=known)
         try:
             return await handler(request)
         except web.RequestPayloadError as error:
+            refused("body", why=str(error), origin=request.remote)
             raise web.HTTPBadRequest(text="The body is not encoded as its head says.\n") from error
 
     return checked

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from workbench.app.core.outcomes import sent_for
 from workbench.app.core.rows import plans_sent
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import strategies_of
@@ -25,6 +26,7 @@ SCAN_SECONDS = 1.0
 
 def state_form(state: State, live: Live) -> Form:
     """What everybody may know at a glance; the large values have answers of their own."""
+    sent = sent_for(state)
     return {
         "number": state.number,
         "phase": str(state.phase),
@@ -63,7 +65,7 @@ def state_form(state: State, live: Live) -> Form:
         "parts_placed": state.parts_placed,
         "outcomes": [
             {"detection": one.detection, "is_picked": one.is_picked, "by": one.by, "why": one.why}
-            for one in state.outcomes
+            for one in (() if sent is None else sent.outcomes)
         ],
     }
 

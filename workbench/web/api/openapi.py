@@ -21,6 +21,7 @@ REFUSALS: Mapping[int, str] = {
     401: "nobody has logged in",
     403: "it is for people of another role",
     404: "it is not there yet",
+    408: "the body did not arrive in time",
     409: "not now: the sentence says what to do first",
     413: "the body is too long",
     415: "the body is not JSON",
@@ -90,7 +91,7 @@ def _call(call: Call) -> Description:
         "content": {JSON: {"schema": schemas.DONE}},
     }
     answers: Description = {status: done}
-    answers |= {str(code): _refusal(code) for code in (400, 401, 403, 409, 413, 415)}
+    answers |= {str(code): _refusal(code) for code in (400, 401, 403, 408, 409, 413, 415)}
     return {
         "operationId": f"post {call.path}",
         "summary": call.says,

@@ -5,7 +5,6 @@ refusal is a sentence with a status.  Who asks is for `identify` to say.
 """
 
 import asyncio
-import json
 import logging
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -19,6 +18,7 @@ from workbench.app.core.commands import Approve, Stop, WatchPlan
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.core.rights import RIGHTS
 from workbench.app.runtime.bench import Bench
+from workbench.formats.files.json_pieces import encoded
 from workbench.model.errors import NotAllowed, WorkbenchError
 from workbench.web.api.calls import CALLS, Call
 from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
@@ -27,6 +27,8 @@ from workbench.web.api.openapi import PREFIX, openapi
 from workbench.web.api.problems import problem, problem_of
 from workbench.web.api.reads import JSON, READS, Read, Source
 from workbench.web.api.reference import reference_html
+from workbench.web.http.broken_off import is_broken_off
+from workbench.web.http.refusals import refused
 
 log = logging.getLogger(__name__)
 
@@ -36,8 +38,19 @@ Identify = Callable[[web.Request], Awaitable[Person | None]]
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Of the page that describes the interface: it has a style and nothing else."""
 
+UNREADABLE = "the body is not encoded as its head says"
+
+BODY_SECONDS = 30.0
+"""That a body may take to arrive.  aiohttp 3.14 waits for ever for the end of a deflate stream that
+is cut off."""
+
 NAMED = frozenset({Approve, WatchPlan})
 """What a person answers for: nothing that a login without a name could say."""
+
+NO_STORE = {"Cache-Control": "no-store"}
+
+CHUNK = 2**18
+"""[bytes] Of a long answer that are sent at once."""
 
 READERS = 3
 """So many answers are made at once: clouds take memory and time."""
@@ -104,25 +117,30 @@ class Api:
                 return await answer(request, person)
             except WorkbenchError as error:
                 return problem_of(error)
+            except web.RequestPayloadError as error:
+                refused("body", why=str(error), origin=request.remote, who=person.name)
+                return problem(HTTPStatus.BAD_REQUEST, UNREADABLE)
             except web.HTTPException:
                 raise
-            except Exception:
+            except Exception as error:
+                if is_broken_off(error):
+                    raise
                 # A rim: whatever goes wrong with one request is in the log, not in the answer.
                 log.exception("%s %s failed", request.method, request.path)
                 return problem(HTTPStatus.INTERNAL_SERVER_ERROR, "internal error, see the log")
 
         return handler
 
-    async def read(self, read: Read, request: web.Request, person: Person) -> web.Response:
+    async def read(self, read: Read, request: web.Request, person: Person) -> web.StreamResponse:
         """Answer with a value as it is now."""
-        del request, person
+        del person
         loop = asyncio.get_running_loop()
         content = await loop.run_in_executor(self._reading, self._made, read)
         if content is None:
             return problem(HTTPStatus.NOT_FOUND, f"it is not there yet: {read.missing}")
-        return web.Response(
-            body=content, content_type=read.kind, headers={"Cache-Control": "no-store"}
-        )
+        if len(content) > CHUNK:
+            return await _sent(request, content, read.kind)
+        return web.Response(body=content, content_type=read.kind, headers=NO_STORE)
 
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
         """Give a command in the name of who asks."""
@@ -174,18 +192,34 @@ async def _body(request: web.Request) -> bytes | web.Response:
     if request.content_length is not None and request.content_length > LARGEST_BODY:
         return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
     content = bytearray()
-    async for chunk in request.content.iter_any():
-        content += chunk
-        if len(content) > LARGEST_BODY:
-            return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    try:
+        async with asyncio.timeout(BODY_SECONDS):
+            async for chunk in request.content.iter_any():
+                content += chunk
+                if len(content) > LARGEST_BODY:
+                    return problem(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, too_long)
+    except TimeoutError:
+        said = f"the body did not arrive within {BODY_SECONDS:g} s"
+        return problem(HTTPStatus.REQUEST_TIMEOUT, said)
     if content and request.content_type != JSON:
         said = f"the body must be {JSON}, not {request.content_type[:60]}"
         return problem(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, said)
     return bytes(content)
 
 
+async def _sent(request: web.Request, content: bytes, kind: str) -> web.StreamResponse:
+    """A long answer, piece by piece: nothing else would be served while all of it is copied."""
+    response = web.StreamResponse(headers=NO_STORE)
+    response.content_type, response.content_length = kind, len(content)
+    await response.prepare(request)
+    for begin in range(0, len(content), CHUNK):
+        await response.write(content[begin : begin + CHUNK])
+    await response.write_eof()
+    return response
+
+
 def _text(value: Any) -> bytes:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False).encode()
+    return encoded(value)
 
 
 def _json(value: Any, **about: Any) -> web.Response:

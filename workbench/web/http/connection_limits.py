@@ -14,6 +14,7 @@ from aiohttp import web
 from aiohttp.typedefs import Handler
 
 from workbench.model.errors import FileError
+from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.origins import network_of
 from workbench.web.http.refusals import refused
 
@@ -158,8 +159,8 @@ class ConnectionLimits:
         visitor.since, visitor.request = self._clock(), request
         try:
             return await handler(request)
-        except ConnectionError as error:
-            if request.transport is not None:
+        except OSError as error:
+            if request.transport is not None or not is_broken_off(error):
                 raise
             # It has gone in the middle of its request: nobody is to be told, and nothing is wrong.
             raise web.HTTPBadRequest from error

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
+from workbench.web.http.broken_off import is_broken_off
+
 AT_ONCE = 50
 """Lines of one kind that may be written together."""
 
@@ -30,6 +32,7 @@ OTHERS = "others"
 
 LOGGERS = {
     "workbench.web": AT_ONCE,
+    "workbench.gui.incoming.gate": AT_ONCE,
     "workbench.web.opcua.bounds": AT_ONCE,
     "workbench.web.opcua.certificates": AT_ONCE,
     "workbench.web.opcua.admission": AT_ONCE,
@@ -71,6 +74,8 @@ class Sparing(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the line is to be written; says with it how many of its kind were not."""
+        if _is_told_already(record):
+            return False
         _shorten(record)
         with self._lock:
             form = str(record.msg)
@@ -89,6 +94,17 @@ class Sparing(logging.Filter):
             record.msg = f"{record.getMessage()} ({left_out} lines like this were left out before)"
             record.args = None
         return True
+
+
+def _is_told_already(record: logging.LogRecord) -> bool:
+    """Whether a library tells, as unhandled, what was answered or cannot be.
+
+    It reads what is left of a body after the answer: that may not be what its head says, or the
+    other end may have gone.
+    """
+    error = record.exc_info[1] if record.exc_info else None
+    is_of_body = isinstance(error, web.RequestPayloadError) or is_broken_off(error)
+    return record.name == "aiohttp.server" and is_of_body
 
 
 def _shorten(record: logging.LogRecord) -> None:

@@ -2,8 +2,8 @@
 
 viser 1.1.1 sets any attribute of a widget that a message names, takes any number, and opens a
 public tunnel when asked to.  So only the messages that our page uses pass, each read into the
-exact form below and written anew: what was checked is what viser sees.  Whether a value makes
-sense is for whoever takes the command; here it only has to be one.
+exact form below and written anew: what was checked is what viser sees.  Here a value only has to
+be one; whether the page offers it is asked where the page is made (`gui/incoming/gate.py`).
 
 A message of the page that is not here is refused: add it when the page begins to use it.
 """

@@ -25,6 +25,7 @@ TYPES: Mapping[str, str] = {
     "manual.css": "text/css",
     "tour.css": "text/css",
     "tour.js": "text/javascript",
+    "scene.js": "text/javascript",
     "words.js": "text/javascript",
     "logo.svg": "image/svg+xml",
     "logo-dark.svg": "image/svg+xml",

@@ -2,22 +2,16 @@
 
 import asyncio
 import json
-import re
 import secrets
-import subprocess
-import sys
-import tempfile
-from collections.abc import Generator
-from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from contextlib import closing
 from pathlib import Path
 from statistics import median, quantiles
 from typing import Any
 
-from workbench.app.core.people import Role
 from workbench.app.runtime.readiness import make_ready
-from workbench.cli.arguments.nested import BenchPage
+from workbench.cli.arguments.bench import BenchPage
 from workbench.cli.exits import FAILURE, SUCCESS
+from workbench.cli.measuring.page.served import NAME, served, workplace
 from workbench.cli.terminal import (
     check_number,
     check_whole,
@@ -28,31 +22,10 @@ from workbench.cli.terminal import (
 )
 from workbench.gui.scene.slider_drag import REST
 from workbench.journal.journal import Journal
-from workbench.model.errors import LinkError
 from workbench.studies.load.crowd import Load, load
-from workbench.web.access.store import Store
-from workbench.web.access.users import Users
 from workbench.web.page.connections import MOST_OF_ONE
 
-NAME = "bench"
 COMMAND = "WantThreshold"
-END_SECONDS = 30.0
-
-
-@dataclass(frozen=True, slots=True)
-class Served:
-    """A page that is served by another process."""
-
-    url: str
-    process: int
-    folder: Path
-
-    @property
-    def memory(self) -> float:
-        """Of that process [MB], as the system counts it (proc_pid_status(5), VmRSS)."""
-        status = Path(f"/proc/{self.process}/status").read_text()
-        found = re.search(r"VmRSS:\s+(\d+) kB", status)
-        return int(found[1]) / 1024 if found else 0.0
 
 
 def page_load(typed: BenchPage) -> int:
@@ -62,7 +35,7 @@ def page_load(typed: BenchPage) -> int:
     password = secrets.token_urlsafe(16)
     with progress("page") as report:
         make_ready(report)
-    with _served(typed.cell, password) as page:
+    with workplace() as place, served(place, typed.cell, password) as page:
         before = page.memory
         found = asyncio.run(load(page.url, NAME, password, typed.browsers, typed.seconds))
         after, folder = page.memory, page.folder
@@ -110,33 +83,3 @@ def _delays(folder: Path, found: Load) -> list[float]:
             if entry.kind == COMMAND
         ]
     return [at - pressed - REST for pressed, at in zip(found.pressed, times, strict=False)]
-
-
-@contextmanager
-def _served(cell: str, password: str) -> Generator[Served]:
-    """`workbench serve` in a folder of its own, with one user."""
-    named = Path(cell).resolve() if len(Path(cell).parts) > 1 else cell
-    with tempfile.TemporaryDirectory(prefix="workbench-load-") as name:
-        folder = Path(name)
-        with closing(Store(folder / "users.sqlite")) as store:
-            Users(store).add(NAME, Role.ENGINEER, password)
-        words = ["serve", "--cell", str(named), "--port", "0", "--users", "users.sqlite"]
-        process = subprocess.Popen(
-            [sys.executable, "-m", "workbench", *words],
-            cwd=folder,
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        try:
-            line = process.stdout.readline() if process.stdout is not None else ""
-            found = re.search(r"http://\S+", line)
-            if found is None:
-                raise LinkError(f"the page was not served: {line.strip() or 'it said nothing'}")
-            yield Served(found[0], process.pid, folder)
-        finally:
-            process.terminate()
-            try:
-                process.communicate(timeout=END_SECONDS)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.communicate()

@@ -1,0 +1,192 @@
+// What the scene's page needs beside what viser gives it.  For keyboards and screen readers: headings
+// of groups that open, names of what has none, and lists that are one stop of the Tab key each.  For
+// quick hands: the second click of a double click presses no other button than the first.
+
+const WAIT_MS = 150;  // after a change of the page, until it is looked at
+
+const ICONS = {
+  ".tabler-icon-list-search": word("All commands and keys"),
+  ".tabler-icon-adjustments": word("Connection and view"),
+  ".mantine-Notification-closeButton svg": word("Close"),
+};
+
+// One stop each, with the keys that go on within.
+const LISTS = [
+  { list: "tbody", item: "tr[role=button]", back: "ArrowUp", on: "ArrowDown" },
+  { list: ".wb-funnel", item: ".wb-filter", back: "ArrowLeft", on: "ArrowRight" },
+  { list: "[role=tablist]", item: "[role=tab]", back: "ArrowLeft", on: "ArrowRight" },
+];
+
+const FIELDS = "input:not([type=hidden]), textarea, [role=slider]";
+
+const scene = document.getElementById("scene");
+
+let left = null;     // where the focus was last in HTML that may be written anew
+let timer = null;
+let clicked = null;  // the button that was clicked last
+let chosen = "";     // what says which row of a table is chosen
+
+const here = () => scene.contentDocument;
+
+const every = (selector, within = here()) => [...within.querySelectorAll(selector)];
+
+function headings() {
+  const marks = every("svg.tabler-icon-chevron-down, svg.tabler-icon-chevron-up");
+  return marks.map((mark) => mark.parentElement).filter((one) => one.matches(".mantine-Paper-root"));
+}
+
+function dressHeading(heading) {
+  const isOpen = heading.nextElementSibling?.getAttribute("aria-hidden") !== "true";
+  heading.tabIndex = 0;
+  heading.setAttribute("role", "button");
+  heading.setAttribute("aria-expanded", isOpen);
+}
+
+function labelOf(field) {
+  // What stands before it in the row that it is in, or in a row around that.
+  let row = field.closest(".mantine-Flex-root");
+  while (row) {
+    const before = [...row.children].find((one) => !one.contains(field) && !one.querySelector(FIELDS));
+    if (before?.textContent.trim()) return before.textContent.trim();
+    row = row.parentElement.closest(".mantine-Flex-root");
+  }
+  return "";
+}
+
+function nameField(field) {
+  const numbers = field.closest(".mantine-NumberInput-root")?.parentElement;
+  const isOfThree = numbers && every(":scope > .mantine-NumberInput-root", numbers).length > 1;
+  if (!isOfThree && (field.labels?.length || field.getAttribute("aria-label"))) return;
+  const label = labelOf(field);
+  if (!label) return;
+  const root = field.closest(".mantine-NumberInput-root");
+  const axis = isOfThree ? getComputedStyle(root, "::before").content.replaceAll('"', "") : "";
+  field.setAttribute("aria-label", axis && axis !== "none" ? `${label} ${axis}` : label);
+}
+
+function nameIcons() {
+  for (const [mark, name] of Object.entries(ICONS)) {
+    for (const icon of every(mark)) {
+      const button = icon.closest("button, [role=button], [tabindex]");
+      if (button) button.setAttribute("aria-label", name);
+    }
+  }
+}
+
+function dressList(list, item) {
+  // Who comes by Tab finds what is chosen; within the list the arrows move the stop.
+  const items = every(item, list);
+  if (items.length < 2) return;
+  const isChosen = (one) => one.getAttribute("aria-selected") === "true"
+    || one.getAttribute("aria-pressed") === "true" || one.style.background.includes("--wb-chosen");
+  const stop = items.find((one) => one === here().activeElement)
+    ?? items.find((one) => one.dataset.stop) ?? items.find(isChosen) ?? items[0];
+  for (const one of items) one.tabIndex = one === stop ? 0 : -1;
+}
+
+function dress() {
+  timer = null;
+  if (!here()?.body) return;
+  headings().forEach(dressHeading);
+  every(FIELDS).forEach(nameField);
+  nameIcons();
+  for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
+  showChosen();
+  comeBack();
+}
+
+function showChosen() {
+  // What is told of a row takes room from its table: the row stays in sight.
+  const style = every(".wb-row-chosen").find((one) => one.parentElement.parentElement.offsetParent !== null);
+  const rule = style?.textContent ?? "";
+  if (rule === chosen) return;
+  chosen = rule;
+  if (rule) every(rule.split("{")[0]).forEach((row) => row.scrollIntoView({ block: "nearest" }));
+}
+
+function comeBack() {
+  // Writing HTML anew takes the focus away: it belongs to the same place in what was written.
+  if (!left || left.path[0].isConnected || here().activeElement !== here().body) return;
+  const at = left.path.findIndex((one) => one.isConnected);
+  if (at > 0) every(left.selector, left.path[at])[left.numbers[at]]?.focus({ preventScroll: true });
+}
+
+function came(event) {
+  const { target } = event;
+  const known = LISTS.find(({ item }) => target.matches(item));
+  if (known?.list === "[role=tablist]" || !target.matches("[onclick][tabindex]")) {
+    left = null;
+    return;
+  }
+  const path = [];
+  for (let one = target; one; one = one.parentElement) path.push(one);
+  const selector = known?.item ?? "[onclick][tabindex]";
+  left = { path, selector, numbers: path.map((one) => every(selector, one).indexOf(target)) };
+  if (known) keepStop(target.closest(known.list), target, known.item);
+}
+
+function pointed(event) {
+  // Who points elsewhere has left it.
+  if (!left?.path[0].contains(event.target)) left = null;
+}
+
+function pressed(event) {
+  // A button that has just come to stand under the pointer was not meant.
+  if (!event.isTrusted) return;
+  const button = event.target.closest("button, [role=button]");
+  const isMeant = event.detail < 2 || button === clicked;
+  clicked = button;
+  if (!isMeant) take(event);
+}
+
+function keepStop(list, stop, item) {
+  for (const one of every(item, list)) {
+    one.tabIndex = one === stop ? 0 : -1;
+    if (one === stop) one.dataset.stop = "here";
+    else delete one.dataset.stop;
+  }
+}
+
+function typed(event) {
+  const { target, key } = event;
+  if (event.ctrlKey || event.altKey || event.metaKey || !target.matches) return;
+  if (target.hasAttribute("aria-expanded") && target.matches(".mantine-Paper-root")) {
+    if (key !== "Enter" && key !== " ") return;
+    take(event);
+    target.click();
+    return;
+  }
+  const known = LISTS.find(({ item }) => target.matches(item));
+  if (!known) return;
+  const items = every(known.item, target.closest(known.list));
+  const at = items.indexOf(target);
+  const to = { [known.back]: at - 1, [known.on]: at + 1, Home: 0, End: items.length - 1,
+    PageUp: Math.max(0, at - 10), PageDown: Math.min(items.length - 1, at + 10) }[key];
+  if (to === undefined) return;
+  // Otherwise the arrows move the camera, too.
+  take(event);
+  const next = items[Math.min(Math.max(to, 0), items.length - 1)];
+  keepStop(target.closest(known.list), next, known.item);
+  next.focus();
+  if (known.list === "[role=tablist]") next.click();
+}
+
+function take(event) {
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+function listen() {
+  if (!here()) return;
+  here().addEventListener("focusin", came);
+  here().addEventListener("pointerdown", pointed, true);
+  here().addEventListener("keydown", typed, true);
+  here().addEventListener("click", pressed, true);
+  new MutationObserver(() => { timer ??= setTimeout(dress, WAIT_MS); }).observe(here(), {
+    childList: true, subtree: true, attributes: true, attributeFilter: ["aria-hidden", "aria-selected", "aria-pressed"],
+  });
+  dress();
+}
+
+scene.addEventListener("load", listen);
+if (here()?.readyState === "complete") listen();

@@ -1,0 +1,79 @@
+"""The tab Cycle: what is to be pressed next stands there, and nothing moves to where Send was."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.app.core.commands import GoOn
+from workbench.app.core.release import NOT_PLAYED
+from workbench.app.core.state import Ahead, Phase
+from workbench.gui.cycle.approval_views import approval_line
+from workbench.gui.cycle.panel import CyclePanel
+
+NOW = 1_760_000_000.0
+
+
+@pytest.fixture
+def panel(visitor, states, monkeypatch):
+    panel = CyclePanel(visitor)
+    panel.state = states.idle
+    monkeypatch.setattr(type(visitor.bench), "state", property(lambda _: panel.state))
+    return panel
+
+
+def layout(panel, view):
+    """What takes room below Scan, with what can be pressed; by the order on the page."""
+    panel.state = view.state
+    panel.show(None, view)
+    controls = [panel._scan, panel._go_on._button, panel._play._button, panel._approve]
+    controls += [panel._stop, panel._send]
+    return [(one.visible, one.order) for one in controls]
+
+
+def test_no_button_comes_or_goes_when_a_plan_is_sent_and_when_it_has_ended(panel, states, view_of):
+    approved = layout(panel, view_of(states.approved))
+    assert layout(panel, view_of(states.sending)) == approved
+    assert layout(panel, view_of(states.done)) == approved
+    assert layout(panel, view_of(states.fault)) == approved
+    assert all(is_visible for is_visible, _ in approved)
+
+
+def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel, states, view_of):
+    button = panel._go_on._button
+    assert panel._scan.order < button.order < panel._find.order
+    for state, is_open in (
+        (states.idle, False),
+        (states.approved, False),
+        (states.sending, True),
+        (states.done, True),
+        (states.fault, False),
+    ):
+        layout(panel, view_of(state))
+        assert button.disabled != is_open, state.phase
+        assert button.hint
+    ahead = replace(states.sending, ahead=Ahead(GoOn()))
+    layout(panel, view_of(ahead))
+    assert button.disabled and panel._go_on._line.visible
+
+
+def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of):
+    layout(panel, view_of(states.planned))
+    assert panel._find.order < panel._play._button.order < panel._approve.order
+    assert not panel._play._button.disabled and panel._approve.disabled
+    assert "Not played yet." in panel._watched_line.content
+
+
+def test_what_is_to_be_done_next_is_no_fault(states):
+    assert "wb-bad" not in approval_line(states.planned, NOW, NOT_PLAYED)
+    waits = "an approval has to wait until the planning ends or is cancelled"
+    assert "wb-bad" not in approval_line(replace(states.planned, job=object()), NOW, waits)
+    assert "wb-bad" in approval_line(states.planned, NOW, "the robot has moved")
+
+
+def test_an_approval_that_was_used_holds_until_no_time(states):
+    assert "By Anna until " in approval_line(states.approved, NOW, "")
+    for state in (states.sending, states.done, states.fault):
+        text = approval_line(state, NOW + 9e9, "")
+        assert "Approved by Anna" in text and "until" not in text and "run out" not in text
+    late = approval_line(replace(states.approved, phase=Phase.APPROVED), NOW + 9e9, "")
+    assert "run out" in late

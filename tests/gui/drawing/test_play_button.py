@@ -1,0 +1,50 @@
+"""The button that plays the plan, and how far somebody has watched it."""
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.app.core.people import NOBODY
+from workbench.gui.drawing.play_button import PlayButton, watched_words
+from workbench.gui.shared.look import Look
+
+
+@pytest.fixture
+def button(visitor):
+    return PlayButton(visitor)
+
+
+def test_it_plays_and_pauses_for_the_browser_that_pressed_it(button, visitor, states, view_of):
+    button.show(None, view_of(states.planned))
+    assert button._button.label == "Play" and not button._button.disabled
+    visitor.look._may = lambda fields: True
+    button.press()
+    look = visitor.look.now
+    assert look.is_playing and look.browser == visitor.number
+    button.show(view_of(states.planned), view_of(states.planned, look))
+    assert button._button.label == "Pause"
+    button.press()
+    assert not visitor.look.now.is_playing
+
+
+def test_without_a_plan_and_while_one_is_sent_nothing_is_played(button, states, view_of):
+    button.show(None, view_of(states.localized))
+    assert button._button.disabled and button._button.hint == "Make a plan first"
+    button.show(None, view_of(states.sending))
+    assert button._button.disabled and "follows the robot" in button._button.hint
+
+
+def test_how_far_the_plan_was_watched_is_told_where_it_is_asked_for(states, view_of):
+    planned = view_of(states.planned)
+    assert watched_words(planned, "Ada") == "Not played yet."
+    seconds = planned.plan_seconds
+    playing = view_of(states.planned, Look(time=2.04, is_playing=True, follows=False))
+    assert watched_words(playing, "Ada") == f"2.0 of {seconds:.1f} s"
+    partly = replace(planned, unseen=((0.0, 2.6),))
+    assert watched_words(partly, "Ada") == "Not watched yet: 0.0 to 2.6 s"
+    whole = replace(planned, unseen=((0.0, seconds),))
+    assert watched_words(whole, "Ada") == "Not played yet."
+    for name in ("Ada", NOBODY):
+        seen = view_of(replace(states.planned, watched=(name,)))
+        assert watched_words(seen, "Ada") == "Played to its end."
+        assert watched_words(replace(seen, state=states.idle), "Ada") == ""

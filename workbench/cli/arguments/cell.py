@@ -1,0 +1,86 @@
+"""What can be typed after `workbench cell`, and its help."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from tyro.conf import Positional, subcommand
+
+from workbench.cli.arguments.names import (
+    CellName,
+    Json,
+    Maybe,
+    PartName,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CellCheck:
+    """Look whether a cell can work: limits, home, reach into the bin and to the places.
+
+    Ends with 3 when something speaks against the cell.
+    """
+
+    cell: Positional[CellName]
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class CellShow:
+    """Tell what a cell is made of: arms, bin, fixtures, parts, scanner, controller, policy."""
+
+    cell: Positional[CellName]
+
+
+@dataclass(frozen=True, slots=True)
+class CellNew:
+    """Make a first cell around a robot from its URDF: a start to change, not a cell to trust.
+
+    Meshes that are checked become convex pieces, pairs of links that need no check are found by
+    trying, a bin, a table, a scanner, homes and places are put where the arms reach them.
+    """
+
+    name: Positional[str]
+    """Name of the cell and of its folder."""
+    urdf: Path
+    """URDF, xacro or Klamp't robot (.rob), with its meshes beside or above it; or a Klamp't world
+    (.xml) with one robot, whose things become fixtures."""
+    out: Maybe[Path] = None
+    """Folder to write to; robots/NAME when not given. It must not be there yet."""
+    flange: tuple[str, ...] = ()
+    """Links that carry the tools, one for each arm, the right arm's first; found by themselves
+    when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
+    bin: Maybe[str] = None
+    """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
+    reach it."""
+    tool: Literal["gripper", "suction"] = "gripper"
+    """What the arms carry to begin with."""
+    part: PartName = "keyed_cylinder"
+    position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the URDF's root link stands in the world."""
+    mesh_unit: Literal["m", "mm"] = "m"
+    """Unit of the meshes, where the URDF says nothing about it."""
+    xacro: tuple[str, ...] = ()
+    """Arguments for a xacro file, each NAME:=VALUE."""
+    tolerance_mm: float = 20.0
+    """By how much a convex piece may be larger than its mesh before it is divided."""
+    pieces: int = 8
+    """How many pieces one mesh may be divided into."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
+class CellSchema:
+    """Print the JSON Schema of cell files, for editors that check while one types."""
+
+
+@dataclass(frozen=True, slots=True)
+class CellCommands:
+    """Make a cell, look at it, and see whether it can work."""
+
+    what: (
+        Annotated[CellNew, subcommand("new")]
+        | Annotated[CellCheck, subcommand("check")]
+        | Annotated[CellShow, subcommand("show")]
+        | Annotated[CellSchema, subcommand("schema")]
+    )

@@ -1,0 +1,345 @@
+"""Which modules are loaded into one task, from where their files lie."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from workbench.formats.files.whole_files import read_whole
+from workbench.formats.rapid.backups.cfg import Configuration, read_configuration
+from workbench.formats.rapid.backups.files import SUFFIXES, lines_of, read_modules
+from workbench.formats.rapid.declaring import Source
+from workbench.formats.rapid.problems import REMARK, BadModule, Problem
+from workbench.formats.rapid.symbols import parts, words
+from workbench.formats.rapid.syntax.tokens import Tree
+from workbench.model.errors import FileError
+
+TASK = re.compile(r"TASK\d+", re.IGNORECASE)
+PLACES = frozenset({"progmod", "sysmod"})
+FOLDERS = frozenset({"rapid", "home", "syspar", "backinfo"})
+"""Of a backup; in HOME is what somebody has put on the controller's disk."""
+
+LISTED = re.compile(r"<Module>\s*([^<]*?)\s*</Module>", re.IGNORECASE)
+BACKED_UP = re.compile(r">>(TASK\d+):\s*\((\w*),.*\)\s*\n((?:.*@.*\n)*)")
+FEW = 4
+"""Names that modules of a task have in common and that are told one by one."""
+
+
+@dataclass
+class TaskFiles:
+    """What is loaded into one task, and where it begins, if that is known."""
+
+    name: str
+    sources: list[Source]
+    entry: str = ""
+
+
+@dataclass
+class Controller:
+    """Tasks that share persistents and a configuration."""
+
+    tasks: list[TaskFiles]
+    configuration: Configuration = field(default_factory=Configuration)
+
+
+@dataclass
+class Found:
+    """Everything in some folders and files; `spare` are modules that no task loads."""
+
+    controllers: list[Controller] = field(default_factory=list[Controller])
+    spare: list[Source] = field(default_factory=list[Source])
+    problems: list[Problem] = field(default_factory=list[Problem])
+
+
+def find_tasks(paths: Sequence[Path]) -> Found:
+    """Read folders and files, and find out what belongs together.
+
+    A folder `TASK1` with `PROGMOD` and `SYSMOD`, as in a backup, is a task; `SYS.cfg` adds to it.
+    Files elsewhere are one task, or, where several have a `main`, one for each of these with all
+    that have none.
+
+    Raises:
+        FileError: a file is missing, or there is no module.
+    """
+    found = Found()
+    files = [file for path in paths for file in _files(path)]
+    shown = {file: _shown(file, paths) for file in files}
+    read = {file: _read(file, shown[file]) for file in files if _is_module(file)}
+    configurations = [file for file in files if file.suffix.lower() == ".cfg"]
+    roots = sorted({root for file in read if (root := _root(file)) is not None})
+    for root in roots:
+        mine = {file: one for file, one in read.items() if _home(file, roots) == root}
+        inside = [file for file in configurations if _home(file, roots) == root]
+        inside = inside or _beside(root)
+        found.controllers.append(_backup(root, mine, read_configuration(inside), found))
+    loose = {file: one.sources for file, one in read.items() if _home(file, roots) is None}
+    found.problems += [p for file in loose for p in read[file].problems]
+    lists = [file for file in files if file.suffix.lower() == ".pgf"]
+    _missing(lists, shown, found)
+    outside = [file for file in configurations if _home(file, roots) is None]
+    if not read:
+        raise FileError(
+            paths[0], f"has no modules: files that end with {', '.join(sorted(SUFFIXES))}"
+        )
+    if any(loose.values()):
+        one_task = not any(path.is_dir() for path in paths)
+        found.controllers += _loose(loose, outside, found, one_task)
+    return found
+
+
+def _files(path: Path) -> Iterator[Path]:
+    if not path.is_dir():
+        yield path
+        return
+    wanted = {*SUFFIXES, ".cfg", ".pgf"}
+    for file in sorted(path.rglob("*")):
+        hidden = any(part.startswith(".") for part in file.relative_to(path).parts)
+        if file.suffix.lower() in wanted and file.is_file() and not hidden:
+            yield file
+
+
+def _is_module(file: Path) -> bool:
+    return file.suffix.lower() not in (".cfg", ".pgf")
+
+
+def _shown(file: Path, paths: Sequence[Path]) -> str:
+    for path in paths:
+        if path.is_dir() and file.is_relative_to(path):
+            return file.relative_to(path).as_posix()
+    same = sum(one.name == file.name for one in paths)
+    return file.name if same < 2 else file.as_posix()
+
+
+@dataclass
+class Read:
+    """What a file has: its modules, and what is wrong in them."""
+
+    sources: list[Source]
+    problems: list[Problem]
+
+
+def _read(file: Path, shown: str) -> Read:
+    try:
+        return Read(*read_modules(file, shown))
+    except BadModule as error:
+        return Read([], error.problems)
+
+
+# -- backups
+
+
+def _task_folder(file: Path) -> Path | None:
+    """The folder of the task that a file of a backup belongs to."""
+    folder = file.parent
+    if folder.name.lower() in PLACES:
+        return folder.parent
+    return folder if TASK.fullmatch(folder.name) else None
+
+
+def _root(file: Path) -> Path | None:
+    task = _task_folder(file)
+    if task is None:
+        return None
+    return next(
+        (one.parent for one in (task, task.parent) if one.name.lower() == "rapid"), task.parent
+    )
+
+
+def _home(file: Path, roots: Sequence[Path]) -> Path | None:
+    """The backup that a file belongs to: one of its folders, not whatever lies beside them."""
+    for root in sorted(roots, key=lambda one: -len(one.parts)):
+        if file.is_relative_to(root):
+            top = file.relative_to(root).parts[0].lower()
+            return root if top in FOLDERS or _task_folder(file) is not None else None
+    return None
+
+
+def _beside(root: Path) -> list[Path]:
+    """The configuration of a backup of which only the programs were named."""
+    folders = [one for one in root.iterdir() if one.is_dir() and one.name.lower() == "syspar"]
+    return sorted(
+        file for one in folders for file in one.iterdir() if file.suffix.lower() == ".cfg"
+    )
+
+
+def _backup(
+    root: Path, read: dict[Path, Read], configuration: Configuration, found: Found
+) -> Controller:
+    by_task: dict[Path, list[Source]] = {}
+    others: dict[Path, Read] = {}
+    for file, one in read.items():
+        task = _task_folder(file)
+        if task is not None:
+            by_task.setdefault(task, []).extend(one.sources)
+            found.problems += one.problems
+        else:
+            others[file] = one
+    names = _names(root)
+    tasks: list[TaskFiles] = []
+    used: set[Path] = set()
+    for folder, sources in sorted(by_task.items()):
+        name, loaded = names.get(folder.name.upper(), (folder.name, None))
+        if loaded:
+            spare = [one for one in sources if Path(one.path).name.lower() not in loaded]
+            found.spare += spare
+            found.problems += [
+                _remark(one, "the backup does not list it as loaded") for one in spare
+            ]
+            sources = [one for one in sources if one not in spare]
+        for file in _loaded(configuration, name, others):
+            known = {source.name.lower() for source in sources}
+            new = [one for one in others[file].sources if one.name.lower() not in known]
+            sources += new
+            used |= {file} if new or not others[file].sources else set()
+        entry = configuration.entries.get(name, "")
+        tasks += [TaskFiles(name, ones, entry) for ones in _together(sources, found)]
+    # Nobody loads the others: what is wrong in them is no mistake of a program.
+    found.problems += [one for file in used for one in others[file].problems]
+    found.spare += [one for file, it in others.items() if file not in used for one in it.sources]
+    configuration.tasks += [task.name for task in tasks if task.name not in configuration.tasks]
+    return Controller(tasks, configuration)
+
+
+def _loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
+    """Which files a configuration loads into a task."""
+    found: list[Path] = []
+    for wanted in (name for name, tasks in mine.modules.items() if not tasks or task in tasks):
+        whole = [one for one in files if one.as_posix().lower().endswith(f"/{wanted}")]
+        named = [one for one in files if one.name.lower() == wanted.rpartition("/")[2]]
+        found += (whole or named)[:1]
+    return found
+
+
+def _together(sources: Sequence[Source], found: Found) -> list[list[Source]]:
+    """Modules that can be in one task; one with many names of another is told, and set apart."""
+    tasks: list[list[Source]] = [[]]
+    for source in sources:
+        mine = declared(source)
+        for other in tasks[0]:
+            both = sorted(mine & declared(other))
+            if len(both) > FEW:
+                some = ", ".join(both[:3])
+                what = f"{len(both)} names are declared in {other.path}, too ({some}, ...)"
+                at = source.tree
+                found.problems.append(Problem(source.path, at.line, at.column, what))
+                tasks.append([source])
+                break
+        else:
+            tasks[0].append(source)
+    return tasks
+
+
+def _names(root: Path) -> dict[str, tuple[str, set[str] | None]]:
+    """Name of each task and files of the modules in it, by its folder, as the backup says."""
+    names: dict[str, tuple[str, set[str] | None]] = {}
+    for file in root.glob("*/backinfo.txt"):
+        for folder, name, lines in BACKED_UP.findall(lines_of(read_whole(file, 1 << 20))):
+            files = (
+                re.split(r"[/\\]", line.split("@")[0].strip())[-1] for line in lines.split("\n")
+            )
+            names[folder] = (name or folder, {one.lower() for one in files if one})
+    return names
+
+
+# -- files that are no backup
+
+
+def _loose(
+    read: dict[Path, list[Source]], configurations: Sequence[Path], found: Found, one_task: bool
+) -> list[Controller]:
+    controllers: list[Controller] = []
+    left = dict(read)
+    all_of_them = read_configuration(configurations)
+    for file in configurations:
+        mine = read_configuration([file])
+        tasks = [
+            TaskFiles(name, [one for path in loaded for one in read[path]], mine.entries[name])
+            for name in mine.tasks
+            if (loaded := _loaded(mine, name, read))
+        ]
+        if tasks:
+            controllers.append(Controller(tasks, mine.with_(all_of_them)))
+            for one in [one for name in mine.tasks for one in _loaded(mine, name, read)]:
+                left.pop(one, None)
+    folders: dict[Path, list[Source]] = {}
+    for file, sources in left.items():
+        folders.setdefault(file.parent, []).extend(sources)
+    if len(folders) == 1 and one_task and sum(map(_has_main, *folders.values())) < 2:
+        (sources,) = folders.values()
+        tasks = [TaskFiles("", sources, "main")]
+    else:
+        tasks = [task for task in _programs(folders, found) if task.sources]
+    for task in tasks:
+        controllers.append(Controller([task], all_of_them))
+    return controllers
+
+
+def _programs(folders: dict[Path, list[Source]], found: Found) -> list[TaskFiles]:
+    """Tasks of folders: each `main` with what its folder has, and with folders that have none."""
+    tasks: list[TaskFiles] = []
+    without = [sources for sources in folders.values() if not any(map(_has_main, sources))]
+    for folder, sources in folders.items():
+        mains = [one for one in sources if _has_main(one)]
+        rest = [one for one in sources if one not in mains]
+        mine = [TaskFiles(folder.name, [main]) for main in mains]
+        for task in mine:
+            _add(task, rest)
+        left = [one for one in rest if not any(one in task.sources for task in mine)]
+        while left and mains:
+            extra = TaskFiles(folder.name, [])
+            _add(extra, left)
+            left = [one for one in left if one not in extra.sources]
+            mine.append(extra)
+        tasks += mine
+    if not tasks:
+        tasks = [TaskFiles("", [])]
+    for sources in without:
+        for task in tasks:
+            _add(task, sources)
+        left = [one for one in sources if not any(one in task.sources for task in tasks)]
+        while left:
+            extra = TaskFiles("", [])
+            _add(extra, left)
+            what = "other modules declare the same names: it is checked as another task"
+            found.problems += [_remark(one, what) for one in extra.sources]
+            left = [one for one in left if one not in extra.sources]
+            tasks.append(extra)
+    return tasks
+
+
+def _remark(source: Source, what: str) -> Problem:
+    return Problem(source.path, source.tree.line, source.tree.column, what, REMARK)
+
+
+def _add(task: TaskFiles, sources: Sequence[Source]) -> None:
+    names = {name for source in task.sources for name in declared(source)}
+    for source in sources:
+        mine = declared(source)
+        if not mine & names:
+            task.sources.append(source)
+            names |= mine
+
+
+def declared(source: Source) -> set[str]:
+    """Names that a module declares for all others, in small letters, and its own."""
+    names = {f"module {source.name.lower()}"}
+    for node in source.tree.children:
+        if type(node) is Tree and node.data != "place" and "local" not in words(node):
+            names.add(str(parts(node)[1 if node.data in ("data", "func", "alias") else 0]).lower())
+    return names
+
+
+def _has_main(source: Source) -> bool:
+    nodes = (one for one in source.tree.children if type(one) is Tree and one.data == "proc")
+    return any("local" not in words(one) and parts(one)[0].lower() == "main" for one in nodes)
+
+
+def _missing(lists: Sequence[Path], shown: dict[Path, str], found: Found) -> None:
+    """Modules that a list of a program names, and that are not beside it."""
+    for file in lists:
+        there = {one.name.lower() for one in file.parent.iterdir()}
+        for number, line in enumerate(lines_of(read_whole(file, 1 << 20)).split("\n"), start=1):
+            for name in LISTED.findall(line):
+                if re.split(r"[/\\]", name)[-1].lower() not in there:
+                    what = f"{name} is not beside it"
+                    found.problems.append(Problem(shown[file], number, 1, what))

@@ -1,0 +1,232 @@
+r"""Text of a RAPID module to a syntax tree.
+
+Syntax after ABB, "Technical reference manual: RAPID kernel" (3HAC050946), with two differences.
+The manual's own table of priorities asks for the first: NOT binds as weakly as OR and XOR, so that
+`NOT a AND b` is `NOT (a AND b)`.  The second is that a sign may stand before each factor.  Letters
+may be large or small everywhere but in strings.
+
+Reading goes on behind a mistake, at the next statement: each is found in one reading.
+"""
+
+from workbench.formats.rapid.problems import BadModule, Problem
+from workbench.formats.rapid.syntax.clauses import Statement
+from workbench.formats.rapid.syntax.reading import DEEPEST, TOO_DEEP, NoRapid
+from workbench.formats.rapid.syntax.tokens import Token, Tree, tokens_of
+
+STORAGES = ("var", "pers", "const")
+DECLARES = frozenset({*STORAGES, "local", "task", "record", "alias", "proc", "func", "trap"})
+ENDS = {"proc": "endproc", "func": "endfunc", "trap": "endtrap"}
+
+
+def parse(text: str, name: str) -> Tree:
+    """The syntax tree of the only module in a text; `name` stands in the messages.
+
+    Raises:
+        BadModule: it is no RAPID; the problems name line and column.
+    """
+    modules, problems = parse_all(text, name)
+    if problems:
+        raise BadModule(problems)
+    return modules[0]
+
+
+def parse_all(text: str, name: str) -> tuple[list[Tree], list[Problem]]:
+    """All modules of a file, without what is wrong in them, and what that is.
+
+    Files of S4 controllers hold a whole program.
+
+    Raises:
+        BadModule: there is no module, or the text ends in the middle of one.
+    """
+    problems: list[Problem] = []
+    reader = Module(tokens_of(text, name, problems), name, problems)
+    modules = reader.modules()
+    for module in modules:
+        _check_depth(reader, module)
+    return modules, sorted(problems)
+
+
+class Module(Statement):
+    """Reads modules, their declarations and routines."""
+
+    def modules(self) -> list[Tree]:
+        """Everything up to the end of the file.
+
+        Raises:
+            BadModule: there is no module, or it is cut off.
+        """
+        found: list[Tree] = []
+        while not self.sees("END"):
+            if not self.sees("module"):
+                if not found:
+                    self.refuse(self.next, "the file does not begin with MODULE")
+                self.note(NoRapid(self.next, "only a MODULE can stand behind ENDMODULE"))
+                break
+            found.append(self._module())
+        if not found:
+            self.refuse(self.next, "there is no MODULE in the file")
+        return found
+
+    def _module(self) -> Tree:
+        begin = self.take()
+        if self.next.type not in ("NAME", "PLACE"):
+            self.refuse(self.next, f"MODULE has no name before {self.shown}")
+        children: list[Token | Tree] = [self.take()]
+        try:
+            self._attributes(children)
+        except NoRapid as error:
+            self.note(error)
+        while not self.sees("endmodule"):
+            if self.sees("END"):
+                self.refuse(
+                    self.next, f"the file ends in the middle: MODULE {children[0]} has no ENDMODULE"
+                )
+            try:
+                self._declaration(children)
+            except NoRapid as error:
+                self.note(error)
+                self._depth = 0
+                self._ends.clear()
+                self.skip_to(DECLARES | {"endmodule"})
+        self.take()
+        return Tree("module", children, begin.line, begin.column)
+
+    def _attributes(self, children: list[Token | Tree]) -> None:
+        if self.sees("("):
+            self.take()
+            children += self.listed(lambda: self.named("an attribute"), ")")
+
+    def _declaration(self, children: list[Token | Tree]) -> None:
+        if self.sees("PLACE"):
+            children.append(self.place())
+            return
+        begin = self.next
+        scope = [self.take()] if begin.type in ("local", "task") else []
+        what = self.next.type
+        if what in STORAGES:
+            children.append(self.data(begin, scope))
+        elif what == "record":
+            children.append(self._record(begin, scope))
+        elif what == "alias":
+            self.take()
+            names = [self.named("a type"), self.named("a name")]
+            self.want(";")
+            children.append(Tree("alias", [*scope, *names], begin.line, begin.column))
+        elif what in ENDS:
+            children.append(self._routine(begin, scope, what))
+        else:
+            self.fail("data or a routine")
+
+    def _record(self, begin: Token, scope: list[Token]) -> Tree:
+        self.take()
+        children: list[Token | Tree] = [*scope, self.named("a name")]
+        while not self.sees("endrecord"):
+            at = self.next
+            part: list[Token | Tree] = [self.named("a type"), self.named("a component")]
+            self.want(";")
+            children.append(Tree("part", part, at.line, at.column))
+        self.take()
+        return Tree("record", children, begin.line, begin.column)
+
+    # -- routines
+
+    def _routine(self, begin: Token, scope: list[Token], what: str) -> Tree:
+        self.take()
+        names = [self.named("a type")] if what == "func" else []
+        names.append(self.named("a name"))
+        children: list[Token | Tree] = [*scope, *names]
+        try:
+            if what != "trap":
+                children.append(self._params())
+        except NoRapid as error:
+            self.note(error)
+            children.append(Tree("params", [], begin.line, begin.column))
+        children += [self._locals(), self.block()]
+        while self.next.type in ("backward", "error", "undo"):
+            children.append(self._handler())
+        end = ENDS[what].upper()
+        if self.sees("END"):
+            self.refuse(
+                self.next, f"the file ends in the middle: {what.upper()} {names[-1]} has no {end}"
+            )
+        if self.sees(ENDS[what]):
+            self.take()
+        else:
+            missing = f"{end} of {names[-1]} (line {begin.line}) is missing before {self.shown}"
+            self.note(NoRapid(self.next, missing))
+        return Tree(what, children, begin.line, begin.column)
+
+    def _handler(self) -> Tree:
+        at = self.take()
+        numbers: list[Tree] = []
+        if at.type == "error" and self.sees("("):
+            self.take()
+            numbers = self.listed(self.expression, ")")
+        return Tree(at.type, [*numbers, self.block()], at.line, at.column)
+
+    def _params(self) -> Tree:
+        at = self.want("(")
+        children: list[Tree] = []
+        while not self.sees(")"):
+            if self.sees(","):
+                self.take()
+            elif children and not self.sees("\\"):
+                self.fail("',' or ')'")
+            children.append(self._optional() if self.sees("\\") else self._param())
+        self.take()
+        return Tree("params", list(children), at.line, at.column)
+
+    def _optional(self) -> Tree:
+        at = self.take()
+        children = [self._param()]
+        while self.sees("|"):
+            self.take()
+            children.append(self._param())
+        return Tree("optional", list(children), at.line, at.column)
+
+    def _param(self) -> Tree:
+        if self.sees("PLACE"):
+            return self.place()
+        at = self.next
+        mode = [self.take()] if at.type in ("var", "pers", "inout") else []
+        names = [self.named("a type"), self.named("a name")]
+        stars = None
+        if self.sees("{"):
+            self.take()
+            stars = Tree("stars", self.listed(lambda: self.want("*"), "}"), at.line, at.column)
+        return Tree("param", [*mode, *names, stars], at.line, at.column)
+
+    def _locals(self) -> Tree:
+        children: list[Tree] = []
+        at = self.next
+        while self.next.type in STORAGES or (self.sees("PLACE") and self.next == "<DDN>"):
+            try:
+                children.append(self.place() if self.sees("PLACE") else self.data(self.next, []))
+            except NoRapid as error:
+                self.note(error)
+                self.skip_statement()
+        return Tree("locals", list(children), at.line, at.column)
+
+    def data(self, begin: Token, scope: list[Token]) -> Tree:
+        """One declaration of data."""
+        storage = self.take()
+        type_, name = self.named("a type"), self.named("a name")
+        dims, value = None, None
+        if self.sees("{"):
+            at = self.take()
+            dims = Tree("dims", self.listed(self.expression, "}"), at.line, at.column)
+        if self.sees(":="):
+            self.take()
+            value = self.expression()
+        self.want(";")
+        children = [*scope, storage, type_, name, dims, value]
+        return Tree("data", children, begin.line, begin.column)
+
+
+def _check_depth(reader: Module, tree: Tree) -> None:
+    """Refuse what would have everybody who walks through the tree run out of stack."""
+    level = [tree]
+    for _ in range(DEEPEST):
+        level = [one for node in level for one in node.children if type(one) is Tree]
+    if level:
+        reader.refuse(level[0], TOO_DEEP)

@@ -1,0 +1,46 @@
+"""How far a sending is: by the steps that the robot reports, not by the messages that went out."""
+
+from workbench.app.core.outcomes import step_reported
+from workbench.app.core.state import Phase, State
+from workbench.gui.shared.views import line, sentence
+
+
+def share_sent(state: State) -> float:
+    """How much of all that is sent has been carried out, 0..1; 1 only once all has ended.
+
+    Where a link reports no steps, a message that went out is carried out when the next one does.
+    """
+    plans, before = len(state.plans), len(state.sent_before)
+    if not state.receipts or state.plan is None:
+        return before / plans if plans else 0.0
+    if state.phase is Phase.DONE:
+        return (before + 1) / plans
+    done, total = state.receipts[-1].done, state.receipts[-1].total
+    if state.cell.controller.motion.reports_progress:
+        done, total = step_reported(state), len(state.plan.sequence)
+    return (before + max(done - 1, 0) / max(total, 1)) / plans
+
+
+def send_line(state: State) -> str:
+    """How far the plan has gone out, and the robot with it."""
+    purpose = "Sends the approved plan to the robot controller."
+    if not state.receipts:
+        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
+    last, step = state.receipts[-1], step_reported(state)
+    words = f"{last.done} of {last.total} messages sent"
+    if step and state.plan is not None:
+        words = _step_words(state, step, len(state.plan.sequence))
+    if len(state.plans) > 1:
+        # They are counted anew for each plan of a row.
+        words += f" (plan {len(state.sent_before) + 1})"
+    return line(sentence(words), span=1, tip=purpose)
+
+
+def _step_words(state: State, step: int, steps: int) -> str:
+    match state.phase:
+        case Phase.FAULT:
+            return f"ended in step {step} of {steps}"
+        case Phase.DONE:
+            return f"all {steps} steps done"
+        case _:
+            return f"step {step} of {steps}"

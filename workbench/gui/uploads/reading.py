@@ -1,0 +1,108 @@
+"""Files that people send from their machines, read by processes of their own (`apart`)."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.app.records.forms import Content, large_arrays, restored
+from workbench.formats.clouds.scans import read_scan
+from workbench.formats.files.apart import Answer, Work, apart
+from workbench.formats.files.whole_files import uploaded
+from workbench.formats.meshes.cad_look import CadLook, look_at
+from workbench.formats.plans.pose_files import read_poses
+from workbench.model.cell import ScannerMount
+from workbench.model.digest import canonical
+from workbench.model.scan import Detection, Scan
+from workbench.plugins.progress import Cancelled, never
+
+
+def cad_look(
+    name: str, content: Content, unit: str = "", *, cancelled: Cancelled = never
+) -> CadLook:
+    """What a CAD file holds.
+
+    Args:
+        name: of the file.
+        content: its bytes.
+        unit: mm, m or inch; empty when the file says it or it is not known.
+        cancelled: True once nobody wants to know any more.
+
+    Raises:
+        FileError: it cannot be read.
+        JobCancelled: it was cancelled.
+    """
+    return _read(CadLook, name, content, look_at_file, unit, cancelled=cancelled)
+
+
+def sent_scan(
+    name: str, content: Content, mount: ScannerMount, *, cancelled: Cancelled = never
+) -> Scan:
+    """The scan in a PLY or PCD file, by a scanner that hangs there.
+
+    Args:
+        name: of the file.
+        content: its bytes.
+        mount: where the scanner hangs, and what its files are like.
+        cancelled: True once nobody wants it any more.
+
+    Raises:
+        FileError: it cannot be read (`read_scan`).
+        JobCancelled: it was cancelled.
+    """
+    return _read(Scan, name, content, scan_in_file, canonical(mount), cancelled=cancelled)
+
+
+def sent_poses(
+    name: str, content: Content, part: str, *, cancelled: Cancelled = never
+) -> tuple[Detection, ...]:
+    """The poses in a file.
+
+    Args:
+        name: of the file.
+        content: its bytes.
+        part: name of the part that poses from HALCON are of.
+        cancelled: True once nobody wants them any more.
+
+    Raises:
+        FileError: it cannot be read (`read_poses`).
+        JobCancelled: it was cancelled.
+    """
+    kind = tuple[Detection, ...]
+    return _read(kind, name, content, poses_in_file, part, cancelled=cancelled)
+
+
+# What the processes of their own do.
+
+
+def look_at_file(file: Path, unit: str) -> Answer:
+    """As `cad_look`."""
+    return _told(look_at(file, unit))
+
+
+def scan_in_file(file: Path, mount: Any) -> Answer:
+    """As `sent_scan`; the mount is in canonical form."""
+    return _told(read_scan(file, restored(ScannerMount, mount, _nothing)))
+
+
+def poses_in_file(file: Path, part: str) -> Answer:
+    """As `sent_poses`."""
+    return _told(read_poses(file, part))
+
+
+def _read(
+    kind: Any, name: str, content: Content, work: Work, *arguments: Any, cancelled: Cancelled
+) -> Any:
+    with uploaded(name, content) as file:
+        answer = apart(file, work, *arguments, cancelled=cancelled)
+    return restored(kind, answer.told, lambda digest: answer.arrays[digest].data)
+
+
+def _told(value: Any) -> Answer:
+    """A value as what comes back: its canonical form, and its large arrays by their digests."""
+    arrays = large_arrays(value)
+    return Answer(canonical(value), {one: np.frombuffer(arrays[one], np.uint8) for one in arrays})
+
+
+def _nothing(digest: str) -> bytes:
+    raise KeyError(digest)

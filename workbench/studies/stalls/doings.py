@@ -1,0 +1,222 @@
+"""What people and programs do with a page, one after the other."""
+
+import asyncio
+import zipfile
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from contextlib import aclosing
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+from workbench.model.cell import Cell
+from workbench.model.errors import LinkError
+from workbench.studies.load.raw_browser import RawBrowser
+from workbench.studies.stalls.large_files import CAD, cad_file, cloud
+from workbench.studies.stalls.visit import Visit
+
+Doing = Callable[[Visit], Awaitable[None]]
+
+READS = (
+    "/state", "/jobs/current", "/scan", "/detections", "/candidates", "/plan", "/proof",
+    "/proof/certificate", "/emptying", "/statistics", "/sessions",
+)  # fmt: skip
+
+SMALL = 2_000
+"""Triangles of a part that is made, not only looked at: that takes a worker minutes otherwise."""
+
+POSES = 30
+"""In a file; more are not taken."""
+
+SETTLES = 3.0
+"""[s] After a doing, for what it leaves to be drawn and counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """Made beforehand: what makes them must not look like a slow page."""
+
+    cad: dict[str, bytes]
+    small: bytes
+    scan: bytes
+
+
+def files_for(cell: Cell, triangles: int, points: int) -> Files:
+    """The files that are sent."""
+    cad = {kind: cad_file(kind, triangles) for kind in CAD}
+    return Files(cad, cad_file(".stl", SMALL), cloud(cell, points))
+
+
+def doings(files: Files) -> dict[str, Doing]:
+    """What is done, by names for people, in this order."""
+
+    def looked_at(button: str, kind: str, content: bytes) -> Doing:
+        async def does(one: Visit) -> None:
+            name = f"{button.split()[-1]}-ring{kind}"
+            await one.choose(button, name, content, "closed")
+
+        return does
+
+    cads = {
+        f"a CAD file is chosen ({kind[1:].upper()}, {len(content) / 1e6:.0f} MB)": looked_at(
+            "Choose a CAD file", kind, content
+        )
+        for kind, content in files.cad.items()
+    }
+    return {
+        "the page is opened": opened,
+        "another one in German": _in_german,
+        "a cycle to the plan": planned,
+        "all answers are read": _read,
+        "the plan is sent": _sent,
+        "the same four times, with a CAD file read meanwhile": lambda one: _sent_beside(
+            one, files.cad
+        ),
+        "a scan is sent": lambda one: _scan(one, files.scan),
+        "its points are read": _points,
+        "parts are looked for in it": _sought,
+        "poses are sent": _poses,
+        **cads,
+        "the same as a tool's body": looked_at("Choose the body", ".stl", files.cad[".stl"]),
+        "piles are emptied": _emptied,
+        "a part is made": lambda one: _made(one, "Choose a CAD file", "Make the part", files.small),
+        "a tool is made": lambda one: _made(one, "Choose the body", "Add the tool", files.small),
+        "the cell is saved": _saved,
+        "the session is taken along": lambda one: _taken(one, "/session.zip"),
+        "a backup is taken along": lambda one: _taken(one, "/backup.zip"),
+        "a backup is restored": _restored,
+    }
+
+
+async def opened(one: Visit) -> None:
+    """Wait for the controls and be in control."""
+    await one.until(lambda state: "Choose a backup" in one.browser.widgets, "the controls")
+    await one.done()
+    if not (await one.state())["control"]:
+        await one.post("/control/take")
+
+
+async def _in_german(one: Visit) -> None:
+    browser = RawBrowser(one.browser.url, one.browser.session)
+    async with aclosing(_frames(browser)) as frames:
+        async for _ in frames:
+            if "Scannen" in browser.widgets or len(browser.widgets) > 100:
+                return
+
+
+async def _frames(browser: RawBrowser) -> AsyncGenerator[Any]:
+    await browser.open(**{"Accept-Language": "de"})
+    try:
+        while (frame := await browser.read()) is not None:
+            yield frame
+    finally:
+        if browser.socket is not None:
+            await browser.socket.close()
+
+
+async def planned(one: Visit) -> None:
+    """Scan two parts, find them and plan."""
+    for path, body in (("/scan", {"parts": 2}), ("/localize", {}), ("/plan", {})):
+        await one.post(path, **body)
+        await one.done()
+
+
+async def _read(one: Visit) -> None:
+    for path in READS:
+        await one.get(path)
+    await _points(one)
+
+
+async def _points(one: Visit) -> None:
+    await one.get("/scan/points")
+
+
+async def _sent(one: Visit) -> None:
+    await let_out(one)
+    await one.until(has_ended, "the end of a motion")
+
+
+async def let_out(one: Visit) -> None:
+    """Approve the plan and send it."""
+    plan = (await one.state())["plan"]
+    for path in ("/watch", "/approve", "/send"):
+        await one.post(path, plan=plan)
+
+
+def has_ended(state: dict[str, Any]) -> bool:
+    """Whether the motion is over."""
+    return state["phase"] in ("done", "fault")
+
+
+async def _sent_beside(one: Visit, cad: dict[str, bytes]) -> None:
+    for kind, content in cad.items():
+        await planned(one)
+        # Once something is sent no file can be chosen any more; one that was is still read.
+        await chosen(one, f"beside{kind}", content)
+        await let_out(one)
+        state = await one.until(has_ended, "the end of a motion")
+        if state["phase"] != "done":
+            raise LinkError(f"the motion was broken off: {state['fault']}")
+        await one.told(f"beside{kind}", "closed")
+
+
+async def chosen(one: Visit, name: str, content: bytes) -> None:
+    """Choose a CAD file, until the page says that it is being read."""
+    await one.choose("Choose a CAD file", name, content, "being read")
+
+
+async def _scan(one: Visit, content: bytes) -> None:
+    before = (await one.state())["scan"]
+    await one.browser.upload("Scan from file", "scan.ply", content)
+    await one.until(lambda state: state["scan"] not in (None, before), "the scan")
+
+
+async def _sought(one: Visit) -> None:
+    await one.post("/localize")
+    await one.done()
+
+
+async def _poses(one: Visit) -> None:
+    row = ["1", "0", "0", "400", "0", "1", "0", "0", "0", "0", "1", "20"]
+    numbers = row * POSES
+    content = "\n".join([str(len(numbers)), *(f"2 {number}" for number in numbers)]).encode()
+    await one.browser.upload("Poses from file", "poses.tup", content)
+    await one.until(lambda state: state["detections"] == POSES, "the poses")
+
+
+async def _made(one: Visit, choose: str, make: str, content: bytes) -> None:
+    name = f"{make.split()[-1]}_small"
+    before = (await one.state())["cell_digest"]
+    await one.choose(choose, f"{name}.stl", content, "closed")
+    await one.browser.set(make, True)
+
+    def is_over(state: dict[str, Any]) -> bool:
+        return state["cell_digest"] != before or "failed" in state["message"]
+
+    state = await one.until(is_over, "another cell")
+    if state["cell_digest"] == before:
+        raise LinkError(state["message"])
+
+
+async def _saved(one: Visit) -> None:
+    await one.post("/cell/save")
+    await one.until(lambda state: state["is_saved"], "the files")
+
+
+async def _emptied(one: Visit) -> None:
+    await one.post("/emptying", parts=4, piles=1)
+    await one.done()
+
+
+async def _taken(one: Visit, path: str) -> None:
+    await one.get(path, raw=True)
+
+
+async def _restored(one: Visit) -> None:
+    file = BytesIO(await one.get("/backup.zip", raw=True))
+    with zipfile.ZipFile(file, "a") as kept:
+        kept.writestr("parts/added/note.txt", "another one")
+    content = file.getvalue()
+    await one.choose("Choose a backup", "kept.zip", content, "added")
+    await asyncio.sleep(0.5)
+    await one.browser.set("Restore it", True)
+    await one.told("kept.zip is restored")
