@@ -33,23 +33,31 @@ class Tour(Window):
         ring = self.page.locator("#ring")
 
         def is_around():
-            # Controls move while the page is still being built.
+            # Controls move, and the strip is drawn anew, while the page is still being built.
             inside, outside = target.bounding_box(), ring.bounding_box()
             return (
                 inside
                 and outside
                 and abs(outside["x"] + 5 - inside["x"]) < 3
-                and (
-                    abs(outside["y"] + 5 - inside["y"]) < 3
-                    and abs(outside["width"] - 10 - inside["width"]) < 3
-                )
+                and abs(outside["y"] + 5 - inside["y"]) < 3
+                and abs(outside["width"] - 10 - inside["width"]) < 3
+            )
+
+        def leaves_the_rest_free():
+            boxes = [self.page.locator(one).bounding_box() for one in ("#card", "#stop")]
+            card, stop, strip = *boxes, self.scene.locator(".wb-strip").bounding_box()
+            return (
+                card
+                and stop
+                and strip
+                and card["x"] >= 0
+                and card["x"] + card["width"] <= strip["x"]
+                and card["y"] >= stop["y"] + stop["height"]
+                and card["y"] + card["height"] <= self.page.viewport_size["height"]
             )
 
         wait_until(is_around, f"the ring around {name}")
-        card, stop = (self.page.locator(one).bounding_box() for one in ("#card", "#stop"))
-        assert card["y"] >= stop["y"] + stop["height"]
-        assert card["x"] >= 0 and card["y"] + card["height"] <= self.page.viewport_size["height"]
-        assert card["x"] + card["width"] <= self.scene.locator(".wb-strip").bounding_box()["x"]
+        wait_until(leaves_the_rest_free, "a card that covers neither Stop nor the panel")
         self.page.screenshot(
             path=self._shots / f"tour-{re.sub(r'[^a-z]+', '-', title.lower())}.png"
         )

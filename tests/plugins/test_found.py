@@ -7,6 +7,7 @@ import pytest
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
+from workbench.plugins import found
 from workbench.plugins.found import GROUPS, load, names, plugins
 from workbench.plugins.planner import planner_named
 from workbench.plugins.tool import made_tool
@@ -46,6 +47,21 @@ def test_a_broken_package_is_told_of_and_stops_nothing_else(plugged):
     assert "rrtconnect" in names(PLANNERS) and load(PLANNERS, "rrtconnect")
     with pytest.raises(InputError, match=r"planner 'ruin' of ruin cannot be loaded.*no licence"):
         load(PLANNERS, "ruin")
+
+
+def test_a_package_that_ends_the_process_is_told_of_and_ends_nothing(plugged):
+    plugged.install("ender", "import sys\nsys.exit(7)\n", {PLANNERS: {"ender": "x"}})
+    (one,) = by_name("ender")
+    assert "SystemExit: 7" in one.problem
+    with pytest.raises(InputError, match=r"planner 'ender' of ender cannot be loaded"):
+        load(PLANNERS, "ender")
+
+
+def test_a_package_that_hangs_is_named_in_the_log(plugged, monkeypatch, caplog):
+    plugged.install("sleeper", "import time\ntime.sleep(0.5)\nx = 1\n", {PLANNERS: {"s": "x"}})
+    monkeypatch.setattr(found, "SLOW", 0.05)
+    assert load(PLANNERS, "s") == 1
+    assert "s: importing sleeper takes more than" in caplog.text
 
 
 def test_a_built_in_name_cannot_be_taken(plugged):

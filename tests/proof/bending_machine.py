@@ -1,7 +1,8 @@
 """Bends every field of good plans by a seed, proves them, and has the judge look at what holds.
 
 ```
-PYTHONPATH=.:tests/planning python tests/proof/bending_machine.py --count 10000 --made FOLDER
+PYTHONPATH=.:tests/planning:tests/proof \\
+    python tests/proof/bending_machine.py --count 10000 --made FOLDER
 ```
 
 A bent plan is refused, harmless (the proof holds and the judge finds nothing), or let through (the

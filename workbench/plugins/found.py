@@ -4,6 +4,8 @@ A name is looked up in the workbench's own package first: nobody can take a buil
 cannot be loaded is told of by `plugins`, and never stops what does not use it.
 """
 
+import logging
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -12,7 +14,17 @@ from typing import Any, Literal, get_args
 
 from workbench.model.errors import InputError
 
+log = logging.getLogger(__name__)
+
 OURS = "workbench"
+
+BROKEN = (Exception, SystemExit)
+"""What importing a module of somebody else may raise; Ctrl-C stays what it is."""
+
+SLOW = 10.0
+"""[s] A module that takes longer to import is named in the log, since the command waits for it."""
+
+SLOW_WORDS = "%s: importing %s takes more than %.0f s"
 
 Group = Literal[
     "workbench.scanners",
@@ -74,7 +86,7 @@ def load(group: Group, name: str) -> Any:
     entry, package, _ = found[0]
     try:
         return _loaded(entry)
-    except Exception as error:
+    except BROKEN as error:
         raise InputError(f"the {what} {name!r} of {package} {_why(error)}") from error
 
 
@@ -104,18 +116,24 @@ def _tried(group: Group, entry: EntryPoint, package: str, version: str, problem:
     if not problem:
         try:
             _loaded(entry)
-        except Exception as error:
+        except BROKEN as error:
             problem = _why(error)
     return Plugin(group, entry.name, entry.value, package, version, problem)
 
 
-def _why(error: Exception) -> str:
+def _why(error: BaseException) -> str:
     return f"cannot be loaded: {type(error).__name__}: {error}"
 
 
 @cache
 def _loaded(entry: EntryPoint) -> Any:
-    return entry.load()
+    slow = threading.Timer(SLOW, log.warning, (SLOW_WORDS, entry.name, entry.module, SLOW))
+    slow.daemon = True
+    slow.start()
+    try:
+        return entry.load()
+    finally:
+        slow.cancel()
 
 
 @cache

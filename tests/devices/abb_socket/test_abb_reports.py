@@ -56,7 +56,7 @@ def test_what_cannot_be_ends_the_sending(plan, talk, words, says):
         "state loading 00 R01 L00",
     ],
 )
-def test_nothing_moves_or_ends_before_it_was_told_to_run(talk, words):
+def test_nothing_moves_or_ends_before_run_was_sent(talk, words):
     talk.go_on("end")
-    with pytest.raises(ProtocolError, match="before it was told to run"):
+    with pytest.raises(ProtocolError, match="before we sent run"):
         talk.tell(words)

@@ -60,7 +60,7 @@ def fronted(
         FileError: users, certificate or a page's file cannot be read.
     """
     # The page takes its time to import; whoever calls has begun by now what can go on beside.
-    from workbench.gui.page.loading import load_ahead
+    from workbench.gui.page.loading import loaded_ahead
     from workbench.gui.page.server import serve
 
     secret = secrets.token_urlsafe(32)
@@ -76,9 +76,9 @@ def fronted(
             bar=bar_of(bench),
             stop=stop_of(bench),
         )
-        load_ahead()
         try:
-            yield front
+            with loaded_ahead():
+                yield front
         finally:
             front.close()
     finally:

@@ -24,7 +24,7 @@ class ProgramReports:
     """Where the robot is in a program, as far as it has reported.
 
     Lifetime: one connection.  `step` is the one that it reported last, `may` the last one that may
-    run, `parts` what it reported of each.
+    run.
     """
 
     def __init__(self, cell: Cell, plan: Plan, program: Program) -> None:
@@ -33,7 +33,7 @@ class ProgramReports:
         self._bounds = {arm.name: bounds_of(cell, arm) for arm in cell.arms}
         self.step = 0
         self.may = 0 if program.is_stepped else len(program.steps)
-        self.parts: dict[str, PartReport] = {}
+        self._parts: dict[str, PartReport] = {}
 
     def state(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
         """Phase, step, and the waypoint of each arm in it.
@@ -47,23 +47,23 @@ class ProgramReports:
             raise ProtocolError(f"{frame.text!r} is no report of a state")
         if phase not in PHASES:
             raise ProtocolError(f"{frame.text!r}: {phase!r} is no state")
-        told = [one.groups() for one in found if one]
-        if sorted(letter for letter, _ in told) != sorted(self._letters):
+        arms_at = [match.groups() for match in found if match]
+        if sorted(letter for letter, _ in arms_at) != sorted(self._letters):
             raise ProtocolError(f"{frame.text!r} does not tell of every arm")
-        points = {self._letters[letter].name: int(point) for letter, point in told}
+        points = {self._letters[letter].name: int(point) for letter, point in arms_at}
         return phase, int(number), points
 
     def check_before(self, frame: Frame, phase: str, step: int, points: Mapping[str, int]) -> None:
-        """Before it is told to run, the robot does not.
+        """Check that the robot does not move before we send `run`.
 
         Raises:
             ProtocolError: it does.
         """
         if phase not in BEFORE or step or any(points.values()):
-            raise ProtocolError(f"the controller says {frame.text!r} before it was told to run")
+            raise ProtocolError(f"the controller says {frame.text!r} before we sent run")
 
     def check_motion(self, step: int, points: Mapping[str, int]) -> None:
-        """What the robot does is what the plan says, or nothing is sure any more.
+        """Check that steps come in their order, and that arms and waypoints are those of the plan.
 
         Raises:
             ProtocolError: it is not.
@@ -74,16 +74,16 @@ class ProgramReports:
         if step > self.may:
             raise ProtocolError(f"the controller runs step {step}, which nobody has let run")
         self.step = step
-        told = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
+        waypoints = {leg.arm: len(leg.seconds) for leg in steps[step - 1].legs} if step else {}
         for arm, point in points.items():
-            if not 0 <= point <= told.get(arm, 0):
-                only = " and ".join(told) or "none"
+            if not 0 <= point <= waypoints.get(arm, 0):
+                only = " and ".join(waypoints) or "none"
                 raise ProtocolError(
                     f"arm {arm} goes to waypoint {point} in step {step}; the plan moves {only}"
                 )
 
     def check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> None:
-        """It waits before the next step that nobody has let run, and stands.
+        """Check that the robot stands, before the step after the last one that may run.
 
         Raises:
             ProtocolError: it does not.
@@ -116,20 +116,20 @@ class ProgramReports:
         result, _, why = said.partition(" ")
         for one in self._plan.arms:
             is_it = self._cell.arm(one.arm).controller_id == letter
-            if is_it and one.arm not in self.parts and result in ("picked", "failed"):
-                self.parts[one.arm] = PartReport(one.arm, one.detection, result == "picked", why)
-                return self.parts[one.arm]
+            if is_it and one.arm not in self._parts and result in ("picked", "failed"):
+                self._parts[one.arm] = PartReport(one.arm, one.detection, result == "picked", why)
+                return self._parts[one.arm]
         raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
 
     def check_done(self, frame: Frame, where: str) -> None:
-        """All steps were let run, and all parts were reported.
+        """Check that all steps were allowed to run, and that all parts were reported.
 
         Raises:
             ProtocolError: they were not.
         """
-        steps, is_told = len(self._program.steps), len(self.parts) == len(self._plan.arms)
-        if self.may < steps or frame.words != [f"{steps:02d}"] or not is_told:
+        steps, is_complete = len(self._program.steps), len(self._parts) == len(self._plan.arms)
+        if self.may < steps or frame.words != [f"{steps:02d}"] or not is_complete:
             raise ProtocolError(
-                f"the controller said {frame.text!r} at {where}, with {len(self.parts)} of "
+                f"the controller said {frame.text!r} at {where}, with {len(self._parts)} of "
                 f"{len(self._plan.arms)} parts reported"
             )

@@ -169,7 +169,7 @@ class Sending:
 
     @property
     def _is_run(self) -> bool:
-        """Whether it was told to run, and has acknowledged that."""
+        """Whether the controller has acknowledged `run`."""
         return self._acknowledged == len(self._lines)
 
     @property
@@ -335,7 +335,7 @@ class Sending:
 
     def _check_is_run(self, frame: Frame) -> None:
         if not self._is_run:
-            raise ProtocolError(f"{frame.text!r} comes too early, before it was told to run")
+            raise ProtocolError(f"{frame.text!r} comes too early, before we sent run")
 
     def _receipt(self, line: Line, ours: Frame, heard: str) -> Receipt:
         return Receipt(

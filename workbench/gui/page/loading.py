@@ -9,6 +9,8 @@ import gc
 import importlib
 import logging
 import threading
+from collections.abc import Generator
+from contextlib import contextmanager
 
 log = logging.getLogger(__name__)
 
@@ -21,18 +23,28 @@ LATER = (
 """Modules that are imported where they are needed, since a start does not wait for them."""
 
 
-def load_ahead() -> threading.Thread:
-    """Load them in a thread, which ends when all is there."""
-    thread = threading.Thread(target=_load, name="loading", daemon=True)
+@contextmanager
+def loaded_ahead() -> Generator[None]:
+    """Load them in a thread while the block runs; its end waits for the module at hand.
+
+    A process that ends while Open3D is being loaded ends with the exit code 1.
+    """
+    is_over = threading.Event()
+    thread = threading.Thread(target=_load, args=(is_over,), name="loading", daemon=True)
     thread.start()
-    return thread
+    try:
+        yield
+    finally:
+        is_over.set()
+        thread.join()
 
 
-def _load() -> None:
+def _load(is_over: threading.Event) -> None:
     gc.disable()
     try:
         for module in LATER:
-            importlib.import_module(module)
+            if not is_over.is_set():
+                importlib.import_module(module)
     except Exception:
         # A rim: what is missing is told where it is needed.
         log.exception("a library could not be loaded ahead")
