@@ -23,7 +23,7 @@ from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
-from workbench.planning.kinematics.inverse import configurations
+from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.picking.propose import (
     Tried,
     as_it_fits,
@@ -34,7 +34,6 @@ from workbench.planning.picking.propose import (
     tried,
 )
 from workbench.planning.picking.put_down import ways_at_places
-from workbench.planning.picking.resolve import starts_of
 
 T = TypeVar("T")
 

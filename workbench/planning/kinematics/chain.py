@@ -128,7 +128,7 @@ def forward(
     z: Floats,
     o: Floats,
 ) -> None:
-    """Write TCP rotation R (3, 3) and position p (3,), and each joint's axis z and origin o."""
+    """Write TCP rotation R (3, 3) and position p (3,) [m], axes z and origins o (n, 3)."""
     M, T = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
         p[i] = ps[0, i]

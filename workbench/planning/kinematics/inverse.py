@@ -16,8 +16,15 @@ from eaik.pybindings import EAIK
 from numba import njit
 from scipy.spatial import KDTree
 
-from workbench.model.geometry import Floats
+from workbench.model.cell import Arm
+from workbench.model.geometry import Floats, frozen
 from workbench.planning.kinematics.chain import Chain, forward, is_solution
+
+STARTS = 12
+"""Starting points of the iterations, home among them."""
+
+SOON = 0.6
+"""[s] Half of the random starting points are where joints at full speed get from home in this."""
 
 STORED = 20_000
 """Random configurations whose tool poses are stored, for arms without a closed form."""
@@ -75,6 +82,17 @@ def configurations(
         others, off = chain.solve(T_world_tcp, near)
         answers, residuals = np.vstack([answers, others]), np.vstack([residuals, off])
     return _answers(answers, residuals, is_complete=False)
+
+
+@lru_cache(maxsize=8)
+def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
+    """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
+    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
+    home, count = np.asarray(arm.home), (STARTS - 2) // 2
+    far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
+    near = home + SOON * chain.velocity * rng.uniform(-1.0, 1.0, (count, len(home)))
+    near = np.clip(near, chain.lower, chain.upper)
+    return frozen(np.vstack([home, (chain.lower + chain.upper) / 2, far, near]))
 
 
 def has_closed_form(chain: Chain) -> bool:

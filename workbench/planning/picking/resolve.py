@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats, frozen
+from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips
@@ -20,14 +19,11 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import UNSEEN, with_rolls
 from workbench.planning.kinematics.chain import Chain
-from workbench.planning.kinematics.inverse import Answers, configurations
+from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
 from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
-
-STARTS = 12
-"""Starting points of the inverse kinematics, home among them."""
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
@@ -39,9 +35,6 @@ SAME = np.deg2rad(5.0)
 
 MOST_CLEAR = 8
 """Clear configurations that are enough to choose from: those that are reached soonest."""
-
-SOON = 0.6
-"""[s] Half of the random starting points are where joints at full speed get from home in this."""
 
 CLOSE, DETOUR = 0.01, 0.1
 """[m, s] Less room than this counts like up to so much extra time."""
@@ -119,17 +112,6 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
 
 def _progress(verdict: Verdict) -> int:
     return list(Stage).index(verdict.stage)
-
-
-@lru_cache(maxsize=8)
-def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
-    """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    home, count = np.asarray(arm.home), (STARTS - 2) // 2
-    far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
-    near = home + SOON * chain.velocity * rng.uniform(-1.0, 1.0, (count, len(home)))
-    near = np.clip(near, chain.lower, chain.upper)
-    return frozen(np.vstack([home, (chain.lower + chain.upper) / 2, far, near]))
 
 
 Solution = tuple[Floats, pin.SE3, float]
