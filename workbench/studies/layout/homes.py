@@ -10,7 +10,8 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
+from workbench.planning.kinematics.chain import Chain, chain_of
+from workbench.planning.kinematics.inverse import configurations
 
 TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
 """[rad] About the vertical, of a tool at home and at its places."""
@@ -72,8 +73,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
         answers: list[Floats] = []
         for turn in TURNS:
             T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
-            found, residuals = chain.solve(T, starts)
-            answers += list(found[is_solution(residuals)])
+            answers += list(configurations(chain, T, starts).q)
         among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
         for q in map(world.motion.rounded, _ordered(chain, answers)):
             whole = world.configuration({**homes, arm.name: q})
