@@ -120,6 +120,28 @@ def test_an_argument_is_taken_from_below_when_it_is_asked_for_above(tmp_path):
     assert link_names(path, name="c") == ["c"]
 
 
+@pytest.mark.parametrize(
+    ("body", "problem"),
+    [
+        ("\n<link name='${no_such + 1}'/>", "line 2: name 'no_such' is not defined"),
+        ("\n\n<xacro:gone x='1'/>", "line 3: unknown macro name: xacro:gone"),
+        (
+            "<link name=\"${xacro.load_yaml('wrong.yaml')}\"/>",
+            r"wrong\.yaml, line 2: is not valid YAML: expected",
+        ),
+        ("<xacro:include filename='again.xacro'/>", r"leads back to itself \(arm\.xacro, again"),
+    ],
+    ids=["expression", "macro", "yaml", "circle"],
+)
+def test_what_cannot_be_expanded_is_said_with_its_place(tmp_path, body, problem):
+    made_arm.written(tmp_path / "wrong.yaml", "a: [1, 2\nb: }\n")
+    back = "<xacro:include filename='arm.xacro'/>"
+    made_arm.written(tmp_path / "again.xacro", xacro(back))
+    path = made_arm.written(tmp_path / "arm.xacro", xacro(body))
+    with pytest.raises(FileError, match=problem):
+        link_names(path)
+
+
 def test_an_argument_that_has_no_default_is_asked_for(tmp_path):
     path = made_arm.written(tmp_path / "arm.xacro", xacro('<link name="$(arg who)"/>'))
     with pytest.raises(FileError, match=r"needs the xacro argument 'who': .*--xacro who:=VALUE"):

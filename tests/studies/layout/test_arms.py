@@ -8,7 +8,7 @@ import pytest
 
 from workbench.formats.robots.descriptions import read_description
 from workbench.model.errors import InputError
-from workbench.studies.layout.arms import ends_of, standing, without_hands
+from workbench.studies.layout.arms import ends_of, right_first, standing, without_hands
 
 FINGER = '<link name="{0}"/>'
 TORSO = made_arm.turning("turn", "foot", "waist")
@@ -63,6 +63,19 @@ def long_finger(name: str) -> str:
 def test_the_arm_ends_before_its_hand(described, hand):
     found = described(made_arm.arm(more=hand))
     assert ends_of(found.robot, found.followers) == ("s6",)
+
+
+@pytest.mark.parametrize(
+    ("flanges", "ordered"),
+    [
+        (("L_link7", "R_link7"), ("R_link7", "L_link7")),
+        (("left_tool0", "right_tool0"), ("right_tool0", "left_tool0")),
+        (("link_l", "link_r"), ("link_r", "link_l")),
+        (("tool0", "tool_1"), ("tool0", "tool_1")),
+    ],
+)
+def test_the_right_arm_comes_first_however_sides_are_written(flanges, ordered):
+    assert right_first(flanges) == ordered
 
 
 @pytest.mark.parametrize("at", ["s1", "s2", "s3"])

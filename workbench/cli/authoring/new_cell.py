@@ -32,7 +32,7 @@ from workbench.model.part import Bin
 from workbench.model.robot import Robot
 from workbench.planning.collision.link_pairs import pairs_without_check
 from workbench.plugins.robot_link import controller_by, usual_link
-from workbench.studies.layout.arms import ends_of, standing, without_hands
+from workbench.studies.layout.arms import ends_of, right_first, standing, without_hands
 from workbench.studies.layout.bins import laid_out
 from workbench.studies.layout.flanges import mounts_of, named_mounts
 
@@ -148,7 +148,7 @@ def _arms(typed: CellNew, found: Description) -> _Arms:
             "written into cell.toml by hand"
         )
     if not typed.flange:
-        flanges = tuple(sorted(flanges, key=lambda flange: "left" in flange))
+        flanges = right_first(flanges)
     robot, gone = without_hands(mounts.robot, flanges)
     there = {joint.name for joint in robot.joints}
     followers = [one for one in found.followers if one.joint.name in there]

@@ -42,6 +42,11 @@ INCLUDED = (".xacro", ".urdf", ".xml")
 MOST_MISSING = 50
 """Such files of one robot."""
 
+MOST_SAID = 200
+"""Letters of what xacro says."""
+
+EXPRESSION = re.compile(r"evaluating expression '(.+)'|unknown macro name: (\S+)", re.DOTALL)
+
 MOST_LISTED = 12
 MOST_FILES = 400
 
@@ -98,7 +103,8 @@ def expanded(
         raise FileError(path, f"has no links{_why_no_links(path, content)}")
     unused = (name for name in arguments if name not in given.used)
     notes = [f"xacro argument {shown(name)} is not one that this file asks for" for name in unused]
-    return Expanded(content, (*finder.missing, *notes))
+    without = (f"what it adds is left out: {sentence}" for sentence in finder.missing)
+    return Expanded(content, (*without, *notes))
 
 
 class _Arguments(dict[str, str]):
@@ -211,8 +217,14 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
     where = "" if inner.resolve() == path.resolve() else f", in {inner}"
     if finder.missing:
         return f"cannot be expanded by xacro{where}: {'; '.join(finder.missing)}"
-    if isinstance(error, RecursionError):
-        return f"cannot be expanded by xacro{where}: an include or a macro leads back to itself"
+    if any(isinstance(one, RecursionError) for one in _causes(error)):
+        circle = ", ".join(dict.fromkeys(Path(one).name for one in stack if one))
+        return f"cannot be expanded by xacro: an include or a macro leads back to itself ({circle})"
+    for one in _causes(error):
+        mark: Any = getattr(one, "problem_mark", None)  # of PyYAML, which xacro reads with
+        if mark is not None:
+            what = f"{mark.name}, line {mark.line + 1}: is not valid YAML: {vars(one)['problem']}"
+            return f"cannot be expanded by xacro{where}: {what}"
     if isinstance(error, ExpatError):
         return f"cannot be expanded by xacro{where}: is not valid XML: {error}"
     name = _argument_of(error)
@@ -223,8 +235,20 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
         return (
             f"cannot be expanded by xacro{where}: there is no file {_lacking(path, missing, given)}"
         )
-    said = shown(" ".join(str(error).split())) if str(error) else type(error).__name__
-    return f"cannot be expanded by xacro{where}: {said}"
+    said = " ".join(str(error).split())[:MOST_SAID] or type(error).__name__
+    said = "".join(letter if letter.isprintable() else "?" for letter in said)
+    return f"cannot be expanded by xacro{where}{_line_of(inner, str(error))}: {said}"
+
+
+def _line_of(file: Path, said: str) -> str:
+    """In which line of a file the expression or the macro stands that an error speaks of."""
+    named = EXPRESSION.search(said)
+    if named is None:
+        return ""
+    lines = read_whole(file, LARGEST_FILE).decode(errors="replace").splitlines()
+    wanted = next(filter(None, named.groups()))
+    there = [number for number, line in enumerate(lines, start=1) if wanted in line]
+    return f", line {there[0]}" if there else ""
 
 
 def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:

@@ -19,6 +19,9 @@ FEWEST_AXES = 4
 FINGERS = r"finger|gripper|knuckle|jaw|claw|thumb"
 """Parts of the names of joints that move a hand."""
 
+LEFT = re.compile(r"left|(?:^|_)l(?:_|$)", re.IGNORECASE)
+"""In the name of a flange: that of the left arm."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moving:
@@ -105,6 +108,11 @@ class _Tree:
         """How many joints of the longest chain that begins with a joint have a motor."""
         beyond = max(map(self._longest, self._onward(joint.child)), default=0)
         return beyond + self._is_driven(joint)
+
+
+def right_first(flanges: Sequence[str]) -> tuple[str, ...]:
+    """The flanges as they are, but those of left arms last."""
+    return tuple(sorted(flanges, key=lambda flange: bool(LEFT.search(flange))))
 
 
 def standing(
