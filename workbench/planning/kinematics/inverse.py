@@ -2,8 +2,8 @@
 
 Most six-axis arms have a closed form with up to 16 answers: EAIK finds it from the axes alone
 (Ostermeier, Külz and Althoff 2025, doi:10.1109/LRA.2025.3597897).  For all other arms answers
-are iterated (`Chain.solve`): from the starts of the caller, and, where these fail, from stored
-configurations whose tool is near the pose.
+are iterated (`Chain.solve`): from the starts of the caller, and from stored configurations whose
+tool is near the pose; for seven axes only where the starts bring no answer.
 """
 
 from dataclasses import dataclass, replace
@@ -32,6 +32,9 @@ STORED = 20_000
 NEAR = 96
 """Stored configurations that are iterated from where the caller's starts bring no answer."""
 
+NEAR_OF_SIX = 256
+"""The same for six axes without a closed form, always: their up to 16 branches are all wanted."""
+
 TURN_LENGTH = 0.15
 """[m] What a rotation counts as distance: the norm of the difference of two matrices times this."""
 
@@ -41,6 +44,9 @@ POLISH = 8
 MOST_TURNS = 4
 """Answers that differ by whole turns of joints, at most for one answer of the closed form: an arm
 whose six joints turn twice has 64."""
+
+ITERATED_SAME = 1e-4
+"""[rad] Iterations that end this close to each other have found the same configuration."""
 
 AT_LIMIT = 1e-9
 """[rad] Rounding by which an answer may be beyond a joint limit."""
@@ -76,6 +82,10 @@ def configurations(
     starts, solver = np.atleast_2d(starts), _closed_form(chain)
     if solver is not None:
         return _by_closed_form(chain, solver, T_world_tcp, starts, turns)
+    if len(chain.axes) == 6:
+        starts = np.vstack([starts, _stored(_key(chain)).near(T_world_tcp, NEAR_OF_SIX)])
+        found = _answers(*chain.solve(T_world_tcp, starts), is_complete=False)
+        return replace(found, q=_distinct(found.q, ITERATED_SAME))
     answers, residuals = chain.solve(T_world_tcp, starts)
     if not is_solution(residuals).any():
         near = _stored(_key(chain)).near(T_world_tcp, NEAR)
@@ -186,9 +196,9 @@ def _turned(q: Floats, chain: Chain, home: Floats, most: int) -> Floats:
     return every[np.argsort(far, kind="stable")[:most]]
 
 
-def _distinct(q: Floats) -> Floats:
-    """Rows (k, n) [rad] that are not the same as one before: two branches meet where arms fold."""
-    alike = np.abs(q[:, None] - q[None]).max(axis=2) < 1e-6
+def _distinct(q: Floats, same: float = 1e-6) -> Floats:
+    """Rows (k, n) [rad] that no row before is the same as: two branches meet where arms fold."""
+    alike = np.abs(q[:, None] - q[None]).max(axis=2) < same
     return q[~np.tril(alike, -1).any(axis=1)]
 
 
