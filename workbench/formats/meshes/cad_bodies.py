@@ -42,7 +42,8 @@ UNITS_OF_3MF = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """Triangles in a file's unit, in the body's own frame; `T` (4, 4) places them in the file's."""
+    """Triangles in a file's unit, in the body's own frame; `T` (4, 4), its shift in
+    that unit, places them in the file's."""
 
     name: str
     mesh: Mesh

@@ -13,7 +13,7 @@ class Edges:
 
     `sides` (3m, 2) are corners as the triangles run, `owner` (3m,) the triangle, `number` (3m,) the
     edge that a side lies on; `times` (e,) how many sides an edge has, `runs` (e,) how many more of
-    them run one way than the other.
+    them run one way than the other: numbers without a unit.
     """
 
     def __init__(self, triangles: Ints, points: int):
@@ -31,12 +31,12 @@ class Edges:
 
     @property
     def open_sides(self) -> Ints:
-        """The sides (k,) that no other triangle has."""
+        """The numbers of the sides (k,) that no other triangle has, no unit."""
         return np.flatnonzero(self.times[self.number] == 1)
 
 
 def connected(rows: Ints, columns: Ints, count: int) -> Ints:
-    """Which of `count` nodes hang together by edges (m,) from `rows` to `columns`: labels (n,)."""
+    """Which of `count` nodes hang together by edges (m,) from `rows` to `columns`: labels (n,), no unit."""
     from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
     from scipy.sparse.csgraph import connected_components
 
@@ -45,7 +45,7 @@ def connected(rows: Ints, columns: Ints, count: int) -> Ints:
 
 
 def shell_of(mesh: Mesh) -> Ints:
-    """The number of the shell of each triangle (m,), counted from 0.
+    """The number of the shell of each triangle (m,), counted from 0, no unit.
 
     Where several bodies touch along an edge, each triangle goes on in the one that bounds the same
     body.
@@ -96,7 +96,7 @@ def _around(mesh: Mesh, edges: Edges, at: Ints) -> Ints:
 
 
 def volumes_of(mesh: Mesh, shells: Ints) -> Floats:
-    """The volume of each shell [m3], below zero where it looks inward; no sense if it is open."""
+    """The volume of each shell (k,) [m3], below zero where it looks inward; no sense if it is open."""
     a, b, c = mesh.points[mesh.triangles.T]
     middle = mesh.points.mean(axis=0)
     volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
@@ -113,7 +113,7 @@ def _boxes(mesh: Mesh, shells: Ints) -> tuple[Floats, Floats]:
 
 
 def shells_of(mesh: Mesh) -> tuple[Ints, Ints]:
-    """The shell of each triangle (m,), and for each shell (k,) that of the solid it bounds.
+    """The number of each triangle's shell (m,), and for each (k,) that of its solid, no unit.
 
     A shell that looks inward bounds the hollow of the smallest shell around it.
     """
@@ -130,7 +130,7 @@ def shells_of(mesh: Mesh) -> tuple[Ints, Ints]:
 
 
 def inward(mesh: Mesh) -> Bools:
-    """Which triangles (m,) belong to shells that look inward, hollows left out."""
+    """Which triangles (m,) belong to shells that look inward, no unit; hollows left out."""
     shells, outer = shells_of(mesh)
     volumes = volumes_of(mesh, shells)
     is_inward = (volumes < 0) & (outer == np.arange(len(outer)))
