@@ -42,8 +42,10 @@ UNITS_OF_3MF = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """Triangles in a file's unit, in the body's own frame; `T` (4, 4), its shift in
-    that unit, places them in the file's."""
+    """Triangles in a file's unit, in the body's own frame.
+
+    `T` (4, 4), its shift in that unit, places them in the file's frame.
+    """
 
     name: str
     mesh: Mesh

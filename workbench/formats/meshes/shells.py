@@ -13,7 +13,7 @@ class Edges:
 
     `sides` (3m, 2) are corners as the triangles run, `owner` (3m,) the triangle, `number` (3m,) the
     edge that a side lies on; `times` (e,) how many sides an edge has, `runs` (e,) how many more of
-    them run one way than the other: numbers without a unit.
+    them run one way than the other; no unit.
     """
 
     def __init__(self, triangles: Ints, points: int):
@@ -36,7 +36,7 @@ class Edges:
 
 
 def connected(rows: Ints, columns: Ints, count: int) -> Ints:
-    """Which of `count` nodes hang together by edges (m,) from `rows` to `columns`: labels (n,), no unit."""
+    """Labels (n,), no unit, of nodes that hang together by edges (m,) from `rows` to `columns`."""
     from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
     from scipy.sparse.csgraph import connected_components
 
@@ -96,7 +96,7 @@ def _around(mesh: Mesh, edges: Edges, at: Ints) -> Ints:
 
 
 def volumes_of(mesh: Mesh, shells: Ints) -> Floats:
-    """The volume of each shell (k,) [m3], below zero where it looks inward; no sense if it is open."""
+    """The volumes (k,) [m3] of closed shells (m,), no unit; below zero where one looks inward."""
     a, b, c = mesh.points[mesh.triangles.T]
     middle = mesh.points.mean(axis=0)
     volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
@@ -113,7 +113,7 @@ def _boxes(mesh: Mesh, shells: Ints) -> tuple[Floats, Floats]:
 
 
 def shells_of(mesh: Mesh) -> tuple[Ints, Ints]:
-    """The number of each triangle's shell (m,), and for each (k,) that of its solid, no unit.
+    """Numbers, no unit: each triangle's shell (m,), and for each shell (k,) that of its solid.
 
     A shell that looks inward bounds the hollow of the smallest shell around it.
     """
