@@ -15,7 +15,7 @@ from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import is_file, read_whole
 from workbench.formats.files.xml_elements import Element, read_xml
 from workbench.formats.klampt.robots import read_rob
-from workbench.formats.meshes.convex_pieces import split_pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import split_pieces_of
 from workbench.formats.meshes.reading import LARGEST_MESH, read_mesh
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.cell import Fixture

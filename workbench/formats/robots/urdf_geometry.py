@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.formats.files.whole_files import PointerError
 from workbench.formats.files.xml_elements import Element
-from workbench.formats.meshes.convex_pieces import hull_of
+from workbench.formats.meshes.pieces.convex_pieces import hull_of
 from workbench.formats.meshes.reading import WrongUnit, read_mesh
 from workbench.formats.robots.mesh_places import MissingMesh, mesh_file
 from workbench.formats.robots.packages import Packages

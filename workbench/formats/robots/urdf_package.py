@@ -7,7 +7,7 @@ from pathlib import Path
 import pinocchio as pin
 
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
-from workbench.formats.meshes.convex_pieces import split_pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import split_pieces_of
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_writer import joint_element, numbers, write_xml
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere

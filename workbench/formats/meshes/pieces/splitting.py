@@ -15,9 +15,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from workbench.formats.meshes.cutting import bounded, hull_mesh
+from workbench.formats.meshes.pieces.cutting import bounded, hull_mesh
+from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.formats.meshes.reading import convex_hull
-from workbench.formats.meshes.surfaces import Surface
 from workbench.model.geometry import Floats, Mesh
 
 ON_HULL = 500

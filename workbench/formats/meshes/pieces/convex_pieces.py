@@ -39,7 +39,7 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
 
     def cut() -> Arrays | None:
         # It takes a while to import, and is seldom needed.
-        from workbench.formats.meshes import cutting
+        from workbench.formats.meshes.pieces import cutting
 
         found = cutting.cut(mesh, tolerance, most)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
@@ -61,7 +61,7 @@ def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces |
     """
 
     def cut() -> Arrays | None:
-        from workbench.formats.meshes import splitting
+        from workbench.formats.meshes.pieces import splitting
 
         found = splitting.split(mesh, tolerance, most)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
@@ -77,7 +77,7 @@ def hull_of(mesh: Mesh) -> Mesh | None:
     """
 
     def made() -> Arrays | None:
-        from workbench.formats.meshes import cutting
+        from workbench.formats.meshes.pieces import cutting
 
         hull = cutting.hull(mesh)
         return hull and packed([hull])
