@@ -133,13 +133,15 @@ class Mesh:
     """Triangles; `points` (n, 3) [m], `triangles` (m, 3) indices, counter-clockwise outside.
 
     `is_convex` says that the triangles bound a convex body, which the collision checker may
-    then treat as solid.
+    then treat as solid.  Where such a body has `pieces`, convex meshes in its frame, it only goes
+    around these: what comes too near to it is looked at with each of them.
     """
 
     points: Floats
     triangles: Ints
     is_convex: bool = False
     kind: Literal["mesh"] = field(default="mesh", init=False)
+    pieces: "tuple[Mesh, ...]" = field(default_factory=tuple, metadata={"later": True})
 
     def __post_init__(self) -> None:
         put(
@@ -150,6 +152,11 @@ class Mesh:
 
 
 Shape = Box | Cylinder | Capsule | Sphere | Mesh
+
+
+def pieces_of(shape: Shape) -> tuple[Shape, ...]:
+    """The convex pieces that a shape goes around; where it has none, itself."""
+    return (isinstance(shape, Mesh) and shape.pieces) or (shape,)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -268,24 +268,6 @@ def coal_shape(shape: Shape) -> coal.CollisionGeometry:
             return surface
 
 
-def gap_of(one: tuple[Shape, pin.SE3], other: tuple[Shape, pin.SE3], far: float = np.inf) -> float:
-    """The distance [m] of two bodies in the world, negative inside; at least `far` beyond that."""
-    (shape, T), (bed, U) = one, other
-    around, about = hull(shape), hull(bed)
-    offset = U.rotation.T @ (T.act(around.centre) - U.act(about.centre))
-    apart = np.linalg.norm(np.maximum(np.abs(offset) - about.half, 0.0)) - around.radius
-    if apart >= far:
-        return float(apart)
-    return coal.distance(
-        coal_shape(shape),
-        coal.Transform3s(T.rotation, T.translation),
-        coal_shape(bed),
-        coal.Transform3s(U.rotation, U.translation),
-        coal.DistanceRequest(),
-        coal.DistanceResult(),
-    )
-
-
 def _measure_aslant_first() -> None:
     """Let Coal fix, for this process, that boxes are as large as they are.
 

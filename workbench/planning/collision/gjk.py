@@ -6,7 +6,8 @@ bound of the distance from below (a plane between the bodies) and from above (tw
 them); the search ends as soon as these tell on which side of the two limits it lies.
 
 A body is a core, the corners of a convex polyhedron or an upright cylinder, swollen by a radius:
-so boxes, cylinders, capsules, balls and convex meshes are all the same to it.
+so boxes, cylinders, capsules, balls and convex meshes are all the same to it.  Where a body goes
+around pieces, and is itself not clear, each of them is such a core.
 """
 
 from collections.abc import Mapping
@@ -28,6 +29,7 @@ from workbench.model.geometry import (
     Shape,
     Sphere,
 )
+from workbench.planning.collision.bodies import extent
 from workbench.planning.collision.bounds import Drift, nearing
 
 TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
@@ -48,6 +50,10 @@ class Cores(NamedTuple):
     from `start[g]` on.  A cylinder has none but `radius[g]` and `length[g]` (half of it).
     `swell` (b,) [m] grows every core.  `known` (b,) is False for bodies that are not convex;
     `form` (b,) is `BALL`, `BOX` or `CYLINDER` for these, and `OTHER`.
+
+    After the bodies' own cores come those of their pieces, which are seen from the body's centre
+    as well: `pieces[g]` of body g from `first[g]` on.  Around each core n are a box, `middle`
+    (n, 3) and `halves` (n, 3) [m] in the body's frame, and a ball of radius `ball` (n,) [m].
     """
 
     corners: Floats
@@ -58,14 +64,24 @@ class Cores(NamedTuple):
     swell: Floats
     known: Bools
     form: Ints
+    first: Ints
+    pieces: Ints
+    middle: Floats
+    halves: Floats
+    ball: Floats
 
 
 def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
     """The cores of shapes, each seen from its centre (3,) [m] in its own frame."""
-    cores = [_core_of(shape) for shape in shapes]
-    corners = [points - centre for (points, *_), centre in zip(cores, centres, strict=True)]
+    pieces = [shape.pieces if isinstance(shape, Mesh) else () for shape in shapes]
+    every = [*shapes, *(piece for some in pieces for piece in some)]
+    number = np.array([len(some) for some in pieces], dtype=np.int64)
+    seen_from = np.concatenate([centres, np.repeat(centres, number, axis=0)])
+    cores = [_core_of(shape) for shape in every]
+    corners = [points - centre for (points, *_), centre in zip(cores, seen_from, strict=True)]
     count = np.array([len(points) for points in corners], dtype=np.int64)
     numbers = np.array([rest for _, *rest in cores])
+    extents = [extent(shape) for shape in every]
     return Cores(
         np.ascontiguousarray(np.vstack(corners)),
         np.cumsum(count) - count,
@@ -73,8 +89,13 @@ def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
         numbers[:, 0].copy(),
         numbers[:, 1].copy(),
         numbers[:, 2].copy(),
-        numbers[:, 3] > 0,
+        numbers[: len(shapes), 3] > 0,
         np.array([_FORMS.get(type(shape), OTHER) for shape in shapes]),
+        len(shapes) + np.cumsum(number) - number,
+        number,
+        np.array([centre for centre, _, _ in extents]) - seen_from,
+        np.array([half for _, half, _ in extents]),
+        np.array([radius for _, _, radius in extents]),
     )
 
 
@@ -148,15 +169,73 @@ def side_within(
     That is `low` and by how much they can come nearer along the direction in which they are apart;
     `half` (b, 3) [m] are half the sizes of all bodies' boxes.
     """
-    low += cores.swell[a] + cores.swell[b]
+    answer = _side_of(a, a, b, b, R, c, half, cores, low, drift, W)
+    one, other = cores.pieces[a], cores.pieces[b]
+    if answer == CLEAR or one + other == 0:
+        return answer
+    answer, needed = CLEAR, low + drift.most
+    for m in range(max(one, 1)):
+        k = cores.first[a] + m if one else a
+        if one and _is_beyond(a, k, b, b, R, c, cores, needed):
+            continue
+        for n in range(max(other, 1)):
+            i = cores.first[b] + n if other else b
+            if _is_beyond(b, i, a, k, R, c, cores, needed):
+                continue
+            if one and other and _is_beyond(a, k, b, i, R, c, cores, needed):
+                continue
+            found = _side_of(a, k, b, i, R, c, half, cores, low, drift, W)
+            if found == TOUCHES:
+                return TOUCHES
+            if found == UNCLEAR:
+                answer = UNCLEAR
+    return answer
+
+
+@njit(cache=True)
+def _is_beyond(
+    a: int, k: int, b: int, i: int, R: Floats, c: Floats, cores: Cores, needed: float
+) -> bool:
+    """Whether the ball around core k of body a is `needed` [m] from the box around core i of b."""
+    square, away = 0.0, np.empty(3)
+    for m in range(3):
+        away[m] = c[a, m] - c[b, m]
+        for n in range(3):
+            away[m] += R[a, m, n] * cores.middle[k, n]
+    for m in range(3):
+        along = -cores.middle[i, m]
+        for n in range(3):
+            along += R[b, n, m] * away[n]
+        out = max(abs(along) - cores.halves[i, m], 0.0)
+        square += out * out
+    reach = cores.ball[k] + needed
+    return bool(reach < 0.0 or square >= reach * reach)
+
+
+@njit(cache=True)
+def _side_of(
+    a: int,
+    k: int,
+    b: int,
+    i: int,
+    R: Floats,
+    c: Floats,
+    half: Floats,
+    cores: Cores,
+    low: float,
+    drift: Drift,
+    W: Floats,
+) -> int:
+    """As `side_within`, of core k of body a and core i of body b."""
+    low += cores.swell[k] + cores.swell[i]
     x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
     if x * x + y * y + z * z < 1e-18:
         x = 1.0
     n = 0
     below = -1.0
     for _ in range(MOST_STEPS):
-        _support(a, R, c, cores, -x, -y, -z, 1.0, W, 4)
-        _support(b, R, c, cores, x, y, z, -1.0, W, 4)
+        _support(a, k, R, c, cores, -x, -y, -z, 1.0, W, 4)
+        _support(b, i, R, c, cores, x, y, z, -1.0, W, 4)
         norm = np.sqrt(x * x + y * y + z * z)
         plane = (x * W[4, 0] + y * W[4, 1] + z * W[4, 2]) / norm
         below = max(below, plane)
@@ -166,8 +245,8 @@ def side_within(
         # Nothing further in this direction: the point found before is the nearest.
         if n > 0 and (norm - below <= CLOSE_ENOUGH or _is_known(W, n)):
             break
-        for i in range(3):
-            W[n, i] = W[4, i]
+        for m in range(3):
+            W[n, m] = W[4, m]
         n = _nearest(W, n + 1)
         if n == 0:
             return TOUCHES  # the origin is inside: the cores meet
@@ -185,6 +264,7 @@ def side_within(
 @njit(cache=True)
 def _support(
     g: int,
+    n: int,
     R: Floats,
     c: Floats,
     cores: Cores,
@@ -195,20 +275,20 @@ def _support(
     W: Floats,
     row: int,
 ) -> None:
-    """Put the point of a core furthest along (x, y, z) into a row of W, or take it from it."""
+    """Put the point of core n of body g furthest along (x, y, z) in a row of W, or take it off."""
     u = R[g, 0, 0] * x + R[g, 1, 0] * y + R[g, 2, 0] * z
     v = R[g, 0, 1] * x + R[g, 1, 1] * y + R[g, 2, 1] * z
     w = R[g, 0, 2] * x + R[g, 1, 2] * y + R[g, 2, 2] * z
-    if cores.size[g] == 0:
+    if cores.size[n] == 0:
         flat = np.sqrt(u * u + v * v)
         if flat > 1e-12:
-            px, py = u / flat * cores.radius[g], v / flat * cores.radius[g]
+            px, py = u / flat * cores.radius[n], v / flat * cores.radius[n]
         else:
             px, py = 0.0, 0.0
-        pz = cores.length[g] if w >= 0 else -cores.length[g]
+        pz = cores.length[n] if w >= 0 else -cores.length[n]
     else:
-        best, at = -1e30, cores.start[g]
-        for k in range(cores.start[g], cores.start[g] + cores.size[g]):
+        best, at = -1e30, cores.start[n]
+        for k in range(cores.start[n], cores.start[n] + cores.size[n]):
             along = cores.corners[k, 0] * u + cores.corners[k, 1] * v + cores.corners[k, 2] * w
             if along > best:
                 best, at = along, k

@@ -16,6 +16,7 @@ from workbench.planning.collision import bodies
 from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.measuring import distance, has_pieces
 from workbench.planning.collision.pairing import Phase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
@@ -377,7 +378,11 @@ class World:
         return close
 
     def _distance(self, k: int) -> float:
-        return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
+        if not self._has_pieces[k]:
+            return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
+        one, other = int(self._pairing.first[k]), int(self._pairing.second[k])
+        shapes, poses = self._bodies, self._data.oMg
+        return distance(shapes[one].shape, poses[one], shapes[other].shape, poses[other])
 
     def _labels(self, k: int) -> tuple[str, str]:
         first, second = self._pairing.first[k], self._pairing.second[k]
@@ -394,5 +399,7 @@ class World:
         cores = cores_of([body.shape for body in self._bodies], self._centre)
         first, second = self._pairing.first, self._pairing.second
         self._is_rolled = bodies.are_rolled(self._bodies, self.detections, first, second)
+        divided = np.array([has_pieces(body.shape) for body in self._bodies])
+        self._has_pieces = divided[first] | divided[second]
         self._is_easy = cores.known[first] & cores.known[second]
         self._model = Model(self.kinematics.tree, self._boxes, first, second, cores)

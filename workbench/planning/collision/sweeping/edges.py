@@ -91,7 +91,10 @@ def no_edges(count: int) -> Edges:
     one, flat = np.zeros((1, 3)), np.zeros(0)
     tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), one, one, np.zeros(1))
     boxes = Boxes(whole, np.zeros((0, 3, 3)), none, none, flat)
-    cores = Cores(none, whole, whole, flat, flat, flat, np.zeros(0, np.bool_), whole)
+    known = np.zeros(0, np.bool_)
+    cores = Cores(
+        none, whole, whole, flat, flat, flat, known, whole, whole, whole, none, none, flat
+    )
     model = Model(tree, boxes, whole, whole, cores)
     scratch = scratch_for(whole, np.zeros(count), tree, boxes, cores)
     scratch = scratch._replace(pending=np.zeros((1, 3, count)), middle=np.zeros(count))
