@@ -5,6 +5,7 @@ A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so th
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -187,3 +188,12 @@ class Solid:
             case Mesh(points=points):
                 T = self.T_owner_shape
                 return float(np.linalg.norm(points @ T.rotation.T + T.translation, axis=1).max())
+
+
+def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:
+    """Solids, and in place of those that only go around pieces these pieces."""
+    return tuple(
+        Solid(one.name, shape, one.T_owner_shape, one.colour)
+        for one in solids
+        for shape in pieces_of(one.shape)
+    )

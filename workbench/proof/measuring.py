@@ -45,10 +45,11 @@ def measured(one: Placed, other: Placed) -> coal.DistanceResult:
     """How far two shapes are apart, where they are nearest: their pieces, where they have some."""
     (shape, T), (bed, U) = one, other
     mine, its = _pieces(shape), _pieces(bed)
-    order, least = _nearest_first(mine, its, T.actInv(U))
-    at, where = coal.Transform3s(T.rotation, T.translation), coal.Transform3s(U.rotation, U.translation)
+    least = _apart_at_least(mine, its, T.actInv(U))
+    at, where = (coal.Transform3s(one.rotation, one.translation) for one in (T, U))
     best: coal.DistanceResult | None = None
-    for i, j in order:
+    for k in np.argsort(least, axis=None):
+        i, j = divmod(int(k), least.shape[1])
         if best is not None and least[i, j] >= best.min_distance:
             break
         found = coal.DistanceResult()
@@ -60,8 +61,8 @@ def measured(one: Placed, other: Placed) -> coal.DistanceResult:
     return best
 
 
-def _nearest_first(one: _Pieces, other: _Pieces, T: pin.SE3) -> tuple[list[tuple[int, int]], Floats]:
-    """All pairs of pieces, nearest first, and how far they are apart at least (n, m) [m].
+def _apart_at_least(one: _Pieces, other: _Pieces, T: pin.SE3) -> Floats:
+    """How far pieces are apart at least (n, m) [m]: the box around each, the ball around the other.
 
     `T` is the pose of the other shape in the frame of the one.
     """
@@ -69,12 +70,10 @@ def _nearest_first(one: _Pieces, other: _Pieces, T: pin.SE3) -> tuple[list[tuple
     ours = (one.centres - T.translation) @ T.rotation
     beside = np.maximum(np.abs(theirs - one.centres[:, None]) - one.halves[:, None], 0.0)
     besides = np.maximum(np.abs(ours[:, None] - other.centres) - other.halves, 0.0)
-    least = np.maximum(
+    return np.maximum(
         np.sqrt((beside**2).sum(axis=2)) - other.radii,
         np.sqrt((besides**2).sum(axis=2)) - one.radii[:, None],
     )
-    rows, columns = np.unravel_index(np.argsort(least, axis=None), least.shape)
-    return list(zip(rows.tolist(), columns.tolist(), strict=True)), least
 
 
 def gap_of(one: Placed, other: Placed, far: float = np.inf) -> float:

@@ -213,7 +213,8 @@ def _lines(
     yield f"name = {json.dumps(name)}"
     yield f"mass_g = {max(mass * 1000, 0.001):.6g}"
     yield "# friction = 0.4     # against pads or cup: stated, grips are checked for its weight"
-    yield f"tolerance_mm = {tolerance_of(imported.mesh) * 1000:.3g}     # the bodies used for distances may be this much larger"
+    tolerance = f"{tolerance_of(imported.mesh) * 1000:.3g}"
+    yield f"tolerance_mm = {tolerance}     # by so much may bodies for distances be too large"
     yield ""
     yield f"# The surface that the scanner sees, {imported.surface.triangles} triangles."
     yield from ("[mesh]", f'file = "{name}.stl"', 'unit = "mm"', "")

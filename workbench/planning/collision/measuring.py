@@ -42,7 +42,10 @@ def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = n
     Distances beyond `within` are not told apart.
     """
     a, b = _pieces(one), _pieces(other)
-    at, bt = coal.Transform3s(T.rotation, T.translation), coal.Transform3s(U.rotation, U.translation)
+    at, bt = (
+        coal.Transform3s(T.rotation, T.translation),
+        coal.Transform3s(U.rotation, U.translation),
+    )
     if len(a.radii) == len(b.radii) == 1:
         return _measured(a.geometries[0], at, b.geometries[0], bt)
     seen = T.actInv(U)
@@ -56,8 +59,8 @@ def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = n
         np.linalg.norm(np.maximum(from_other, 0.0), axis=2) - a.radii[:, None],
     )
     best = within
-    for k in np.argsort(least, axis=None).tolist():
-        i, j = divmod(k, len(b.radii))
+    for k in np.argsort(least, axis=None):
+        i, j = divmod(int(k), len(b.radii))
         if least[i, j] >= best:
             break
         best = min(best, _measured(a.geometries[i], at, b.geometries[j], bt))

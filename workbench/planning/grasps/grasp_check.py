@@ -124,9 +124,7 @@ class GraspChecker:
                     radius,
                 )
             )
-        self._pieces = [
-            (piece.shape, piece.T_owner_shape, *_ball(piece)) for piece in part.pieces
-        ]
+        self._pieces = [(piece.shape, piece.T_owner_shape, *_ball(piece)) for piece in part.pieces]
 
     def clearance(
         self, T_part_tcp: pin.SE3, opening: float, within: float = np.inf

@@ -21,6 +21,11 @@ SAME = 1e-6
 THICK = 5e-5
 """[m] Half the thickness of the hull of something flat."""
 
+FINE = 0.5
+"""Of a tolerance: so far apart, about, are points at which a hull is looked at."""
+FEWEST, MOST = 50, 4_000
+"""Such points, at least and at most."""
+
 ROWS = 0.754877666246693, 0.569840290998053
 """Multiples of these, less their whole parts, fill a square evenly (Roberts, R2 sequence)."""
 
@@ -87,6 +92,17 @@ def hull_of(points: Floats) -> ConvexHull:
 def together(one: ConvexHull, other: ConvexHull) -> ConvexHull:
     """The hull of two hulls."""
     return ConvexHull(np.vstack([hull.points[hull.vertices] for hull in (one, other)]))
+
+
+def area_of(triangles: Floats) -> float:
+    """The area of triangles (n, 3, 3) [m], in m2."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
+
+
+def points_for(area: float, tolerance: float) -> int:
+    """How many points are looked at on so much surface [m2] for a tolerance [m]."""
+    return int(np.clip(area / (FINE * tolerance) ** 2, FEWEST, MOST))
 
 
 def points_on(triangles: Floats, count: int) -> tuple[Floats, Ints]:

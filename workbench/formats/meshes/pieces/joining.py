@@ -7,17 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from workbench.formats.meshes.pieces.hulls import outside, points_on, together
+from workbench.formats.meshes.pieces.hulls import area_of, outside, points_for, points_on, together
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.model.geometry import Floats
 
 APART = 1e-6
 """[m] Hulls that are no further apart may touch, and a corner no further away lies on one."""
 
-FINE = 0.5
-"""Of the tolerance: so far apart, about, are points at which a common hull is looked at."""
-FEWEST, MOST = 50, 2_000
-"""Such points of a pair."""
+FEW = 50
+"""Points that show most common hulls to be too large."""
 
 ENOUGH = 0.5
 """Of the tolerance: distances below it need not be known closer."""
@@ -63,9 +61,9 @@ def joined(
         if not left.keys() >= set(pair.numbers):
             continue
         if not pair.is_measured:
-            points = _new_points(pair.both, [left[number] for number in pair.numbers], tolerance)
-            far = surface.farthest(points, ENOUGH * tolerance)[0] if len(points) else 0.0
-            pair.excess, pair.is_measured = max(pair.excess, far), True
+            faces = _new_faces(pair.both, [left[number] for number in pair.numbers])
+            pair.excess = max(pair.excess, _excess(faces, surface, tolerance))
+            pair.is_measured = True
             heapq.heappush(queue, pair)
             continue
         for number in pair.numbers:
@@ -94,16 +92,20 @@ def _pairs(hulls: dict[int, ConvexHull], number: int, hull: ConvexHull) -> Itera
         yield _Pair(gap, (numbers[k], number), both)
 
 
-def _new_points(both: ConvexHull, parts: list[ConvexHull], tolerance: float) -> Floats:
-    """Points (n, 3) [m] on those faces of a common hull that no part has."""
+def _new_faces(both: ConvexHull, parts: list[ConvexHull]) -> Floats:
+    """The faces (n, 3, 3) [m] of a common hull that no part has."""
     is_new = np.ones(len(both.simplices), bool)
     for part in parts:
         is_on = outside(part, both.points) <= APART
         is_new &= ~is_on[both.simplices].all(axis=1)
-    if not is_new.any():
-        return np.empty((0, 3))
-    corners = both.points[both.simplices[is_new]]
-    a, b, c = np.moveaxis(corners, 1, 0)
-    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
-    count = int(np.clip(area / (FINE * tolerance) ** 2, FEWEST, MOST))
-    return points_on(corners, count)[0]
+    return both.points[both.simplices[is_new]]
+
+
+def _excess(faces: Floats, surface: Surface, tolerance: float) -> float:
+    """How far faces (n, 3, 3) [m] lie outside of a surface at most [m], or some of them too far."""
+    far = 0.0
+    for count in (FEW, points_for(area_of(faces), tolerance)) if len(faces) else ():
+        far = surface.farthest(points_on(faces, count)[0], ENOUGH * tolerance)[0]
+        if far > tolerance:
+            break
+    return far

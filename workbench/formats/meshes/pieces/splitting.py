@@ -13,10 +13,12 @@ from scipy.spatial import ConvexHull, QhullError
 
 from workbench.formats.meshes.pieces.hulls import (
     MOST_CORNERS,
+    area_of,
     bounded,
     hull_mesh,
     hull_of,
     outside,
+    points_for,
     points_on,
 )
 from workbench.formats.meshes.pieces.joining import APART, joined
@@ -29,9 +31,6 @@ ON_HULL = 400
 """Points on a hull at which its distance from the mesh is measured while it is split."""
 IN_CLOUD = 400
 """Points on a part of the surface, by which planes are compared."""
-IN_END = 2_000
-"""Points on each hull at which it is measured in the end."""
-
 SPACING = 0.5
 """Of the tolerance: how far apart points on the surface are, by which distances are found."""
 
@@ -59,6 +58,9 @@ HOLLOW = 0.9
 THINNEST = 0.2
 """What is cut off is thicker than this share of the tolerance."""
 
+SEEN, MOST_SEEN = 0.0005, 100_000
+"""[m] The tolerance for which bodies that others have made are looked at; at so many points."""
+
 KNOWN = 0.1
 """Share of the tolerance to which the excess is known in the end."""
 
@@ -73,6 +75,7 @@ class _Piece:
 
     soup: Floats
     surface: Surface
+    tolerance: float
     hull: ConvexHull = field(init=False)
     excess: float = field(init=False)
     hollow: Floats = field(init=False)
@@ -80,9 +83,14 @@ class _Piece:
 
     def __post_init__(self) -> None:
         self.hull = hull_of(np.unique(self.soup.reshape(-1, 3), axis=0))
-        points, of = points_on(self.hull.points[self.hull.simplices], ON_HULL)
-        self.excess, at = self.surface.farthest(points)
-        self.hollow, self.normal = points[at], self.hull.equations[of[at], :3]
+        faces = self.hull.points[self.hull.simplices]
+        # A few points show most hulls to be too large; only of the others it has to be known.
+        for count in (ON_HULL, points_for(self.hull.area, self.tolerance)):
+            points, of = points_on(faces, count)
+            self.excess, at = self.surface.farthest(points)
+            self.hollow, self.normal = points[at], self.hull.equations[of[at], :3]
+            if self.excess > HOLLOW * self.tolerance:
+                break
 
 
 def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], float] | None:
@@ -96,9 +104,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
     whole = convex_hull(mesh)
     if whole is None:
         return None
-    surface = Surface(
-        np.asarray(mesh.points)[np.asarray(mesh.triangles)], spacing=SPACING * tolerance
-    )
+    surface = _surface_of(mesh, tolerance)
     pieces = (_with_few_corners(np.asarray(whole.points), tolerance),)
     excess = _excess(pieces, surface, tolerance)
     if excess <= tolerance or most < 2:
@@ -120,9 +126,7 @@ def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -
     Returns:
         Hulls with the pieces that they go around; a piece that is alone is none's.
     """
-    surface = Surface(
-        np.asarray(mesh.points)[np.asarray(mesh.triangles)], spacing=SPACING * tolerance
-    )
+    surface = _surface_of(mesh, tolerance)
     hulls = joined([ConvexHull(piece.points) for piece in pieces], surface, tolerance, most)
     found: list[Mesh] = []
     left = list(pieces)
@@ -137,9 +141,16 @@ def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -
     return (*found, *left)
 
 
+def _surface_of(mesh: Mesh, tolerance: float) -> Surface:
+    """What of a mesh can be touched: faces within bodies would seem to have an outside there."""
+    triangles = np.asarray(mesh.points)[np.asarray(mesh.triangles)]
+    outer = Surface(triangles, spacing=SPACING * tolerance).outer()
+    return Surface(outer if len(outer) else triangles, spacing=SPACING * tolerance)
+
+
 def _split_hulls(surface: Surface, tolerance: float, most: int) -> list[ConvexHull]:
     """Hulls that cover the surface, each close to it, or `OVER` times `most` of them."""
-    open_ones = [_Piece(soup, surface) for soup in bodies(surface.outer(), most)]
+    open_ones = [_Piece(soup, surface, tolerance) for soup in bodies(surface.triangles, most)]
     done: list[_Piece] = []
     while open_ones:
         worst = max(open_ones, key=lambda piece: piece.excess)
@@ -157,10 +168,20 @@ def _with_few_corners(points: Floats, tolerance: float) -> Mesh:
     return bounded(hull_mesh(points), most=MOST_CORNERS, close=(1 - HOLLOW) * tolerance)
 
 
+def excess_of(mesh: Mesh, faces: Floats) -> float:
+    """How far faces (n, 3, 3) [m] lie outside of a mesh at most [m], seen at points on them."""
+    surface = _surface_of(mesh, SEEN)
+    return surface.farthest(points_on(np.asarray(faces), MOST_SEEN)[0], KNOWN * SEEN)[0]
+
+
 def _excess(pieces: tuple[Mesh, ...], surface: Surface, tolerance: float) -> float:
     """How far the outside of all pieces lies from the mesh [m]."""
-    points = [points_on(piece.points[piece.triangles], IN_END)[0] for piece in pieces]
-    return surface.farthest(np.concatenate(points), KNOWN * tolerance)[0]
+    largest = 0.0
+    for piece in pieces:
+        faces = piece.points[piece.triangles]
+        points = points_on(faces, points_for(area_of(faces), tolerance))[0]
+        largest = max(largest, surface.farthest(points, max(largest, KNOWN * tolerance))[0])
+    return largest
 
 
 def _parted(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _Piece] | None:
@@ -191,7 +212,7 @@ def _parted(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, 
     below, above = clipped(piece.soup, plane)
     if not len(below) or not len(above):
         return None
-    return _Piece(below, surface), _Piece(above, surface)
+    return _Piece(below, surface, tolerance), _Piece(above, surface, tolerance)
 
 
 def _planes_through(piece: _Piece) -> Iterator[Plane]:

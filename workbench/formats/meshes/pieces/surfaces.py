@@ -2,7 +2,7 @@
 
 import numpy as np
 import trimesh
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, distance_transform_edt, label
 from scipy.spatial import KDTree
 
 from workbench.model.geometry import Bools, Floats, Ints
@@ -19,11 +19,14 @@ NEIGHBOURS = 6
 ALIKE = 1e-7
 """[m] Triangles whose distance differs by no more meet at the nearest place."""
 
+ALMOST = 0.95
+"""Points that are by this share as far as the farthest are about as far."""
+
 ROUGHLY = 0.1
 """Share by which a distance may be too large before it is found exactly."""
 
-CHUNK = 64
-"""Points whose distances are found at a time."""
+CHUNK, CHUNKS = 64, (100, 400, 0)
+"""Points whose distances are found at a time, and of which the nearest point is, the last all."""
 
 
 class Surface:
@@ -54,6 +57,8 @@ class Surface:
         label(~is_taken, output=regions)
         self._is_reached = regions == regions[0, 0, 0]
         self._is_taken = is_taken
+        # How far what is in a cell is from the nearest point in another one, at most.
+        self._away = self._cell * (distance_transform_edt(~is_taken) + np.sqrt(3))
 
     def outer(self) -> Floats:
         """The triangles (n, 3, 3) [m] that something outside could touch."""
@@ -63,26 +68,40 @@ class Surface:
         return self.triangles[is_outer]
 
     def farthest(self, points: Floats, enough: float = 0.0) -> tuple[float, int]:
-        """How far the farthest of points (n, 3) lies outside at most [m], and which it is.
+        """How far the farthest of points (n, 3) lies outside at most [m], and which it is, nearly.
 
         Args:
-            points: [m]
+            points: [m] of those that are about as far the first is told.
             enough: [m] what surely is no farther is not looked at closer.
         """
         is_at_surface = self._are(self._is_taken, points, elsewhere=False)
         counts = is_at_surface | self._are(self._is_reached, points, elsewhere=True)
-        known = np.zeros(len(points))
-        known[counts] = self._tree.query(points[counts], eps=ROUGHLY)[0]
-        order = np.argsort(-known)
-        farthest, at = 0.0, int(order[0])
-        for first in range(0, len(order), CHUNK):
-            some = order[first : first + CHUNK]
-            if known[some[0]] <= max(farthest, enough):
-                return max(farthest, float(known[some[0]])), at
-            away = self._distances(points[some], known[some], is_at_surface[some])
-            if away.max() > farthest:
-                farthest, at = float(away.max()), int(some[away.argmax()])
-        return farthest, at
+        cells = self._cells(points).clip(0, np.array(self._away.shape) - 1)
+        most = np.where(counts, self._away[tuple(cells.T)], 0.0)
+        order, last = np.argsort(-most, kind="stable"), 0
+        farthest, told, at = 0.0, 0.0, int(order[0])
+        for size in CHUNKS:
+            some = order[last : last + size] if size else order[last:]
+            last += len(some)
+            some = some[most[some] > max(farthest, enough)]
+            if not len(some):
+                break
+            known = np.asarray(self._tree.query(points[some], eps=ROUGHLY)[0])
+            most[some] = known
+            nearer = np.argsort(-known, kind="stable")
+            some, known = some[nearer], known[nearer]
+            for first in range(0, len(some), CHUNK):
+                part = slice(first, first + CHUNK)
+                if known[first] <= max(farthest, enough):
+                    break
+                which = some[part]
+                away = self._distances(points[which], known[part], is_at_surface[which])
+                most[which] = 0.0
+                farthest = max(farthest, float(away.max()))
+                if farthest > told / ALMOST:
+                    first_far = which[away >= ALMOST * farthest]
+                    told, at = farthest, int(first_far.min())
+        return max(farthest, min(enough, float(most.max()))), at
 
     def _distances(self, points: Floats, known: Floats, is_at_surface: Bools) -> Floats:
         """How far points (n, 3) lie outside [m], (n,); 0 inside, which counts `is_at_surface`."""
