@@ -144,6 +144,19 @@ def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     assert isinstance(read_urdf(path).link("base").visual[0].shape, Mesh)
 
 
+def test_a_mesh_that_another_machine_named_is_found_in_its_package(tmp_path: Path) -> None:
+    meshes = tmp_path / "my_robot" / "meshes"
+    meshes.mkdir(parents=True)
+    (tmp_path / "my_robot" / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (meshes / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(0.1))))
+    inner = tmp_path / "urdf"
+    inner.mkdir()
+    place = "/home/other/install/my_robot/share/my_robot/meshes/ball.stl"
+    for named in (f"file://{place}", place):
+        robot = read_urdf(with_mesh(inner, f'filename="{named}"'))
+        assert isinstance(robot.link("base").visual[0].shape, Mesh)
+
+
 def test_a_hull_with_a_corner_of_many_edges_can_be_checked(tmp_path: Path) -> None:
     trimesh.creation.cone(0.1, 0.2, sections=300).export(tmp_path / "cone.stl")
     path = with_mesh(tmp_path, 'filename="cone.stl"')
