@@ -134,6 +134,13 @@ def test_a_mesh_without_a_height_is_refused(tmp_path: Path) -> None:
         read_urdf(with_mesh(tmp_path, 'filename="ball.stl" scale="1 0 1"'))
 
 
+def test_half_a_mesh_is_said_to_be_cut_off(tmp_path: Path) -> None:
+    whole = stl_of(triangles_of(Sphere(0.1)))
+    (tmp_path / "ball.stl").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(FileError, match=r"is cut off: of 1280 triangles that it has, 639 are"):
+        read_urdf(with_mesh(tmp_path, 'filename="ball.stl"'))
+
+
 def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     inner = tmp_path / "my_robot" / "urdf"
     inner.mkdir(parents=True)

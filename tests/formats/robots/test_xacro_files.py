@@ -208,3 +208,10 @@ def test_an_empty_argument_that_leads_to_no_file_is_named(tmp_path):
     with pytest.raises(FileError, match=r"argument dof is '': --xacro dof:=VALUE"):
         link_names(path)
     assert link_names(path, dof="6") == ["base"]
+
+
+def test_a_file_that_is_not_there_is_no_fault_of_an_empty_argument(tmp_path):
+    body = '<xacro:arg name="prefix" default=""/>' + CALLS.format("gone.xacro")
+    with pytest.raises(FileError, match=r"there is no file .*gone\.xacro") as refused:
+        link_names(made_arm.written(tmp_path / "arm.xacro", xacro(body)))
+    assert "prefix" not in str(refused.value)

@@ -261,9 +261,11 @@ def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
         said += f" (in {above.name} there is {listed or 'nothing'})"
     arguments = _defaults(path) | given
     in_path = [name for name, value in arguments.items() if value in missing.parts]
-    if above is not None and missing.relative_to(above).parts[0] not in arguments.values():
-        # The part that is not there is no value alone: one that is empty made it.
-        in_path = [name for name, value in arguments.items() if not value] or in_path
+    if above is not None:
+        gap = missing.relative_to(above).parts[0]
+        if any(one.name.endswith(gap) and one.name != gap for one in above.iterdir()):
+            # Something belongs before it, which an argument that is empty should have been.
+            in_path = [name for name, value in arguments.items() if not value] or in_path
     if in_path:
         name = in_path[0]
         return f"{said}; its argument {name} is {shown(arguments[name])}: --xacro {name}:=VALUE"
