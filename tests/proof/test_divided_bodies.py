@@ -12,10 +12,11 @@ from scipy.spatial import ConvexHull
 
 from workbench.model.digest import canonical, digest_of
 from workbench.model.geometry import Box, Mesh, Sphere
-from workbench.planning.collision import measuring as planned
 from workbench.planning.collision.bodies import extent
-from workbench.planning.collision.gjk import CLEAR, TOUCHES, cores_of, side
-from workbench.proof import measuring as proven
+from workbench.planning.collision.distances import measuring as planned
+from workbench.planning.collision.distances.cores import cores_of
+from workbench.planning.collision.distances.gjk import CLEAR, TOUCHES, side
+from workbench.proof import bodies as proven
 
 
 def convex(points) -> Mesh:

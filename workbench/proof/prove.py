@@ -9,11 +9,10 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.proof.bodies import turned_pieces
+from workbench.proof.bodies import gap_of, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
 from workbench.proof.grasps.rolls import roll_violations
 from workbench.proof.grasps.taking import grasp_violations, pair_violations
-from workbench.proof.measuring import gap_of
 from workbench.proof.places.layers import kept_box, pallet_violations
 from workbench.proof.places.standing import standing_after
 from workbench.proof.robot import tree_of

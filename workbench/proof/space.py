@@ -8,9 +8,8 @@ import pinocchio as pin
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
-from workbench.proof.bodies import Body, coal_shape, hull
+from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measured
 from workbench.proof.frames import Bodies, Chain, levers, poses
-from workbench.proof.measuring import is_divided, measured
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
 

@@ -14,8 +14,8 @@ from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Ints, Solid
 from workbench.model.part import Grasp
 from workbench.planning.collision.bodies import extent, tool_shapes
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.legs import grips, openings
-from workbench.planning.collision.measuring import distance
 
 NOTHING = np.iinfo(np.int64).max
 """In place of the number of a pair: none is too close."""

@@ -16,8 +16,8 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
 from workbench.planning.collision.bodies import extent, part_label
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import NOTHING
-from workbench.planning.collision.measuring import distance
 from workbench.planning.collision.pairing import kept
 from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings

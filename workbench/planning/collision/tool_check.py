@@ -15,8 +15,8 @@ from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Grasp
 from workbench.planning.collision.around import Around, Places, first_contact, first_fits
 from workbench.planning.collision.bodies import tool_shapes
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import Hands, hands_of
-from workbench.planning.collision.measuring import distance
 from workbench.planning.collision.part_ways import kept_on_ways, steps_along
 from workbench.planning.collision.surroundings import Surroundings
 

@@ -10,7 +10,7 @@ from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Shape, Solid
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.bodies import extent
-from workbench.planning.collision.measuring import distance
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.firmness import (
     Firmness,

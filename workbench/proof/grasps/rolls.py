@@ -11,8 +11,7 @@ from workbench.model.geometry import Floats, Shape, Solid
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
-from workbench.proof.bodies import hull, roll_turns, still_of, turned_pieces
-from workbench.proof.measuring import gap_of
+from workbench.proof.bodies import gap_of, hull, roll_turns, still_of, turned_pieces
 from workbench.proof.robot import Tree
 from workbench.proof.stages import in_hand, tcp
 from workbench.proof.table import kept

@@ -11,8 +11,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Part, PartPlace
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.proof.bodies import roll_axis, still_of, turned_pieces
-from workbench.proof.measuring import gap_of
+from workbench.proof.bodies import gap_of, roll_axis, still_of, turned_pieces
 from workbench.proof.places.lying import place_offs
 from workbench.proof.places.standing import STEADY, middle_of, stands_within
 from workbench.proof.robot import Tree

@@ -11,8 +11,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import Part, Station
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
-from workbench.proof.bodies import still_of, turned_pieces
-from workbench.proof.measuring import gap_of
+from workbench.proof.bodies import gap_of, still_of, turned_pieces
 from workbench.proof.robot import Tree
 from workbench.proof.stages import put_at
 

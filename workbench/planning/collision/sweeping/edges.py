@@ -12,7 +12,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes
-from workbench.planning.collision.gjk import Cores
+from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.sweeping.groups import Groups, groups_of
 from workbench.planning.collision.sweeping.look import IS_CLEAR, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
