@@ -16,7 +16,7 @@ from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
 from workbench.model.symmetry import MOST_FOLD, Symmetry, SymmetryAxis
 
-MOST_PIECES = 256
+MOST_PIECES = 128
 """That a mesh is divided into."""
 
 MOST_GROUPS, GROUPED = 16, 10
