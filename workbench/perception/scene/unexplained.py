@@ -15,7 +15,7 @@ from numba import njit
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Floats, Ints, Solid
-from workbench.model.reach import reach
+from workbench.perception.scene.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
 from workbench.perception.scene.hidden import Room, hidden_columns
 from workbench.perception.scene.roofs import roofs_over
