@@ -12,7 +12,6 @@ from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import read_toml
 from workbench.model.errors import FileError
 
-
 LOADED = """mass_g = 230
 centre_of_gravity_mm = [8.2, 11.7, 52]
 inertia_kgm2 = [0.00021, 0.00024, 0.00009, 0.00001, 0, 0]

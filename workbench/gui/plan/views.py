@@ -7,7 +7,7 @@ from workbench.app.core.state import Outline, State, counted
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import floored, line, mm, sentence, short
-from workbench.model.plan import Strategy, count_taken, parts_taken, renumbered
+from workbench.model.plan import Plan, Strategy, count_taken, parts_taken, renumbered
 
 STAGES = {
     "propose": "grasps",
@@ -50,7 +50,25 @@ def _plan_html(state: State, number: int) -> str:
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
     note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
     small = f'<div class="wb-small" title="{escape(plan.digest)}">{escape(how)}</div>'
-    return f"{''.join(chips)}{small}{note}"
+    return f"{''.join(chips)}{small}{note}{_loads_html(state, plan)}"
+
+
+def _loads_html(state: State, plan: Plan) -> str:
+    """What the controller is told that each arm carries, or why it is told nothing."""
+    rows: list[str] = []
+    for one in plan.arms:
+        if one.loads is None:
+            tool = state.cell.arm(one.arm).tool.name
+            words = f"{one.arm}: no load is known; set mass_g of the tool {tool} in the cell file"
+            rows.append(words)
+            continue
+        rows.append(f"{one.arm}: the tool weighs {one.loads.tool.words}")
+        rows.append(f"{one.arm}: tool and part weigh {one.loads.carried(True).words}")
+    if not state.cell.controller.motion.takes_loads:
+        link = state.cell.controller.link
+        rows.append(f"The robot link {link} tells no load: set it on the controller")
+    lines = "".join(f'<div class="wb-small">{escape(row)}</div>' for row in rows)
+    return f"<div>{lines}</div>"
 
 
 def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]) -> str:
