@@ -32,13 +32,6 @@ class LoadData:
         """All eleven, in RAPID's order."""
         return (self.mass, *self.cog, *self.aom, *self.moments)
 
-    @property
-    def text(self) -> str:
-        """As a module in RAPID has it."""
-        mass, *rest = (f"{value:g}" for value in self.numbers)
-        cog, aom = ",".join(rest[:3]), ",".join(rest[3:7])
-        return f"[{mass},[{cog}],[{aom}],{','.join(rest[7:])}]"
-
 
 def load_data(load: Load) -> LoadData:
     """A load in the flange's frame, as a controller takes it."""

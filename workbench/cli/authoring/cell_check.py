@@ -11,7 +11,6 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.cell import CellCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
-from workbench.devices.abb_loads import load_data
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
@@ -76,7 +75,8 @@ def check_cell(typed: CellCheck) -> int:
     for arm, load in loads:
         if load is not None:
             print(f"{arm.name} arm, load of {arm.tool.name}: {load.words}")
-            print(f"  for an ABB controller, in the frame of tool0: {load_data(load).text}")
+            moments = ", ".join(f"{value:.3g}" for value in np.diag(load.inertia))
+            print(f"  its inertia about that, along the axes of the flange: {moments} kg m2")
     for note in notes:
         print(f"note: {note}")
     for problem in problems:

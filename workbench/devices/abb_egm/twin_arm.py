@@ -87,8 +87,9 @@ class TwinArm:
         if ticket != self._ticket or number <= at or command == wire.NONE or self._has_ended:
             return False
         self._order = said.orders[:6]
-        if command == wire.GRIP and len(said.orders) > LOAD and said.orders[LOAD] > 0:
-            self.load = said.orders[LOAD : LOAD + 11]
+        load = list(said.orders)[LOAD : LOAD + 11]
+        if command == wire.GRIP and load and load[0] > 0:
+            self.load = tuple(load)
         self._busy = GRIPPER if command == wire.GRIP else 1
         self.orders.append(self._order)
         return True

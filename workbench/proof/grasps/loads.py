@@ -82,7 +82,8 @@ def _water(solid: Solid) -> pin.Inertia:
     """A solid in its shape's frame, of 1 kg/m3."""
     match solid.shape:
         case Box(size=size):
-            return pin.Inertia.FromBox(float(np.prod(size)), *map(float, size))
+            x, y, z = map(float, size)
+            return pin.Inertia.FromBox(x * y * z, x, y, z)
         case Sphere(radius=radius):
             return pin.Inertia.FromSphere(4 / 3 * np.pi * radius**3, radius)
         case Cylinder(radius=radius, length=length):
@@ -106,10 +107,10 @@ def _of_surface(mesh: Mesh) -> pin.Inertia:
     middles: list[Floats] = [(a + b) / 2, (b + c) / 2, (c + a) / 2]
     volume = float(flux.sum())
     if volume <= THIN * float(np.prod(high - low)):
-        size = np.maximum(high - low, 1e-6)
-        box = pin.Inertia.FromBox(float(np.prod(size)), *map(float, size))
+        x, y, z = map(float, np.maximum(high - low, 1e-6))
+        box = pin.Inertia.FromBox(x * y * z, x, y, z)
         return pin.SE3(np.eye(3), (low + high) / 2).act(box)
-    first = sum((3 / 4 * flux[:, None] / 3 * m for m in middles), np.zeros_like(a)).sum(axis=0)
+    first = sum((flux / 4 @ m for m in middles), np.zeros(3))
     second = sum((np.einsum("t,ti,tj->ij", flux / 5, m, m) for m in middles), np.zeros((3, 3)))
     centre = first / volume
     about = second - volume * np.outer(centre, centre)
