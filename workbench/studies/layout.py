@@ -18,7 +18,8 @@ from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.model.robot import Robot
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
+from workbench.planning.kinematics.chain import Chain, chain_of
+from workbench.planning.kinematics.inverse import configurations
 from workbench.studies.targets import judged
 
 FEWEST_JOINTS = 5
@@ -232,8 +233,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
         answers: list[Floats] = []
         for turn in TURNS:
             T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
-            found, residuals = chain.solve(T, starts)
-            answers += list(found[is_solution(residuals)])
+            answers += list(configurations(chain, T, starts).q)
         answers.sort(key=lambda q: _awkwardness(chain, q))
         among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
         for q in map(world.motion.rounded, answers):

@@ -11,7 +11,7 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, Ints, pose_from_rpy
 from workbench.model.part import Bin
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.inverse import configurations
 
 TILT = np.deg2rad(20.0)
 """[rad] The tool points straight down but for up to this turn about y, to either side."""
@@ -77,12 +77,12 @@ def looked_at(
 
     `starts` (s, n) [rad] are those of the inverse kinematics, `among` (k,) as in `judged`.
     """
-    answers, residuals = world.chains[arm.name].solve(T_world_tcp, starts)
-    solutions = [world.motion.rounded(q) for q in answers[is_solution(residuals)]]
+    answers = configurations(world.chains[arm.name], T_world_tcp, starts)
+    solutions = [world.motion.rounded(q) for q in answers.q]
     clear = [
         q for q in solutions if world.contact(world.configuration({arm.name: q}), among) is None
     ]
     clear.sort(key=lambda q: float(np.abs(q - arm.home).sum()))
     outcome: Outcome = "clear" if clear else "in collision" if solutions else "out of reach"
-    away = 0.0 if solutions else float(residuals[:, 0].min())
+    away = 0.0 if solutions else float(answers.away[0])
     return Target(T_world_tcp, outcome, clear[0] if clear else None), away

@@ -23,6 +23,7 @@ from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.picking.propose import (
     Tried,
     as_it_fits,
@@ -33,7 +34,6 @@ from workbench.planning.picking.propose import (
     tried,
 )
 from workbench.planning.picking.put_down import ways_at_places
-from workbench.planning.picking.resolve import starts_of
 
 T = TypeVar("T")
 
@@ -200,9 +200,8 @@ class _Reach:
         return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))
 
     def _reaches(self, T_world_tcp: pin.SE3) -> bool:
-        # Most are reached from home: all starts take ten times as long.
-        for starts in (self._starts[:1], self._starts[1:]):
-            _, residuals = self._chain.solve(T_world_tcp, starts)
-            if is_solution(residuals).any():
-                return True
-        return False
+        # Most are reached from home: all configurations take ten times as long.
+        _, residuals = self._chain.solve(T_world_tcp, self._starts[:1])
+        if is_solution(residuals).any():
+            return True
+        return len(configurations(self._chain, T_world_tcp, self._starts[1:]).q) > 0

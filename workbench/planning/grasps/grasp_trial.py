@@ -15,6 +15,7 @@ from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.pads import outline
 from workbench.planning.kinematics.chain import Chain, chain_of, is_solution
+from workbench.planning.kinematics.inverse import configurations
 
 STARTS = 6
 """Starting points of the inverse kinematics, beside the answer before."""
@@ -136,13 +137,15 @@ class Trial:
 
     def _reaches(self, a: int, T_world_tcp: pin.SE3) -> bool:
         """Whether the arm gets its tool there; the answer before is the first guess."""
-        for starts in (self._last[a][None], self._starts[a]):
-            answers, residuals = self._chains[a].solve(T_world_tcp, starts)
-            good = np.flatnonzero(is_solution(residuals))
-            if len(good):
-                self._last[a] = answers[good[0]]
-                return True
-        return False
+        chain = self._chains[a]
+        answers, residuals = chain.solve(T_world_tcp, self._last[a][None])
+        found = answers[is_solution(residuals)]
+        if not len(found):
+            found = configurations(chain, T_world_tcp, self._starts[a]).q
+        if not len(found):
+            return False
+        self._last[a] = found[0]
+        return True
 
     def _fits(self, a: int, T_world_tcp: pin.SE3, opening: float) -> bool:
         """Whether the tool alone is clear of bin and fixtures."""

@@ -49,14 +49,14 @@ class Chain:
         """`T_world_tcp` at `q` (n,) [rad]."""
         n = len(self.axes)
         R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
-        _forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
+        forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
         return pin.SE3(R, p)
 
     def joint_positions(self, q: Floats) -> Floats:
         """Where the joints are in the world at `q` (n,) [rad], shape (n, 3)."""
         n = len(self.axes)
         R, p, z, o = np.empty((3, 3)), np.empty(3), np.empty((n, 3)), np.empty((n, 3))
-        _forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
+        forward(self.R, self.p, self.axes, self.slides, np.array(q), R, p, z, o)
         return o
 
     def solve(
@@ -117,7 +117,7 @@ def chain_of(cell: Cell, arm: Arm) -> Chain:
 
 
 @njit(cache=True)
-def _forward(
+def forward(
     Rs: Floats,
     ps: Floats,
     axes: Floats,
@@ -128,7 +128,7 @@ def _forward(
     z: Floats,
     o: Floats,
 ) -> None:
-    """Write TCP rotation R (3, 3) and position p (3,), and each joint's axis z and origin o."""
+    """Write TCP rotation R (3, 3) and position p (3,) [m], axes z and origins o (n, 3)."""
     M, T = np.empty((3, 3)), np.empty((3, 3))
     for i in range(3):
         p[i] = ps[0, i]
@@ -252,7 +252,7 @@ def solved(
         best = np.inf
         stalled = 0
         for _ in range(iterations + 1):
-            _forward(Rs, ps, axes, slides, q, R, p, z, o)
+            forward(Rs, ps, axes, slides, q, R, p, z, o)
             for i in range(3):
                 e[i] = p_t[i] - p[i]
             _rotation_error(R_t, R, e)

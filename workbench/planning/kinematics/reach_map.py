@@ -7,6 +7,7 @@ import numpy as np
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.planning.kinematics.chain import chain_of, is_solution
+from workbench.planning.kinematics.inverse import configurations
 
 ACROSS = 22
 """Places along the longest side of the grid."""
@@ -58,9 +59,9 @@ def reach_map(
             T = pose_from_rpy(p, (np.pi, 0, turn))
             # What reached the place before mostly reaches this one.
             answers, residuals = chain.solve(T, last[number])
-            if not is_solution(residuals)[0]:
-                answers, residuals = chain.solve(T, starts)
             found = answers[is_solution(residuals)]
+            if not len(found):
+                found = configurations(chain, T, starts).q
             if len(found):
                 last[number] = found[0]
                 reached += 1

@@ -20,7 +20,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
-from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.kinematics.quickness import between, drawn, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
@@ -138,8 +138,7 @@ def _straight(
     pace, stops = pace_of(chain, policy.speed), np.stack([starts[0], arm.home])
     found: list[tuple[float, Floats, pin.SE3]] = []
     for T_world_tcp in hands.Ts_world_tcp:
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        solved = answers[is_solution(residuals)]
+        solved = configurations(chain, T_world_tcp, starts).q
         found += [
             (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
         ]
@@ -217,15 +216,13 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
             stands += 1
             met.append(stood)
             continue
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        solved = is_solution(residuals)
-        if not solved.any():
-            nearest = int(np.argmin(residuals[:, 0] + 0.1 * residuals[:, 1]))
-            far.append((float(residuals[nearest, 0]), answers[nearest]))
+        answers = configurations(chain, T_world_tcp, starts)
+        if not len(answers.q):
+            far.append((float(answers.away[0]), answers.nearest))
             continue
         world.enter(phase)
         near: list[Floats] = []
-        for q in world.motion.rounded(answers[solved]):
+        for q in world.motion.rounded(answers.q):
             contact = world.contact(world.configuration({arm.name: q}))
             if contact is None:
                 near.append(q)

@@ -2,14 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
-from workbench.model.geometry import Floats, frozen
+from workbench.model.geometry import Floats
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips
@@ -19,14 +18,12 @@ from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import UNSEEN, with_rolls
-from workbench.planning.kinematics.chain import Chain, is_solution
+from workbench.planning.kinematics.chain import Chain
+from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
 from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
-
-STARTS = 12
-"""Starting points of the inverse kinematics, home among them."""
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
@@ -38,9 +35,6 @@ SAME = np.deg2rad(5.0)
 
 MOST_CLEAR = 8
 """Clear configurations that are enough to choose from: those that are reached soonest."""
-
-SOON = 0.6
-"""[s] Half of the random starting points are where joints at full speed get from home in this."""
 
 CLOSE, DETOUR = 0.01, 0.1
 """[m, s] Less room than this counts like up to so much extra time."""
@@ -120,17 +114,6 @@ def _progress(verdict: Verdict) -> int:
     return list(Stage).index(verdict.stage)
 
 
-@lru_cache(maxsize=8)
-def starts_of(chain: Chain, arm: Arm, seed: int) -> Floats:
-    """Home, the middle of the range, and seeded random configurations, shape (s, n) [rad]."""
-    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
-    home, count = np.asarray(arm.home), (STARTS - 2) // 2
-    far = rng.uniform(chain.lower, chain.upper, (count, len(home)))
-    near = home + SOON * chain.velocity * rng.uniform(-1.0, 1.0, (count, len(home)))
-    near = np.clip(near, chain.lower, chain.upper)
-    return frozen(np.vstack([home, (chain.lower + chain.upper) / 2, far, near]))
-
-
 Solution = tuple[Floats, pin.SE3, float]
 """A clear grasp configuration (n,) [rad] with hand pose and clearance [m]."""
 
@@ -178,21 +161,16 @@ def _grasp_solutions(
     starts, pace = starts_of(chain, arm, seed), pace_of(chain, world.policy.speed)
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
-    nearest, q_nearest = np.inf, starts[0]
-    known = np.empty((2 * len(hands) * len(starts), starts.shape[1]))
-    for T_world_tcp in hands:
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        away = residuals @ (1.0, 0.1)
-        if away.min() < nearest:
-            nearest, q_nearest = float(away.min()), answers[away.argmin()]
-        solved = answers[is_solution(residuals)]
+    every = [configurations(chain, T_world_tcp, starts) for T_world_tcp in hands]
+    known = np.empty((2 * sum(len(one.q) for one in every), starts.shape[1]))
+    for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
-        for q in (*drawn(chain, T_world_tcp, solved, home, pace), *solved):
+        for q in (*drawn(chain, T_world_tcp, answers.q, home, pace), *answers.q):
             if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))
     if not found:
-        return [], Verdict(Reason.OUT_OF_REACH, Stage.GRASP, distance=float(nearest), q=q_nearest)
+        return [], _out_of_reach(every)
     world.enter(approach_phase(candidate, arm))
     times: list[float] = pace.seconds(known[: len(found)] - home).tolist()
     clear: list[tuple[float, Floats, pin.SE3, float]] = []
@@ -210,6 +188,16 @@ def _grasp_solutions(
             break
     clear.sort(key=lambda entry: entry[0])
     return [(q, T, room) for _, q, T, room in clear], refusal
+
+
+def _out_of_reach(every: Sequence[Answers]) -> Verdict:
+    """The verdict on hands that no configuration was found for, by that which comes nearest."""
+    nearest = min(every, key=lambda one: float(one.away @ (1.0, 0.1)))
+    note = ""
+    if not all(one.is_complete for one in every):
+        note = f"no configuration was found from {sum(one.starts for one in every)} starts"
+    away = float(nearest.away @ (1.0, 0.1))
+    return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
 
 
 def approach_phase(candidate: Candidate, arm: Arm) -> Phase:

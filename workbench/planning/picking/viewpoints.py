@@ -7,7 +7,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.inverse import configurations
 
 TILT = np.deg2rad(30.0)
 """[rad] Largest tilt of the tool from straight down."""
@@ -53,8 +53,7 @@ def poses_in_view(
         starts = np.vstack(
             [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.home)))]
         )
-        answers, residuals = chain.solve(T_world_tcp, starts)
-        answers = answers[is_solution(residuals)]
+        answers = configurations(chain, T_world_tcp, starts).q
         # Nearest to home first: that is how a person would go there.
         for q in answers[np.argsort(np.abs(answers - arm.home).max(axis=1), kind="stable")]:
             if world.contact(world.configuration({arm.name: q})) is None:

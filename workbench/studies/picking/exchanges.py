@@ -25,10 +25,11 @@ from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
+from workbench.planning.kinematics.inverse import starts_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.put_down import at_places
-from workbench.planning.picking.resolve import resolve, starts_of
+from workbench.planning.picking.resolve import resolve
 
 TURNS = 48
 """Ways to turn a part that are tried at each point, drawn once for all cells."""
