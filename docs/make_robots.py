@@ -16,10 +16,10 @@ from pathlib import Path
 
 import workbench
 from workbench.cli.main import main as command
-from workbench.formats.robots.urdf import read_urdf
-from workbench.formats.robots.xacro_files import expanded, is_xacro
+from workbench.formats.robots.descriptions import read_description
 from workbench.model.errors import WorkbenchError
-from workbench.studies.layout import flanges_of
+from workbench.studies.layout.arms import ends_of
+from workbench.studies.layout.flanges import mounts_of
 
 PILES = 4
 
@@ -27,12 +27,13 @@ PILES = 4
 def found(file: Path) -> tuple[str, str]:
     """How many links, and the links that carry tools; or why not."""
     try:
-        content = expanded(file, {}) if is_xacro(file) else None
-        robot = read_urdf(file, content=content)
+        said = read_description(file)
+        robot = said.robot
     except WorkbenchError as error:
         return "", f"refused: {_short(error, file)}"
     try:
-        return str(len(robot.links)), ", ".join(flanges_of(robot))
+        ends = ends_of(robot, said.followers)
+        return str(len(robot.links)), ", ".join(mounts_of(robot, ends).flanges)
     except WorkbenchError as error:
         return str(len(robot.links)), f"to be named: {_short(error, file)}"
 

@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import sys
+import threading
 import time
 from collections.abc import Generator, Iterable
 from contextlib import contextmanager
@@ -16,24 +18,54 @@ from rich.table import Table
 from workbench.model.errors import InputError
 from workbench.plugins.progress import Report
 
+PATIENCE = 15.0
+"""[s] Between two lines about what takes long."""
+
 WIDE = 120
 """Columns of a table that goes into a file or a pipe."""
 
 
 @contextmanager
 def progress(title: str) -> Generator[Report]:
-    """A bar for as long as the block runs; nothing where standard error is no terminal."""
+    """A bar for as long as the block runs; a line now and then where errors go to no terminal.
+
+    Such a line comes each `PATIENCE` s, of what was told last: who watches a file knows that it
+    goes on.
+    """
     console = Console(stderr=True)
+    if not console.is_terminal:
+        with _lines(title) as said:
+            yield said
+        return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bars:
+    with Progress(*columns, console=console, transient=True) as bars:
         task = bars.add_task(title, total=1.0)
 
         def report(done: float, note: str) -> None:
             bars.update(task, completed=done, description=f"{title}: {note}" if note else title)
 
         yield report
+
+
+@contextmanager
+def _lines(title: str) -> Generator[Report]:
+    told, ended, began = [""], threading.Event(), time.monotonic()
+
+    def tell() -> None:
+        while not ended.wait(PATIENCE):
+            so_far = f"{time.monotonic() - began:.0f} s"
+            print(f"{title}: {told[0] or 'at work'} ({so_far})", file=sys.stderr, flush=True)
+
+    def report(done: float, note: str) -> None:
+        told[0] = note
+
+    teller = threading.Thread(target=tell, name="progress", daemon=True)
+    teller.start()
+    try:
+        yield report
+    finally:
+        ended.set()
+        teller.join()
 
 
 def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:

@@ -34,6 +34,17 @@ class Joint:
     def __post_init__(self) -> None:
         put(self, T_parent_joint=copied(self.T_parent_joint), axis=frozen(self.axis))
 
+    def at(self, value: float) -> "Joint":
+        """The joint fixed at a value [rad or m]; as it is when it cannot move."""
+        if self.kind == "fixed":
+            return self
+        moved = np.asarray(self.axis) * value
+        T = pin.SE3(pin.exp3(moved), np.zeros(3))
+        if self.kind == "prismatic":
+            T = pin.SE3(np.eye(3), moved)
+        there = self.T_parent_joint * T
+        return Joint(self.name, "fixed", self.parent, self.child, there, self.axis)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:

@@ -8,6 +8,7 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
+from workbench.formats.robots.descriptions import read_description
 from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import write_package
 from workbench.formats.robots.xacro_files import expanded, is_xacro
@@ -156,11 +157,9 @@ def test_xacro_is_expanded_with_its_arguments(tmp_path):
     assert is_xacro(path)
     with pytest.raises(FileError, match="workbench cell new"):
         read_urdf(path)
-    for arguments, size in (({}, 0.5), ({"length": "2*0.4"}, None)):
-        content = expanded(path, arguments)
-        if size is not None:
-            robot = read_urdf(path, content=content)
-            assert robot.link("link_1").collision[0].shape.size[0] == size
+    for arguments, size in (({}, 0.5), ({"length": "0.8"}, 0.8)):
+        robot = read_description(path, arguments=arguments).robot
+        assert robot.link("link_1").collision[0].shape.size[0] == size
 
 
 @pytest.mark.parametrize(

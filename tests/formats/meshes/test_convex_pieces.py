@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from workbench.formats.files.shipped import find
-from workbench.formats.meshes.convex_pieces import pieces_of
-from workbench.formats.meshes.cutting import MOST_CORNERS
 from workbench.formats.meshes.kept import cache_folder
+from workbench.formats.meshes.pieces.convex_pieces import pieces_of
+from workbench.formats.meshes.pieces.cutting import MOST_CORNERS
 from workbench.formats.meshes.reading import as_convex
 from workbench.model.geometry import Mesh
 
@@ -82,7 +82,7 @@ def test_what_was_divided_once_is_not_divided_again(own_cache, monkeypatch):
     def never(*_):
         raise AssertionError("divided again")
 
-    monkeypatch.setattr("workbench.formats.meshes.cutting._by_coacd", never)
+    monkeypatch.setattr("workbench.formats.meshes.pieces.cutting._by_coacd", never)
     again = pieces_of(bracket(), tolerance=0.01)
     closer = pieces_of(bracket(), tolerance=0.009)
     for one, other, third in zip(first.pieces, again.pieces, closer.pieces, strict=True):

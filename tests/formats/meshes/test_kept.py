@@ -9,8 +9,8 @@ import pytest
 import trimesh
 
 from workbench.formats.meshes import reading
-from workbench.formats.meshes.convex_pieces import hull_of
 from workbench.formats.meshes.kept import cache_folder, kept
+from workbench.formats.meshes.pieces.convex_pieces import hull_of
 from workbench.formats.meshes.reading import read_mesh
 from workbench.model.errors import FileError
 

@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.formats.meshes.repair import examined, joined_corners, repaired
+from workbench.formats.meshes.repair import examined, joined_corners, outside_out, repaired
 from workbench.model.geometry import Mesh
 
 
@@ -65,7 +65,7 @@ def test_inside_out_is_told_and_turned(ball):
     mesh = Mesh(ball.vertices, ball.faces[:, ::-1])
     assert examined(mesh).problems == ("it is inside out",)
     mended, done = repaired(mesh)
-    assert done == ("pieces turned inside out",)
+    assert done == ("1 body that was inside out turned",)
     assert examined(mended).problems == ()
 
 
@@ -94,6 +94,67 @@ def test_crumbs_are_left_out_and_other_pieces_stay(ball):
     mended, done = repaired(mesh_of(trimesh.util.concatenate([ball, crumb, beside])))
     assert done == ("1 crumbs beside the part left out",)
     assert examined(mended).components == 2
+
+
+def test_a_slit_without_area_is_closed_at_the_corner_in_it():
+    box = trimesh.creation.box((0.06, 0.04, 0.02))
+    a, b = box.faces[0][:2]
+    third = box.faces[0][2]
+    points = np.vstack([box.vertices, (box.vertices[a] + box.vertices[b]) / 2])
+    faces = np.vstack([box.faces[1:], [[a, 8, third], [8, b, third]]])
+    assert examined(Mesh(points, faces)).open_edges == 3
+    mended, done = repaired(Mesh(points, faces))
+    assert done == ("slits closed at 1 corners",)
+    assert examined(mended).problems == () and examined(mended).volume == pytest.approx(48e-6)
+
+
+def test_corners_that_nearly_meet_are_joined(ball):
+    points = np.vstack([ball.vertices, ball.vertices[ball.faces[0]] + [1.5e-6, 0, 0]])
+    faces = np.array(ball.faces)
+    faces[0] = len(ball.vertices) + np.arange(3)
+    mended, done = repaired(Mesh(points, faces))
+    assert done[0] == "3 corners along gaps joined"
+    assert examined(mended).problems == ()
+
+
+def test_bodies_that_touch_are_two_bodies():
+    box = trimesh.creation.box((0.06, 0.04, 0.02))
+    above = trimesh.creation.box((0.06, 0.04, 0.015))
+    above.apply_translation([0, 0, 0.0175])
+    mesh, done = joined_corners(soup(trimesh.util.concatenate([box, above])))
+    surface = examined(mesh)
+    assert done == () and surface.problems == ()
+    assert surface.components == 2 and surface.volume == pytest.approx(84e-6)
+
+
+def test_one_body_of_two_that_is_inside_out_is_told_and_turned(ball):
+    beside = ball.copy().apply_scale(0.5).apply_translation([0.05, 0, 0])
+    beside.invert()
+    mesh = mesh_of(trimesh.util.concatenate([ball, beside]))
+    assert examined(mesh).problems == ("it is inside out",)
+    mended, _ = outside_out(mesh)
+    assert examined(mended).volume == pytest.approx(ball.volume * 9 / 8)
+
+
+def test_a_surface_written_from_both_sides_gets_one():
+    box = trimesh.creation.box((0.06, 0.04, 0.02))
+    mesh, _ = joined_corners(Mesh(box.vertices, np.vstack([box.faces, box.faces[:, ::-1]])))
+    mended, done = repaired(mesh)
+    assert done[0].startswith("12 triangles left out that were there twice")
+    assert examined(mended).problems == () and examined(mended).volume == pytest.approx(48e-6)
+
+
+def test_a_sheet_that_hangs_in_a_body_is_left_out():
+    box = trimesh.creation.box((0.06, 0.04, 0.02))
+    low, high = box.vertices.min(axis=0), box.vertices.max(axis=0)
+    a, b = (int(np.flatnonzero((box.vertices == c).all(axis=1))[0])
+            for c in ((low[0], low[1], low[2]), (high[0], low[1], low[2])))  # fmt: skip
+    points = np.vstack([box.vertices, [0, 0, 0]])
+    mesh = Mesh(points, np.vstack([box.faces, [[a, b, 8]]]))
+    assert examined(mesh).problems
+    mended, done = repaired(mesh)
+    assert done == ("sheets of 1 triangles that enclose nothing left out",)
+    assert examined(mended).volume == pytest.approx(48e-6)
 
 
 @settings(max_examples=60, deadline=None)

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from workbench.formats.files.toml_keys import read_toml
-from workbench.formats.meshes.convex_pieces import hull_of, pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import hull_of, pieces_of
 from workbench.formats.meshes.reading import as_convex, convex_hull, read_mesh
 from workbench.formats.meshes.solids import read_solid
 from workbench.model.errors import FileError

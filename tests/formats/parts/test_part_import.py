@@ -2,6 +2,8 @@
 
 import subprocess
 import sys
+import zipfile
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +15,10 @@ from mutations import mutated, only_file_errors
 from step_files import step_of_prism
 from waiting import wait_until
 
-from workbench.formats.meshes.cad_files import read_cad
-from workbench.formats.parts.new_part import import_mesh, write_part
+from workbench.formats.meshes import simplifying
+from workbench.formats.meshes.cad_files import SeveralSolids, read_cad
+from workbench.formats.parts import new_part
+from workbench.formats.parts.new_part import import_mesh, mass_of, write_part
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError
 from workbench.model.symmetry import Symmetry
@@ -60,7 +64,9 @@ def test_a_unit_is_assumed_only_when_no_other_is_likely(box, tmp_path):
     cad = read_cad(path)
     assert (cad.unit, cad.is_assumed) == ("mm", True)
     box.copy().apply_scale(0.25).export(path)
-    with pytest.raises(FileError, match=r"10 mm in mm, .* 254 mm in inch.*--unit"):
+    with pytest.raises(
+        FileError, match=r"in mm: 10 x 7.5 x 5 mm, .* in inch: 254 x .* kg\): say which"
+    ):
         read_cad(path)
     assert read_cad(path, "inch").mesh.points.max() == pytest.approx(0.127)
     with pytest.raises(FileError, match="unit 'cm' is not one of mm, m, inch"):
@@ -133,17 +139,125 @@ def test_files_that_are_none_are_refused(tmp_path):
         return str(refused.value)
 
     assert "no such CAD file" in refusal("gone.stl", None)
-    assert "is no CAD file that can be read: one of .stl" in refusal("part.3mf", b"PK\x03\x04")
+    assert "is no CAD file that can be read: one of .stl" in refusal("part.igs", b"S")
     assert "holds no triangles" in refusal("empty.stl", b"")
     # 4 thousand million triangles are promised.
-    assert "holds no triangles" in refusal(
+    assert "of 4294967295 triangles that it has, 10 are there" in refusal(
         "huge.stl", b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 500
     )
     assert "cannot be read" in refusal("garbage.step", bytes(range(256)) * 20)
-    assert refusal("cut.step", step_of_prism(BRACKET, 15).encode()[:2000])
+    cut = refusal("cut.step", step_of_prism(BRACKET, 15).encode()[:2000])
+    assert "is cut off: END-ISO-10303-21 is missing" in cut
+    pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"
+    for name in ("pointer.step", "pointer.stl", "pointer.glb"):
+        assert "git lfs pull" in refusal(name, pointer)
+    assert "holds no CAD file" in refusal("empty.zip", zipped({}))
+    assert "holds 2 CAD files" in refusal("two.zip", zipped({"a.stl": b"", "b.stl": b""}))
+    assert "is no zip file that can be read, or is cut off" in refusal(
+        "cut.zip", zipped({"a.stl": bytes(500)})[:100]
+    )
+    assert "needs scene.bin, which is not beside it" in refusal(
+        "scene.gltf",
+        b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "scene.bin", "byteLength": 8}]}',
+    )
     header = "ply\nformat binary_little_endian 1.0\nelement vertex 999999999999\n"
     header += "property float x\nproperty float y\nproperty float z\nend_header\n"
     assert refusal("counts.ply", header.encode())
+
+
+def zipped(files: dict[str, bytes]) -> bytes:
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name, held in files.items():
+            archive.writestr(name, held)
+    return content.getvalue()
+
+
+def assembly(path: Path) -> None:
+    """A plate, and two pins that stand on it, turned and moved by nodes within nodes."""
+    scene = trimesh.Scene()
+    scene.add_geometry(trimesh.creation.box((0.06, 0.04, 0.01)), "plate", "plate")
+    turned = trimesh.transformations.rotation_matrix(np.pi / 2, [0, 0, 1])
+    scene.graph.update("pins", "world", matrix=turned)
+    pin = trimesh.creation.cylinder(0.004, 0.03)
+    for k, x in enumerate((-0.01, 0.01)):
+        moved = trimesh.transformations.translation_matrix([x, 0, 0.02])
+        scene.add_geometry(pin, f"pin{k}", f"pin{k}", parent_node_name="pins", transform=moved)
+    scene.export(path)
+
+
+def test_of_several_solids_one_is_chosen_or_the_whole_never_silently(tmp_path):
+    path = tmp_path / "assembly.glb"
+    assembly(path)
+    with pytest.raises(
+        SeveralSolids, match=r"holds 3 solids, pin0 and 1 like it, plate"
+    ) as refused:
+        import_mesh(path, solid="")
+    middles = {one.name: one.placed.points.mean(axis=0).round(6) for one in refused.value.solids}
+    assert middles["pin1"].tolist() == pytest.approx([0, 0.01, 0.02], abs=1e-6)
+    pin = import_mesh(path, solid="pin1")
+    assert pin.surface.size == pytest.approx([0.008, 0.008, 0.03], abs=1e-4)
+    assert pin.mesh.points.mean(axis=0) == pytest.approx([0, 0, 0], abs=1e-6)
+    whole = import_mesh(path, solid=None)
+    assert "3 solids taken as one rigid part" in whole.cad.taken
+    assert whole.surface.components == 3 and whole.surface.size[2] == pytest.approx(0.04)
+    with pytest.raises(FileError, match="has no solid 'bolt'; there are pin0"):
+        import_mesh(path, solid="bolt")
+
+
+def test_a_zipped_stl_file_is_read(box, tmp_path):
+    path = tmp_path / "box.zip"
+    path.write_bytes(zipped({"cad/box.stl": box.export(file_type="stl"), "__MACOSX/._b.stl": b""}))
+    imported = import_mesh(path, "mm")
+    assert imported.surface.volume == pytest.approx(24e-6, rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", ["inch", "millimeter", "meter"])
+def test_a_3mf_file_carries_its_unit(unit, box, tmp_path):
+    path = tmp_path / "box.3mf"
+    metres = {"inch": 0.0254, "millimeter": 0.001, "meter": 1.0}[unit]
+    content = BytesIO(box.copy().apply_scale(0.001 / metres).export(file_type="3mf"))
+    with zipfile.ZipFile(content) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    files = {
+        n: c.replace(b'unit="millimeter"', f'unit="{unit}"'.encode()) for n, c in files.items()
+    }
+    path.write_bytes(zipped(files))
+    assert import_mesh(path).surface.size == pytest.approx([0.04, 0.03, 0.02], rel=1e-5)
+
+
+def test_a_cube_of_a_metre_is_asked_about_by_its_mass(tmp_path):
+    path = tmp_path / "cube.glb"
+    trimesh.creation.box((1, 1, 1)).export(path)
+    with pytest.raises(FileError, match=r"weigh 1200 kg: give another unit .* or its mass") as told:
+        mass_of(import_mesh(path), 1200, None)
+    assert told.value.path == str(path)
+    assert mass_of(import_mesh(path), 1200, 5.0) == 5.0
+    assert import_mesh(path, "inch").surface.size == pytest.approx([0.0254] * 3)
+
+
+def test_an_open_part_is_taken_as_it_is_when_somebody_says_so(tmp_path):
+    ball = trimesh.creation.icosphere(2, 10)
+    half = ball.faces[np.asarray(ball.triangles_center)[:, 2] > 0]
+    path = tmp_path / "half.ply"
+    trimesh.Trimesh(ball.vertices, half, process=False).export(path)
+    imported = import_mesh(path, "mm", is_open=True)
+    assert imported.surface.problems
+    with pytest.raises(FileError, match=r"give it \(--mass-g\)"):
+        mass_of(imported, 1200, None)
+
+
+def test_very_fine_surfaces_are_simplified_and_the_bound_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(new_part, "LARGE", 2000)
+    monkeypatch.setattr(simplifying, "LARGE", 2000)
+    path = tmp_path / "ball.stl"
+    trimesh.creation.icosphere(5, 25).export(path)
+    imported = import_mesh(path, "mm")
+    assert imported.done[-1].startswith("simplified from 20480 to ")
+    off = float(imported.done[-1].split("at most ")[1].split(" mm")[0]) / 1000
+    radii = np.linalg.norm(imported.mesh.points, axis=1)
+    assert imported.surface.triangles <= 2000 and imported.surface.is_watertight
+    assert np.abs(radii - 0.025).max() <= off + 1e-6
 
 
 def _valid(kind: str) -> bytes:
@@ -179,7 +293,7 @@ def step_to_glb(*_, **__):
 def test_the_reader_ends_with_the_process_that_started_it(tmp_path):
     """A cancelled job is killed; what reads a file for it must not go on alone."""
     (tmp_path / "cascadio.py").write_text(SLEEPER)
-    (tmp_path / "a.step").write_text("not read")
+    (tmp_path / "a.step").write_text("ISO-10303-21;\nEND-ISO-10303-21;\n")
     code = "import sys; sys.path.insert(0, sys.argv[1]); from pathlib import Path\n"
     code += "from workbench.formats.meshes.cad_files import read_cad; read_cad(Path(sys.argv[2]))"
     parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path), str(tmp_path / "a.step")])

@@ -36,6 +36,30 @@ def test_prisms_have_the_turns_of_their_outline(name):
     assert found.deviation < 1e-4
 
 
+def test_an_exact_fold_beats_a_larger_one_within_the_tolerance():
+    """The socket of a screw is small: turns by a seventh move its walls by 0.1 mm."""
+    angles = np.arange(42) * 2 * np.pi / 42
+    outer = 0.0045 * np.c_[np.cos(angles), np.sin(angles)]
+    sextant = (angles + np.pi / 6) % (np.pi / 3) - np.pi / 6
+    radii = 0.00125 / np.cos(sextant)
+    inner = radii[:, None] * np.c_[np.cos(angles), np.sin(angles)]
+    rings = [np.c_[ring, np.full(42, z)] for ring, z in
+             ((outer, 0), (outer, 0.03), (inner, 0.03), (inner, 0.025))]  # fmt: skip
+    faces = []
+    for row in range(3):
+        for k in range(42):
+            n = (k + 1) % 42
+            a, b, c, d = (42 * row + k, 42 * row + n, 42 * row + 42 + k, 42 * row + 42 + n)
+            faces += [(a, b, d), (a, d, c)]
+    faces += [(0, k + 1, k) for k in range(1, 41)]
+    faces += [(126, 126 + k, 127 + k) for k in range(1, 41)]
+    surface = trimesh.Trimesh(np.vstack(rings), faces)
+    assert surface.is_volume
+    found = proposed_symmetry(mesh_of(surface))
+    assert found is not None
+    assert found.symmetry.fold == 6 and found.deviation < 1e-5
+
+
 @pytest.mark.parametrize("name", ["keyed_cylinder", "bracket", "bolt", "puck"])
 def test_shipped_parts_state_every_turn_that_their_surface_has(name):
     part, full = read_part(name), read_part(str(find("parts", name) / "full_bin"))

@@ -7,14 +7,15 @@ import numpy as np
 
 from workbench.app.core.commands import ImportPart
 from workbench.formats.files.whole_files import uploaded
+from workbench.formats.meshes.cad_files import PLASTIC
 from workbench.formats.meshes.repair import joined_corners
 from workbench.formats.meshes.triangles import surface_of
 from workbench.formats.parts.new_part import (
-    PLASTIC,
     Imported,
     WrittenPart,
     check_name,
     import_mesh,
+    mass_of,
     write_part,
 )
 from workbench.model.errors import JobCancelled
@@ -57,12 +58,14 @@ def make_part(
     mass: float | None = None,
     repair: bool = False,
     is_symmetric: bool = False,
+    solid: str | None = None,
+    is_open: bool = False,
     report: Report = silent,
 ) -> MadePart:
     """Read a CAD file and make the folder of a part.
 
     Args:
-        file: STL, OBJ, PLY, GLB or STEP.
+        file: a CAD file, or a zip file with one.
         name: of the part and its folder.
         into: the folder of parts.
         unit: mm, m or inch; None when the file says it or only one fits.
@@ -70,6 +73,8 @@ def make_part(
         mass: [kg], when it is known.
         repair: mend what can be mended.
         is_symmetric: state the symmetry that is found; otherwise it is a remark in the file.
+        solid: which of several solids, see `read_cad`.
+        is_open: take a surface that cannot be closed as it is.
         report: takes the share done and what is being done.
 
     Raises:
@@ -78,14 +83,23 @@ def make_part(
     """
     check_name(name)
     report(0.0, "reading")
-    imported = import_mesh(file, unit, repair=repair)
+    imported = import_mesh(
+        file,
+        unit,
+        repair=repair,
+        solid=solid,
+        is_open=is_open,
+        density=density,
+        report=lambda done, note: report(0.2 * done, note),
+    )
+    weighs = mass_of(imported, density, mass)
     report(0.2, "symmetry")
     found = proposed_symmetry(imported.mesh)
     written = write_part(
         into,
         name,
         imported,
-        mass=imported.surface.volume * density if mass is None else mass,
+        mass=weighs,
         symmetry=found.symmetry if found is not None and is_symmetric else None,
         proposal="" if found is None else symmetry_words(found),
         report=lambda done, note: report(0.3 + 0.6 * done, note),

@@ -58,13 +58,18 @@ class CellNew:
     part: PartName = "keyed_cylinder"
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""
-    mesh_unit: Literal["m", "mm"] = "m"
-    """Unit of the meshes, where the URDF says nothing about it."""
+    mesh_unit: Maybe[Literal["m", "mm"]] = None
+    """Unit of meshes of which neither the URDF nor their own file says it; metres when not given,
+    or millimetres where metres would make them larger than any robot."""
     xacro: tuple[str, ...] = ()
     """Arguments for a xacro file, each NAME:=VALUE."""
-    tolerance_mm: float = 20.0
+    package_path: tuple[Path, ...] = ()
+    """Folders with packages that the file names; those around it are found without."""
+    fix: tuple[str, ...] = ()
+    """Joints that stand still, each JOINT=VALUE in degrees or mm: torsos, lifts, rails."""
+    tolerance_mm: float = 5.0
     """By how much a convex piece may be larger than its mesh before it is divided."""
-    pieces: int = 8
+    pieces: int = 32
     """How many pieces one mesh may be divided into."""
     json: Json = False
 

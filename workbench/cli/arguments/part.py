@@ -11,7 +11,7 @@ from workbench.cli.arguments.names import CellName, Json, Maybe, PartName
 
 @dataclass(frozen=True, slots=True)
 class PartImport:
-    """Make a part from a CAD file: STL, OBJ, PLY, GLB or STEP.
+    """Make a part from a CAD file: STL, OBJ, PLY, GLB, GLTF, 3MF, DAE, STEP, or a zip of one.
 
     Writes a folder with part.toml, the mesh in millimetres, and a grasps.toml to be filled.
     """
@@ -21,7 +21,12 @@ class PartImport:
     name: str
     """Name of the part and of its folder, which must not be there yet."""
     unit: Maybe[Literal["mm", "m", "inch"]] = None
-    """Unit of an STL, OBJ or PLY file; needed when its size leaves a doubt."""
+    """Unit of an STL, OBJ or PLY file, needed when its size leaves a doubt; or of a GLB, GLTF, 3MF
+    or DAE file that states another than it has."""
+    solid: Maybe[str] = None
+    """Name of the solid to take of a file with several; it keeps its own frame."""
+    whole: bool = False
+    """Take several solids as one rigid part, placed as they are in the file."""
     mass_g: Maybe[float] = None
     """Mass of the part; from its volume when not given."""
     density: float = 1200.0
@@ -29,7 +34,9 @@ class PartImport:
     into: Path = Path("parts")
     """Folder of parts."""
     repair: bool = False
-    """Mend a surface that is not closed: small holes, turned triangles, crumbs."""
+    """Mend a surface that is not closed: slits, small holes, turned triangles, sheets, crumbs."""
+    open: bool = False
+    """Take a surface that cannot be closed as it is, for a part that is only to be found."""
     accept_symmetry: bool = False
     """State the symmetry that was found; otherwise it is a comment, for you to confirm."""
     json: Json = False

@@ -14,6 +14,7 @@ from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
+from workbench.studies.layout.flanges import lean_of
 from workbench.studies.reach import PlacedPart, Reach, reach_of
 from workbench.studies.targets import Target
 
@@ -23,8 +24,8 @@ SLOW = np.deg2rad(1.0)
 NO_SPEED = 100.0
 """[rad/s] A joint that turns faster has probably no limit."""
 
-WIDE = 4 * np.pi
-"""[rad] A joint whose range is wider has probably no limits."""
+SKEW = np.deg2rad(5.0)
+"""[rad] A flange whose z is further off the last axis than this holds no tool as one expects."""
 
 
 def check_cell(typed: CellCheck) -> int:
@@ -123,15 +124,18 @@ def _names(cell: Cell) -> str:
 
 
 def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
-    lower, upper, velocity = cell.robot.limits(arm.joints)
-    for joint, low, high, fast in zip(arm.joints, lower, upper, velocity, strict=True):
+    _, _, velocity = cell.robot.limits(arm.joints)
+    for joint, fast in zip(arm.joints, velocity, strict=True):
         if fast <= SLOW:
             yield f"{arm.name} arm: joint {joint} has no speed worth the name ({fast:g} rad/s)"
         if fast >= NO_SPEED:
             yield f"{arm.name} arm: joint {joint} has no speed limit ({fast:g} rad/s)"
-        if high - low > WIDE + 1e-6:
-            turns = f"turns {np.rad2deg(high - low):.0f} degrees"
-            yield f"{arm.name} arm: joint {joint} {turns}: are there no limits?"
+    lean = lean_of(cell.robot, arm.flange)
+    if lean > SKEW:
+        yield (
+            f"{arm.name} arm: z of flange {arm.flange} is turned {np.rad2deg(lean):.0f} degrees "
+            "against the last axis, and the tool stands along it: name another link as flange"
+        )
     if reach.at_home is not None:
         one, other = reach.at_home.pair
         distance = reach.at_home.distance * 1000

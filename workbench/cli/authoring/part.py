@@ -12,6 +12,7 @@ from workbench.cli.authoring.part_check import counted, millimetres
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
+from workbench.formats.meshes.cad_files import SeveralSolids, is_unusual
 from workbench.formats.parts.new_part import check_name
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError
@@ -25,9 +26,23 @@ def import_part(typed: PartImport) -> int:
         check_number("--mass-g", typed.mass_g, 0.001, 1e6)
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
+    try:
+        made = _made(typed)
+    except SeveralSolids as error:
+        if not typed.json:
+            _print_solids(error)
+        raise
+    if typed.json:
+        print_json(_import_form(typed, made))
+    else:
+        _print_import(typed, made)
+    return SUCCESS
+
+
+def _made(typed: PartImport) -> MadePart:
     with progress("import") as report:
         make_ready(report, ("planning",))
-        made = make_part(
+        return make_part(
             typed.file,
             typed.name,
             typed.into,
@@ -36,13 +51,23 @@ def import_part(typed: PartImport) -> int:
             mass=None if typed.mass_g is None else typed.mass_g / 1000,
             repair=typed.repair,
             is_symmetric=typed.accept_symmetry,
+            solid=None if typed.whole else typed.solid or "",
+            is_open=typed.open,
             report=report,
         )
-    if typed.json:
-        print_json(_import_form(typed, made))
-    else:
-        _print_import(typed, made)
-    return SUCCESS
+
+
+def _print_solids(several: SeveralSolids) -> None:
+    """List the solids of a file, so that somebody can choose."""
+    rows = [
+        (
+            one.name,
+            millimetres(np.ptp(one.own.points, axis=0) * several.scale),
+            millimetres(one.placed.points.mean(axis=0) * several.scale),
+        )
+        for one in several.solids
+    ]
+    print_table("Solids", ("--solid", "size mm", "middle in the file mm"), rows)
 
 
 def _import_form(typed: PartImport, made: MadePart) -> dict[str, Any]:
@@ -58,6 +83,8 @@ def _import_form(typed: PartImport, made: MadePart) -> dict[str, Any]:
         "volume_cm3": round(surface.volume * 1e6, 4),
         "components": surface.components,
         "mass_g": round(written.part.mass * 1000, 3),
+        "solids": imported.cad.taken,
+        "watertight": surface.is_watertight,
         "done": list(imported.done),
         "pieces": len(written.part.pieces),
         "excess_mm": round(made.excess * 1000, 2),
@@ -71,10 +98,17 @@ def _print_import(typed: PartImport, made: MadePart) -> None:
     surface, cad, part = imported.surface, imported.cad, made.written.part
     assumed = " (assumed: no other gives the size of a part)" if cad.is_assumed else ""
     print(f"{typed.file.name}: read in {cad.unit or 'its own unit'}{assumed}")
+    if cad.taken:
+        print(cad.taken)
+    closed = "watertight" if surface.is_watertight else "open"
     print(
         f"size {millimetres(surface.size)} mm, {surface.volume * 1e6:.4g} cm3, "
-        f"{surface.triangles} triangles, watertight, {counted(surface.components, 'body')}"
+        f"{surface.triangles} triangles, {closed}, {counted(surface.components, 'body')}"
     )
+    if is_unusual(imported.mesh):
+        print("parts in bins are 5 to 600 mm large: check the unit (--unit)")
+    if surface.problems:
+        print(f"open: {', '.join(surface.problems)}; use it to find the part, not to grip it")
     for line in imported.done:
         print(f"mended: {line}")
     how = "given" if typed.mass_g is not None else f"at {typed.density:g} kg/m3"

@@ -24,6 +24,9 @@ from workbench.planning.grasps.part_symmetry import (
 )
 from workbench.planning.kinematics.quickness import hand_acceleration
 
+LEAST_COVERED = 0.5
+"""Share of the poses in the bin in which some grasp has to work."""
+
 
 def check_part(typed: PartCheck) -> int:
     """Print what was found; the exit code is 0 only when nothing speaks against the part."""
@@ -35,6 +38,9 @@ def check_part(typed: PartCheck) -> int:
         covered = coverage(cell, part, report=lambda done, note: report(0.1 + 0.9 * done, note))
     surface = examined(joined_corners(part.mesh)[0])
     problems = list(_problems(part, cell, surface, checks))
+    if part.library.grasps and covered.share < LEAST_COVERED:
+        least = f"{LEAST_COVERED:.0%} are the least"
+        problems.append(f"grasps work in {covered.share:.0%} of the poses in the bin, {least}")
     if typed.json:
         print_json(_form(part, surface, checks, covered, problems))
     else:

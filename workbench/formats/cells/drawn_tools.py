@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import LONGEST_NAME, MB, uploaded
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
-from workbench.formats.meshes.convex_pieces import hull_of, pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import hull_of, pieces_of
 from workbench.formats.parts.new_part import check_name, import_mesh
 from workbench.model.cell import Finger, Tool
 from workbench.model.errors import InputError

@@ -54,9 +54,27 @@ def read_whole(path: Path, most: int) -> bytes:
         raise FileError(repr(str(path)), "is not the name of a file") from None
     if len(content) > most:
         raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
+    _refuse_pointer(path, content)
+    return content
+
+
+def refuse_pointer(path: Path) -> None:
+    """Refuse a file that only stands for one that was not fetched, before others read it.
+
+    Raises:
+        PointerError: it is such a file.
+        FileError: it cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            _refuse_pointer(path, file.read(len(POINTER)))
+    except OSError as error:
+        raise FileError(path, error.strerror or "cannot be read") from None
+
+
+def _refuse_pointer(path: Path, content: bytes) -> None:
     if content.startswith(POINTER):
         raise PointerError(path, "is a pointer of git-lfs: fetch the file (git lfs pull)")
-    return content
 
 
 def _at_once(path: str, flags: int) -> int:

@@ -10,55 +10,87 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.apart import Answer, apart
-from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.units import UNITS
-from workbench.formats.files.whole_files import MB, is_file
-from workbench.formats.meshes.reading import LARGEST_MESH, MOST_TRIANGLES, read_mesh
+from workbench.formats.files.whole_files import MB, is_file, refuse_pointer
+from workbench.formats.meshes.cad_bodies import (
+    KINDS as BARE_KINDS,
+)
+from workbench.formats.meshes.cad_bodies import (
+    STEP,
+    ZIPPED,
+    Body,
+    CadBodies,
+    bodies_of,
+)
+from workbench.formats.meshes.reading import LARGEST_MESH
+from workbench.formats.meshes.shells import volumes_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
 
-STEP = (".step", ".stp")
-KINDS = (".stl", ".obj", ".ply", ".glb", *STEP)
-WITH_UNIT = (".glb", *STEP)
-"""Formats that say in which unit they are."""
+KINDS = (*BARE_KINDS, *ZIPPED)
 
 LARGEST_CAD = LARGEST_MESH
 """[bytes] Of one file."""
 
-FINENESS_MM, FINENESS_DEG = 0.05, 10.0
-"""How far a facet may lie from a round face of a STEP file, and be turned against the next."""
-
 SMALLEST_PART, LARGEST_PART = 0.005, 0.6
 """[m] The largest side of what is picked from bins; what else a file holds has another unit."""
+
+PLASTIC = 1200.0
+"""[kg/m3] What a part is taken to be made of when nobody says."""
+
+NAMED = 6
+"""Solids that a sentence names."""
+
+
+class SeveralSolids(FileError):
+    """A file holds several solids and nobody has chosen; `solids` are in the file's unit.
+
+    `scale` makes metres of it.
+    """
+
+    def __init__(self, path: Path, solids: tuple[Body, ...], scale: float):
+        self.solids, self.scale = solids, scale
+        names = _names(solids)
+        choose = "choose one (--solid NAME), or take them as one rigid part (--whole)"
+        super().__init__(path, f"holds {len(solids)} solids, {names}: {choose}")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CadMesh:
     """The triangles of a file [m], and the unit that it was read in; empty if it says it itself.
 
-    `is_assumed`: nobody said so, only one unit gives a size that parts have.
+    `is_assumed`: nobody said so, only one unit gives a size that parts have.  `taken` says in words
+    what was taken of several solids.
     """
 
     mesh: Mesh
     unit: str
     is_assumed: bool
+    taken: str = ""
 
 
 def read_cad(
-    path: Path, unit: str | None = None, *, raw: Callable[[Path], Mesh] | None = None
+    path: Path,
+    unit: str | None = None,
+    *,
+    solid: str | None = None,
+    density: float = PLASTIC,
+    read: Callable[[Path], CadBodies] = bodies_of,
 ) -> CadMesh:
-    """The triangles of an STL, OBJ, PLY, GLB or STEP file.
+    """The triangles of a CAD file, or of the only one in a zip file.
 
     Args:
         path: of the file.
-        unit: mm, m or inch, for formats that do not say; None when it is not known.
-        raw: reads the triangles in the file's unit; None: a process of its own does, and `read_raw`
-            is for who runs in one already.
+        unit: mm, m or inch, for formats that do not say or say it wrongly; None when not known.
+        solid: name of the solid to take of several, in its own frame; None: all of them as they
+            are placed, as one rigid body; empty: a file with several is refused.
+        density: [kg/m3], to say what each unit would mean.
+        read: reads the bodies; a process of its own does, and `read_bodies` is for who runs in one.
 
     Raises:
         FileError: not there, of another kind, too large, broken, without triangles, or it takes
             too long or too much memory; the unit is needed, or is not the format's.
+        SeveralSolids: one has to be chosen.
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
@@ -67,78 +99,89 @@ def read_cad(
         raise FileError(path, "there is no such CAD file")
     if path.stat().st_size > LARGEST_MESH:
         raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+    refuse_pointer(path)
     if unit is not None and unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
-    if kind in WITH_UNIT and unit not in (None, "m"):
+    found = read(path)
+    if found.kind in STEP and unit is not None:
         raise FileError(path, f"says its unit itself, so it cannot be read in {unit}")
-    read = (raw or _read_apart)(path)
-    is_assumed = unit is None and kind not in WITH_UNIT
+    raw, taken = _chosen(path, found, solid)
+    is_assumed = unit is None and found.scale is None
     if is_assumed:
-        unit = _likely_unit(path, float(np.ptp(read.points, axis=0).max()))
-    mesh = Mesh(read.points * UNITS[unit or "m"], read.triangles)
+        unit = _likely_unit(path, raw, density)
+    scale = found.scale if unit is None else UNITS[unit]
+    mesh = Mesh(raw.points * (scale or 1.0), raw.triangles)
     size = float(np.ptp(mesh.points, axis=0).max())
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
-        raise FileError(path, f"would be {size * 1000:.4g} mm large: is it another unit?")
-    return CadMesh(mesh, "" if kind in WITH_UNIT else unit or "m", is_assumed)
+        likely = _likely(float(np.ptp(raw.points, axis=0).max()))
+        told = "; ".join(_meaning(raw, one, density) for one in likely)
+        would = f"would be {size * 1000:.4g} mm large" + (f" ({told})" if told else "")
+        raise FileError(path, f"{would}: give another unit (--unit)")
+    return CadMesh(mesh, unit or "", is_assumed, taken)
 
 
-def _likely_unit(path: Path, size: float) -> str:
-    """The only unit in which the largest side `size` is that of a part."""
-    sizes = {unit: size * scale for unit, scale in UNITS.items()}
-    likely = [unit for unit, length in sizes.items() if SMALLEST_PART <= length <= LARGEST_PART]
+def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
+    """The triangles in the file's unit, and what was taken of several solids."""
+    bodies = found.bodies
+    if solid:
+        for body in bodies:
+            if body.name == solid:
+                return body.own, f"solid {solid} of {len(bodies)}, in its own frame"
+        raise FileError(path, f"has no solid {solid!r}; there are {_names(bodies)}")
+    if solid == "" and len(bodies) > 1:
+        raise SeveralSolids(path, bodies, found.scale or 1.0)
+    if len(bodies) == 1:
+        return bodies[0].placed, ""
+    placed = [body.placed for body in bodies]
+    starts = np.cumsum([0, *(len(one.points) for one in placed[:-1])])
+    triangles = [one.triangles + start for one, start in zip(placed, starts, strict=True)]
+    mesh = Mesh(np.vstack([one.points for one in placed]), np.vstack(triangles))
+    return mesh, f"{len(bodies)} solids taken as one rigid part: {_names(bodies)}"
+
+
+def _names(solids: tuple[Body, ...]) -> str:
+    """The names of solids, those of one shape together."""
+    first: dict[tuple[float, ...], str] = {}
+    times: dict[str, int] = {}
+    for one in solids:
+        sides = np.ptp(one.own.points, axis=0)
+        shape = (len(one.mesh.triangles), *np.round(sides / sides.max(), 3).tolist())
+        name = first.setdefault(shape, one.name)
+        times[name] = times.get(name, 0) + 1
+    told = [
+        name if count == 1 else f"{name} and {count - 1} like it" for name, count in times.items()
+    ]
+    more = f" and {len(told) - NAMED} other shapes" if len(told) > NAMED else ""
+    return ", ".join(told[:NAMED]) + more
+
+
+def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
+    """The only unit in which the largest side is that of a part."""
+    likely = _likely(float(np.ptp(raw.points, axis=0).max()))
     if len(likely) == 1:
         return likely[0]
-    told = ", ".join(f"{length * 1000:.4g} mm in {unit}" for unit, length in sizes.items())
-    raise FileError(path, f"does not say its unit; it would be {told} large: say which (--unit)")
+    told = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
+    raise FileError(path, f"does not say its unit ({told}): say which (--unit)")
 
 
-def _read_apart(path: Path) -> Mesh:
-    """The triangles in the file's unit, read by a process of its own."""
-    arrays = apart(path, raw_triangles).arrays
-    return Mesh(arrays["points"], arrays["triangles"])
+def _likely(side: float) -> list[str]:
+    """The units in which a largest side is that of a part."""
+    return [unit for unit, one in UNITS.items() if SMALLEST_PART <= side * one <= LARGEST_PART]
 
 
-def raw_triangles(path: Path) -> Answer:
-    """The triangles in the file's unit as what `apart` brings back: `points` and `triangles`.
-
-    Raises:
-        FileError: as `read_cad` has it.
-    """
-    mesh = read_raw(path)
-    return Answer(arrays={"points": mesh.points, "triangles": mesh.triangles})
+def _meaning(raw: Mesh, unit: str, density: float) -> str:
+    """What a unit would mean in size and mass."""
+    size = " x ".join(f"{one * 1000 * UNITS[unit]:.4g}" for one in np.ptp(raw.points, axis=0))
+    volume = abs(float(volumes_of(raw, np.zeros(len(raw.triangles), int)).sum()))
+    return f"in {unit}: {size} mm, {mass_words(volume * UNITS[unit] ** 3 * density)}"
 
 
-def read_raw(path: Path) -> Mesh:
-    """The triangles in the file's unit; for a process of its own, since readers may crash it.
-
-    Raises:
-        FileError: as `read_cad` has it.
-    """
-    is_step = path.suffix.lower() in STEP
-    try:
-        # Bounded as if it were in millimetres: the unit is looked at later.
-        mesh = read_mesh(_converted(path, Path("converted.glb")) if is_step else path, 0.001)
-    except FileError as error:
-        raise FileError(path, error.problem) from None
-    return Mesh(mesh.points * 1000, mesh.triangles)
+def mass_words(mass: float) -> str:
+    """A mass [kg] for people, in g or kg."""
+    return f"{mass:.4g} kg" if mass >= 1 else f"{mass * 1000:.3g} g"
 
 
-def _converted(path: Path, target: Path) -> Path:
-    """A STEP file as GLB, in metres."""
-    import cascadio  # OpenCASCADE: large, and seldom needed
-
-    try:
-        cascadio.step_to_glb(
-            str(path),
-            str(target),
-            tol_linear=FINENESS_MM,
-            tol_angular=float(np.deg2rad(FINENESS_DEG)),
-            use_parallel=False,
-        )
-    except RuntimeError as error:
-        raise FileError(path, f"cannot be read as STEP: {shown(str(error))}") from None
-    if not target.is_file() or target.stat().st_size == 0:
-        raise FileError(path, "cannot be read as STEP, or holds no solid")
-    if target.stat().st_size > 4 * LARGEST_MESH:
-        raise FileError(path, f"gives more than {MOST_TRIANGLES} triangles")
-    return target
+def is_unusual(mesh: Mesh) -> bool:
+    """Whether a part is larger or smaller than parts in bins are, so that its unit may be wrong."""
+    size = float(np.ptp(mesh.points, axis=0).max())
+    return not SMALLEST_PART <= size <= LARGEST_PART

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.meshes.cad_files import read_cad, read_raw
+from workbench.formats.meshes.cad_bodies import read_bodies
+from workbench.formats.meshes.cad_files import read_cad
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
 from workbench.model.geometry import Floats
 
@@ -29,13 +30,13 @@ def look_at(file: Path, unit: str = "") -> CadLook:
     """Read a CAD file and tell what it holds; for a process of its own (`formats.files.apart`).
 
     Args:
-        file: STL, OBJ, PLY, GLB or STEP.
+        file: a CAD file, or a zip file with one.
         unit: mm, m or inch; empty when the file says it or it is not known.
 
     Raises:
         FileError: it cannot be read (`read_cad`).
     """
-    cad = read_cad(file, unit or None, raw=read_raw)
+    cad = read_cad(file, unit or None, read=read_bodies)
     mesh, _ = joined_corners(cad.mesh)
     points = np.asarray(mesh.points)
     return CadLook(examined(mesh), points.min(axis=0), points.max(axis=0), cad.unit, cad.is_assumed)

@@ -34,11 +34,22 @@ MOST_NEIGHBOURS = 254
 """Of one corner of a convex mesh: Coal counts them in one byte."""
 
 
-def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False) -> Mesh:
+class WrongUnit(FileError):
+    """A mesh would be as large as none is; it has another unit."""
+
+
+def read_mesh(
+    path: Path,
+    scale: Floats | float = 1.0,
+    *,
+    is_piece: bool = False,
+    most: int = MOST_TRIANGLES,
+) -> Mesh:
     """The triangles of an STL, OBJ, PLY, GLB, DAE or OFF file, multiplied by `scale`, no unit.
 
     One number, or (3,) for the axes, makes metres of the file's lengths.  Numbers below zero mirror
-    it; what was outside stays outside.  With `is_piece` its file calls it convex (`as_convex`).
+    it; what was outside stays outside.  With `is_piece` its file calls it convex (`as_convex`);
+    `most` are the triangles that it may have.
 
     A PCD file is a part taught by scanning it: its convex hull, in a frame in the middle of its
     points.
@@ -55,8 +66,8 @@ def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False
     content = read_whole(path, LARGEST_MESH)
 
     def made() -> Mesh:
-        read = _taught if kind == ".pcd" else _loaded
-        mesh = read(path, content, scale)
+        is_taught = kind == ".pcd"
+        mesh = _taught(path, content, scale) if is_taught else _loaded(path, content, scale, most)
         return as_convex(path, mesh) if is_piece else mesh
 
     # What reads points of a scanner is code of another folder, which a recipe does not know of.
@@ -68,12 +79,12 @@ def read_mesh(path: Path, scale: Floats | float = 1.0, *, is_piece: bool = False
     return unpacked(found)[0] if found else made()
 
 
-def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
+def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mesh:
     import trimesh  # takes a while, and is seldom needed
 
     kind = path.suffix[1:].lower()
     try:
-        source = _bare_collada(content) if kind == "dae" else BytesIO(content)
+        source = bare_collada(content) if kind == "dae" else BytesIO(content)
         loaded = trimesh.load_mesh(source, file_type=kind, process=False)
     except MemoryError:
         raise
@@ -82,8 +93,8 @@ def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
     triangles = np.asarray(loaded.faces)
     if len(triangles) == 0:
         raise FileError(path, "holds no triangles")
-    if len(triangles) > MOST_TRIANGLES:
-        raise FileError(path, f"has {len(triangles)} triangles, {MOST_TRIANGLES} are allowed")
+    if len(triangles) > most:
+        raise FileError(path, f"has {len(triangles)} triangles, {most} are allowed")
     points = np.asarray(loaded.vertices, dtype=np.float64) * scale
     if not np.all(np.isfinite(points)):
         raise FileError(path, "holds a point that is not finite")
@@ -91,7 +102,7 @@ def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
         raise FileError(path, "has a triangle with a corner that does not exist")
     size = float(np.ptp(points, axis=0).max())
     if size > LARGEST_EXTENT:
-        raise FileError(
+        raise WrongUnit(
             path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
         )
     is_mirrored = np.prod(np.broadcast_to(scale, 3)) < 0
@@ -101,7 +112,7 @@ def _loaded(path: Path, content: bytes, scale: Floats | float) -> Mesh:
 MATERIALS = ("bind_material", "library_images", "library_effects", "library_materials")
 
 
-def _bare_collada(content: bytes) -> BytesIO:
+def bare_collada(content: bytes) -> BytesIO:
     """A DAE file without what it says of colours.
 
     Its reader leaves out the bodies whose picture is missing: the robot would have a hole.

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.formats.meshes.junctions import split_at_junctions, welded
+from workbench.formats.meshes.shells import SAME, Edges, connected, inward, shell_of, shells_of
+from workbench.formats.meshes.shells import volumes_of as volumes_of_shells
 from workbench.model.geometry import Bools, Floats, Ints, Mesh
-
-SAME = 1e-6
-"""[m] Corners this close are one: files write each triangle with corners of its own."""
 
 CRUMB = 1e-3
 """Of the whole surface: a piece apart from the rest that has less is no part of the part."""
@@ -55,62 +55,97 @@ class Surface:
 def examined(mesh: Mesh) -> Surface:
     """Look at a surface whose corners are joined (`joined_corners`)."""
     triangles = np.asarray(mesh.triangles)
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    low, high = edges.min(axis=1), edges.max(axis=1)
-    _, number, times = np.unique(
-        low.astype(np.int64) * len(mesh.points) + high, return_inverse=True, return_counts=True
-    )
-    # A triangle runs along each edge the other way than its neighbour.
-    runs = np.bincount(number.ravel(), np.where(edges[:, 0] < edges[:, 1], 1, -1), len(times))
-    is_open, is_bad = times == 1, (times > 1) & (runs != 0)
-    a, b, c = mesh.points[triangles.T]
-    middle = mesh.points.mean(axis=0)
-    volume = float(np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)).sum() / 6)
+    edges = Edges(triangles, len(mesh.points))
+    is_open, is_bad = edges.times == 1, (edges.times > 1) & (edges.runs != 0)
     is_closed = not is_open.any() and not is_bad.any()
+    shells, outer = shells_of(mesh)
+    volumes = volumes_of_shells(mesh, shells)
+    is_own = outer == np.arange(len(outer))
     return Surface(
         size=np.ptp(mesh.points[np.unique(triangles)], axis=0),
         triangles=len(triangles),
-        volume=abs(volume) if is_closed else 0.0,
-        components=int(_component_of(mesh).max()) + 1,
+        volume=abs(float(volumes.sum())) if is_closed else 0.0,
+        components=int(is_own.sum()),
         open_edges=int(is_open.sum()),
         bad_edges=int(is_bad.sum()),
-        is_inside_out=is_closed and volume < 0,
+        is_inside_out=is_closed and bool((volumes[is_own] < 0).any()),
     )
 
 
 def joined_corners(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     """Corners at the same place as one; no triangle with two corners, none that is there twice.
 
+    Where two bodies touch, each of them has the triangle, one the other way round: those stay.
+
     Returns:
         The mesh, and what was left out, in words.
     """
     said: list[str] = []
-    rounded = np.round(mesh.points / SAME).astype(np.int64)
-    _, first, number = np.unique(rounded, axis=0, return_index=True, return_inverse=True)
-    triangles = number.ravel()[mesh.triangles]
+    first, number = _places(np.round(mesh.points / SAME).astype(np.int64))
+    triangles = number[mesh.triangles]
     points = np.asarray(mesh.points)[first]
     # Three corners on a line have no area either, but close the surface: those stay.
     keep = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
     if not keep.all():
         said.append(f"{int((~keep).sum())} triangles with two corners left out")
     triangles = triangles[keep]
-    _, once = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    # The same triangle begins with its lowest corner, whichever the file has first.
+    start = triangles.argmin(axis=1)[:, None]
+    once = _places(np.take_along_axis(triangles, (start + np.arange(3)) % 3, axis=1))[0]
     if len(once) < len(triangles):
         said.append(f"{len(triangles) - len(once)} triangles left out that were there twice")
         triangles = triangles[np.sort(once)]
     return _compact(points, triangles), tuple(said)
 
 
+def _places(rows: Ints) -> tuple[Ints, Ints]:
+    """The first of each different row (n, 3), in their order, and which of these every row is."""
+    keys = rows
+    if len(rows):
+        # One number a row where it has room: sorting rows takes ten times as long.
+        low = rows.min(axis=0)
+        x, y, z = (int(one) + 1 for one in rows.max(axis=0) - low)
+        if x * y * z < 2**62:
+            keys = ((rows - low) * [y * z, z, 1]).sum(axis=1)
+    _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    return first, number.ravel()
+
+
+def outside_out(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
+    """A closed surface with every shell that looks inward turned over, hollows left as they are.
+
+    Returns:
+        The mesh, and what was done, in words.
+    """
+    turned = inward(mesh)
+    if not turned.any():
+        return mesh, ()
+    triangles = np.array(mesh.triangles)
+    triangles[turned] = triangles[turned][:, ::-1]
+    count = len(np.unique(shell_of(mesh)[turned]))
+    words = "1 body that was inside out turned" if count == 1 else f"{count} bodies turned"
+    return Mesh(mesh.points, triangles), (words,)
+
+
 def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
-    """Mend a surface: crumbs left out, neighbours turned alike, small holes closed, outside out.
+    """Mend a surface: crumbs and sheets left out, slits and small holes closed, outside out.
 
     Returns:
         The mesh, which may still have problems (`examined`), and what was done, in words.
     """
     said: list[str] = []
+    mesh, doubled = _single_sided(mesh)
+    if doubled:
+        said.append(f"{doubled} triangles left out that were there twice, seen from both sides")
     mesh, crumbs = _without_crumbs(mesh)
     if crumbs:
         said.append(f"{crumbs} crumbs beside the part left out")
+    mesh, joined = welded(mesh)
+    if joined:
+        said.append(f"{joined} corners along gaps joined")
+    mesh, split = split_at_junctions(mesh)
+    if split:
+        said.append(f"slits closed at {split} corners")
     points, triangles = np.asarray(mesh.points), np.array(mesh.triangles)
     turned = _turned(triangles)
     if turned.any():
@@ -120,11 +155,44 @@ def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     if len(added):
         said.append(f"holes closed with {len(added)} triangles")
         triangles = np.concatenate([triangles, added])
-    mended = Mesh(points, triangles)
-    flipped = _outside_out(mended)
-    if flipped is not mended:
-        said.append("pieces turned inside out")
-    return flipped, tuple(said)
+    mesh, sheets = _without_sheets(Mesh(points, triangles))
+    if sheets:
+        said.append(f"sheets of {sheets} triangles that enclose nothing left out")
+    mesh, flipped = outside_out(mesh)
+    return mesh, (*said, *flipped)
+
+
+BOTH_SIDES = 0.5
+"""Share of the triangles: if more are there from both sides, that is how the file was written."""
+
+SHEETS = 0.2
+"""Of the whole surface: so much may hang in it without enclosing anything."""
+
+
+def _single_sided(mesh: Mesh) -> tuple[Mesh, int]:
+    """Without the second of triangles that are there from both sides, where most of them are."""
+    triangles = np.asarray(mesh.triangles)
+    first = _places(np.sort(triangles, axis=1))[0]
+    doubled = len(triangles) - len(first)
+    if doubled < BOTH_SIDES * len(triangles) / 2:
+        return mesh, 0
+    return Mesh(mesh.points, triangles[np.sort(first)]), doubled
+
+
+def _without_sheets(mesh: Mesh) -> tuple[Mesh, int]:
+    """Without pieces that have open edges, if what remains is closed and nearly all of it."""
+    triangles = np.asarray(mesh.triangles)
+    edges = Edges(triangles, len(mesh.points))
+    two = np.argsort(edges.number, kind="stable")
+    two = two[edges.times[edges.number[two]] == 2]
+    pieces = connected(edges.owner[two[::2]], edges.owner[two[1::2]], len(triangles))
+    is_sheet = np.isin(pieces, np.unique(pieces[edges.owner[edges.open_sides]]))
+    areas = _areas(mesh)
+    if not is_sheet.any() or areas[is_sheet].sum() > SHEETS * areas.sum():
+        return mesh, 0
+    rest = _compact(np.asarray(mesh.points), triangles[~is_sheet])
+    closed = examined(rest)
+    return (rest, int(is_sheet.sum())) if closed.is_watertight else (mesh, 0)
 
 
 def _turned(triangles: Ints) -> Bools:
@@ -144,7 +212,7 @@ def _turned(triangles: Ints) -> Bools:
     differ = (edges[one, 0] == edges[other, 0]).astype(np.int64)
     rows = np.concatenate([owner[one], owner[one] + count])
     columns = np.concatenate([owner[other] + count * differ, owner[other] + count * (1 - differ)])
-    way = _connected(rows, columns, 2 * count)
+    way = connected(rows, columns, 2 * count)
     as_it_is, turned = way[:count], way[count:]
     fitting = np.bincount(as_it_is, minlength=int(way.max()) + 1)
     more = fitting[turned] - fitting[as_it_is]
@@ -157,28 +225,14 @@ def _compact(points: Floats, triangles: Ints) -> Mesh:
     return Mesh(points[used], number.reshape(-1, 3))
 
 
-def _connected(rows: Ints, columns: Ints, count: int) -> Ints:
-    """Which of `count` nodes hang together by edges (m,) from `rows` to `columns`: labels (n,)."""
-    from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), (count, count))
-    return connected_components(graph, directed=False)[1]
-
-
-def _component_of(mesh: Mesh) -> Ints:
-    """The number of the connected piece of each triangle (m,), counted from 0."""
-    triangles = np.asarray(mesh.triangles)
-    count = len(mesh.points)
-    pairs = np.concatenate([triangles[:, :2], triangles[:, 1:]])
-    labels = _connected(pairs[:, 0], pairs[:, 1], count)[triangles[:, 0]]
-    return np.unique(labels, return_inverse=True)[1].ravel()
+def _areas(mesh: Mesh) -> Floats:
+    a, b, c = mesh.points[mesh.triangles.T]
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
 def _without_crumbs(mesh: Mesh) -> tuple[Mesh, int]:
-    a, b, c = mesh.points[mesh.triangles.T]
-    pieces = _component_of(mesh)
-    areas = np.bincount(pieces, np.linalg.norm(np.cross(b - a, c - a), axis=1))
+    pieces = shell_of(mesh)
+    areas = np.bincount(pieces, _areas(mesh))
     is_crumb = areas < CRUMB * areas.sum()
     kept = np.asarray(mesh.triangles)[~is_crumb[pieces]]
     return _compact(np.asarray(mesh.points), kept), int(is_crumb.sum())
@@ -206,22 +260,3 @@ def _lids(points: Floats, triangles: Ints) -> Ints:
         if is_loop and float(np.linalg.norm(np.ptp(points[loop], axis=0))) < LARGEST_HOLE * size:
             added += [[loop[0], loop[k], loop[k + 1]] for k in range(1, len(loop) - 1)]
     return np.array(added, dtype=np.int64).reshape(-1, 3)
-
-
-def _outside_out(mesh: Mesh) -> Mesh:
-    """With every piece that looks inward turned over, unless it is a hollow in another one."""
-    triangles = np.array(mesh.triangles)
-    pieces = _component_of(mesh)
-    a, b, c = mesh.points[triangles.T]
-    middle = mesh.points.mean(axis=0)
-    volumes = np.einsum("ij,ij->i", a - middle, np.cross(b - middle, c - middle)) / 6
-    of_piece = np.bincount(pieces, volumes)
-    boxes = [mesh.points[np.unique(triangles[pieces == k])] for k in range(len(of_piece))]
-    low = np.array([points.min(axis=0) for points in boxes])
-    high = np.array([points.max(axis=0) for points in boxes])
-    for k in range(len(of_piece)):
-        is_within = (low < low[k] - SAME).all(axis=1) & (high > high[k] + SAME).all(axis=1)
-        if of_piece[k] < 0 and not is_within.any():
-            triangles[pieces == k] = triangles[pieces == k][:, ::-1]
-    same = np.array_equal(triangles, mesh.triangles)
-    return mesh if same else Mesh(mesh.points, triangles)

@@ -5,7 +5,7 @@ import pinocchio as pin
 
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
-from workbench.formats.meshes.convex_pieces import hull_of
+from workbench.formats.meshes.pieces.convex_pieces import hull_of
 from workbench.formats.meshes.reading import read_mesh
 from workbench.model.geometry import (
     Box,

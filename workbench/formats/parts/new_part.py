@@ -13,8 +13,15 @@ import numpy as np
 
 from workbench.formats.files.toml_documents import numbers
 from workbench.formats.files.whole_files import write_whole
-from workbench.formats.meshes.cad_files import CadMesh, read_cad
-from workbench.formats.meshes.repair import Surface, examined, joined_corners, repaired
+from workbench.formats.meshes.cad_files import PLASTIC, CadMesh, mass_words, read_cad
+from workbench.formats.meshes.repair import (
+    Surface,
+    examined,
+    joined_corners,
+    outside_out,
+    repaired,
+)
+from workbench.formats.meshes.simplifying import LARGE, simplified
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError
@@ -25,8 +32,8 @@ from workbench.plugins.progress import Report, silent
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
-PLASTIC = 1200.0
-"""[kg/m3] What a part is taken to be made of when nobody says."""
+HEAVIEST = 1000.0
+"""[kg] Of what is picked; what is heavier has another unit."""
 
 TOLERANCE = 0.001
 """[m] A hull that is no more than this too large is taken as it is; stands in `part.toml`."""
@@ -62,31 +69,79 @@ class WrittenPart:
     part: Part
 
 
-def import_mesh(path: Path, unit: str | None = None, *, repair: bool = False) -> Imported:
+def import_mesh(
+    path: Path,
+    unit: str | None = None,
+    *,
+    repair: bool = False,
+    solid: str | None = None,
+    is_open: bool = False,
+    density: float = PLASTIC,
+    report: Report = silent,
+) -> Imported:
     """Read a CAD file and look whether its surface can be that of a part.
 
     Args:
-        path: STL, OBJ, PLY, GLB or STEP.
+        path: of the file.
         unit: mm, m or inch; None when the file says it or it is not known.
         repair: mend what can be mended.
+        solid: which of several solids, see `read_cad`.
+        is_open: take a surface that cannot be closed as it is.
+        density: [kg/m3], to say what each unit would mean.
+        report: takes the share done and what is being done.
 
     Raises:
         FileError: it cannot be read (`read_cad`), or its surface is not closed, with the reason.
     """
-    cad = read_cad(path, unit)
+    cad = read_cad(path, unit, solid=solid, density=density)
+    report(0.4, "joining triangles")
     mesh, done = joined_corners(cad.mesh)
     if len(mesh.triangles) < 4:
         raise FileError(path, f"has {len(mesh.triangles)} triangles, a body has four at least")
     surface = examined(mesh)
-    if surface.problems and repair:
+    if surface.is_inside_out:
+        mesh, turned = outside_out(mesh)
+        done, surface = (*done, *turned), examined(mesh)
+    is_flat = surface.is_watertight and _encloses_nothing(surface)
+    if (surface.problems or is_flat) and repair:
+        report(0.6, "mending")
         mesh, mended = repaired(mesh)
         done, surface = (*done, *mended), examined(mesh)
-    if surface.problems:
-        help = "it could not be repaired; mend it in CAD" if repair else "have it mended (--repair)"
-        raise FileError(path, f"its surface is not closed: {', '.join(surface.problems)}; {help}")
-    if surface.volume < THINNEST * float(np.prod(surface.size)):
+    if surface.problems and not is_open:
+        help = "it could not be repaired" if repair else "have it mended (--repair)"
+        as_it_is = "take it as it is, to be found in scans (--open --mass-g)"
+        problems = ", ".join(surface.problems)
+        raise FileError(path, f"its surface is not closed: {problems}; {help}, or {as_it_is}")
+    if not surface.problems and _encloses_nothing(surface):
         raise FileError(path, "its surface encloses nothing")
+    if len(mesh.triangles) > LARGE:
+        report(0.8, f"simplifying {len(mesh.triangles)} triangles")
+        mesh, words = simplified(path, mesh)
+        done, surface = (*done, words), examined(mesh)
     return Imported(path, cad, mesh, surface, done)
+
+
+def _encloses_nothing(surface: Surface) -> bool:
+    return surface.volume < THINNEST * float(np.prod(surface.size))
+
+
+def mass_of(imported: Imported, density: float, mass: float | None) -> float:
+    """The mass of a new part [kg], which `density` [kg/m3] or a person says.
+
+    Raises:
+        FileError: it is not known, or that of no part.
+    """
+    if mass is not None:
+        return mass
+    if imported.surface.problems:
+        raise FileError(imported.source, "is open, so its mass is not known: give it (--mass-g)")
+    weighs = imported.surface.volume * density
+    if weighs > HEAVIEST:
+        size = " x ".join(f"{length * 1000:.4g}" for length in imported.surface.size)
+        would = f"would be {size} mm and weigh {mass_words(weighs)}"
+        give = "give another unit (--unit) or its mass (--mass-g)"
+        raise FileError(imported.source, f"{would}: {give}")
+    return weighs
 
 
 def check_name(name: str) -> None:
@@ -159,7 +214,7 @@ def _lines(
     yield f"# Made from {json.dumps(source)}, read in {unit}.  Its frame is that of the file."
     yield f"# {size} mm, {imported.surface.volume * 1e6:.4g} cm3."
     yield f"name = {json.dumps(name)}"
-    yield f"mass_g = {mass * 1000:.6g}"
+    yield f"mass_g = {max(mass * 1000, 0.001):.6g}"
     yield "# friction = 0.4     # against pads or cup: stated, grips are checked for its weight"
     yield f"tolerance_mm = {TOLERANCE * 1000:g}     # a convex hull this much too large will do"
     yield ""

@@ -8,8 +8,8 @@ import pinocchio as pin
 
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
-from workbench.formats.meshes.convex_pieces import pieces_of
 from workbench.formats.meshes.face_colours import read_face_colours
+from workbench.formats.meshes.pieces.convex_pieces import pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid

@@ -166,14 +166,7 @@ def _joint_values(table: Table, key: str, robot: Robot) -> dict[str, float]:
 
 def _held(joint: Joint, values: dict[str, float]) -> Joint:
     """The joint fixed at its value, if it has one and can move."""
-    if joint.kind == "fixed" or joint.name not in values:
-        return joint
-    moved = np.asarray(joint.axis) * values[joint.name]
-    if joint.kind == "revolute":
-        T = pin.SE3(pin.exp3(moved), np.zeros(3))
-    else:
-        T = pin.SE3(np.eye(3), moved)
-    return replace(joint, kind="fixed", T_parent_joint=joint.T_parent_joint * T)
+    return joint.at(values[joint.name]) if joint.name in values else joint
 
 
 def _movable_before(robot: Robot, link: str) -> set[str]:

@@ -16,6 +16,9 @@ TOLERANCE = 0.004
 LEAST_TOLERANCE = 0.0001
 """[m] A difference this small is always allowed."""
 
+EXACT = 0.1
+"""Share of the tolerance: a fold that is no further off is exact, and one that is is doubted."""
+
 MOST_FOLD = 24
 """A part that has more turns is round but for the facets of its mesh."""
 
@@ -164,12 +167,15 @@ class _Itself:
         is_round, deviation = self.holds(axis, ROUND)
         if is_round:
             return 0, deviation
-        for fold in range(MOST_FOLD, 1, -1):
-            angles = (2 * np.pi / fold,)
-            holds, deviation = self.holds(axis, angles)
-            if holds:
-                return fold, deviation
-        return 1, 0.0
+        found = [
+            (fold, deviation)
+            for fold in range(MOST_FOLD, 1, -1)
+            for holds, deviation in [self.holds(axis, (2 * np.pi / fold,))]
+            if holds
+        ]
+        # A small feature may let wrong folds through: exact ones beat them, then the largest.
+        exact = [one for one in found if one[1] <= EXACT * self.tolerance]
+        return (exact or found or [(1, 0.0)])[0]
 
     def holds(self, axis: Floats, angles: tuple[float, ...]) -> tuple[bool, float]:
         """Whether some turns [rad] about the centre leave the surface, and their deviation [m]."""

@@ -9,16 +9,19 @@ tool is near the pose; for seven axes only where the starts bring no answer.
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from eaik.pybindings import EAIK
 from numba import njit
-from scipy.spatial import KDTree
 
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, frozen
 from workbench.planning.kinematics.chain import Chain, forward, is_solution
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 STARTS = 12
 """Starting points of the iterations, home among them."""
@@ -210,7 +213,7 @@ class _Stored:
     """Configurations `q` (m, n) [rad], and a tree of the poses of their tools."""
 
     q: Floats
-    tree: KDTree
+    tree: "KDTree"
 
     def near(self, T_world_tcp: pin.SE3, count: int) -> Floats:
         """Those (count, n) [rad] whose tool is nearest to a pose, nearest first."""
@@ -221,6 +224,9 @@ class _Stored:
 
 @lru_cache(maxsize=16)
 def _stored(key: _Key) -> _Stored:
+    # Most plans never need it, and it takes a while to import.
+    from scipy.spatial import KDTree
+
     R, p, axes, slides, lower, upper = _arrays(key)
     q = np.random.default_rng(0).uniform(lower, upper, (STORED, len(lower)))
     poses = np.empty((STORED, 12))

@@ -44,11 +44,11 @@ def cut(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], floa
     hull = convex_hull(mesh)
     if hull is None:
         return None
-    whole = _bounded(hull)
+    whole = bounded(hull)
     excess = _excess(mesh, (whole,))
     if excess <= tolerance or most < 2:
         return (whole,), excess
-    pieces = tuple(_bounded(piece) for piece in _covering(mesh, _divided(mesh, most)))
+    pieces = tuple(bounded(piece) for piece in _covering(mesh, _divided(mesh, most)))
     divided = _excess(mesh, pieces)
     return (pieces, divided) if divided < excess else ((whole,), excess)
 
@@ -58,7 +58,7 @@ def hull(mesh: Mesh) -> Mesh | None:
     found = convex_hull(mesh)
     if found is None or most_neighbours(found) <= MOST_NEIGHBOURS:
         return found
-    return _bounded(found)
+    return bounded(found)
 
 
 def _excess(mesh: Mesh, pieces: tuple[Mesh, ...]) -> float:
@@ -97,17 +97,22 @@ def _covering(mesh: Mesh, pieces: tuple[Mesh, ...]) -> list[Mesh]:
     for number, piece in enumerate(pieces):
         corners = mesh.points[np.unique(mesh.triangles[owner == number])]
         hull = ConvexHull(np.vstack([piece.points, corners]))
-        grown.append(_hull_mesh(hull.points[hull.vertices]))
+        grown.append(hull_mesh(hull.points[hull.vertices]))
     return grown
 
 
-def _bounded(piece: Mesh) -> Mesh:
+def bounded(piece: Mesh, *, most: int = MOST_CORNERS, close: float = CLOSE) -> Mesh:
     """The piece, or one around it with fewer corners when it has very many.
 
     Planes of its faces are taken one by one, each time the one beyond which the body cut out so
     far sticks out most.
+
+    Args:
+        piece: convex.
+        most: corners that it may have, about.
+        close: [m] a body around it that sticks out no further has corners enough.
     """
-    if len(piece.points) <= MOST_CORNERS:
+    if len(piece.points) <= most:
         return piece
     equations = ConvexHull(piece.points).equations
     axes = np.vstack([np.eye(3), -np.eye(3)])
@@ -115,18 +120,18 @@ def _bounded(piece: Mesh) -> Mesh:
     inside = np.asarray(piece.points).mean(axis=0)
     try:
         around = HalfspaceIntersection(planes, inside, incremental=True)
-        while len(around.intersections) < MOST_CORNERS:
+        while len(around.intersections) < most:
             beyond = (around.intersections @ equations[:, :3].T + equations[:, 3]).max(axis=0)
-            if beyond.max() < CLOSE:
+            if beyond.max() < close:
                 break
             around.add_halfspaces(equations[[beyond.argmax()]])
-        return _hull_mesh(around.intersections)
+        return hull_mesh(around.intersections)
     except QhullError:
         return piece
 
 
-def _hull_mesh(points: Floats) -> Mesh:
-    """The hull of points (n, 3), of which those within `SAME` of each other count as one."""
+def hull_mesh(points: Floats) -> Mesh:
+    """The hull of points (n, 3) [m], of which those within `SAME` of each other count as one."""
     hull = ConvexHull(np.unique(np.round(points / SAME) * SAME, axis=0))
     corners, faces = hull.points[hull.vertices], hull.simplices
     number = np.zeros(len(hull.points), int)
@@ -164,4 +169,4 @@ def _by_coacd(mesh: Mesh, most: int) -> tuple[Mesh, ...]:
         mcts_max_depth=2,
         seed=0,
     )
-    return tuple(_hull_mesh(np.asarray(points)) for points, _ in found)
+    return tuple(hull_mesh(np.asarray(points)) for points, _ in found)

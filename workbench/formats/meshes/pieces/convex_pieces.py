@@ -39,12 +39,34 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
 
     def cut() -> Arrays | None:
         # It takes a while to import, and is seldom needed.
-        from workbench.formats.meshes import cutting
+        from workbench.formats.meshes.pieces import cutting
 
         found = cutting.cut(mesh, tolerance, most)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
 
     found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
+    return None if found is None else Pieces(unpacked(found), float(found["excess"]))
+
+
+def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
+    """Convex pieces that cover a mesh and follow it closely, made quickly by cuts along planes.
+
+    Args:
+        mesh: any triangles; they need not close.
+        tolerance: [m] pieces are divided until none is by more too large, or there are `most`.
+        most: pieces at most.
+
+    Returns:
+        None when all points lie in one plane.
+    """
+
+    def cut() -> Arrays | None:
+        from workbench.formats.meshes.pieces import splitting
+
+        found = splitting.split(mesh, tolerance, most)
+        return found and {**packed(found[0]), "excess": np.array(found[1])}
+
+    found = kept(f"split {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
 
 
@@ -55,7 +77,7 @@ def hull_of(mesh: Mesh) -> Mesh | None:
     """
 
     def made() -> Arrays | None:
-        from workbench.formats.meshes import cutting
+        from workbench.formats.meshes.pieces import cutting
 
         hull = cutting.hull(mesh)
         return hull and packed([hull])

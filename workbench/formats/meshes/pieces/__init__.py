@@ -1,0 +1,1 @@
+"""Meshes as convex pieces, for collision checks: cut by CoACD or split along planes."""

@@ -1,0 +1,81 @@
+"""Where the meshes are that a robot file names."""
+
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote
+
+from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.whole_files import is_file
+from workbench.formats.files.xml_elements import Element
+from workbench.formats.robots.packages import Packages
+from workbench.model.errors import FileError
+
+OF_PACKAGES = ("package://", "model://")
+LEVELS = 3
+"""Folders above a file in which a name without a package is looked for, too."""
+
+
+class MissingMesh(FileError):
+    """A robot file names a mesh that is not there."""
+
+
+def mesh_file(element: Element, name: str, packages: Packages) -> Path:
+    """The file that an element names, beside the robot file or in a package.
+
+    A name whose letters are large where the file's are small, or the other way, is found as well.
+
+    Raises:
+        MissingMesh: there is none; it says where it was looked for.
+    """
+    plain = name.replace("\\", "/").strip()
+    scheme = next((one for one in OF_PACKAGES if plain.startswith(one)), None)
+    if scheme is None:
+        return _beside(element, name, plain.removeprefix("file://"))
+    package, _, rest = plain.removeprefix(scheme).partition("/")
+    folders = list(dict.fromkeys(packages.all(package)))
+    beside = element.path.parent.resolve()
+    for folder in (*folders, beside):
+        found = _in(folder, rest)
+        if found is not None:
+            return found
+    if not folders:
+        raise _missing(element, name, packages.missing(package))
+    raise _missing(element, name, f"there is no such file in {folders[0]}")
+
+
+def _beside(element: Element, name: str, plain: str) -> Path:
+    folder = element.path.parent.resolve()
+    for above in (folder, *list(folder.parents)[:LEVELS]):
+        found = _in(above, plain)
+        if found is not None:
+            return found
+    raise _missing(element, name, "there is no such file beside the URDF")
+
+
+def _missing(element: Element, name: str, problem: str) -> MissingMesh:
+    error = element.error(f"filename={shown(name)}: {problem}")
+    return MissingMesh(error.path, error.problem)
+
+
+def _in(folder: Path, name: str) -> Path | None:
+    """The file of that name in a folder, `%20` being a space, letters of either size."""
+    for one in dict.fromkeys((name, unquote(name))):
+        if is_file(folder / one):
+            return (folder / one).resolve()
+    parts = PurePosixPath(name).parts
+    if not parts or name.startswith("/") or ".." in parts:
+        return None
+    return next(_alike(folder, parts), None)
+
+
+def _alike(folder: Path, parts: tuple[str, ...]) -> Iterator[Path]:
+    """Files below a folder whose parts differ in the size of letters at most."""
+    try:
+        there = sorted(one for one in folder.iterdir() if one.name.lower() == parts[0].lower())
+    except OSError:
+        return
+    for one in there:
+        if len(parts) > 1:
+            yield from _alike(one, parts[1:])
+        elif is_file(one):
+            yield one.resolve()
