@@ -40,13 +40,14 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable lint docs everything installed packages bench pictures words bundle constraints clean
+.PHONY: help run test test-fast test-portable foreign lint docs everything installed packages bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
 	@echo "make test      run all tests"
 	@echo "make test-fast run those that take little, while you work"
 	@echo "make test-portable  run them as if on another make of processor"
+	@echo "make foreign   bring what others publish through the documented commands (../shared/data/foreign)"
 	@echo "make lint      check style, types and imports"
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
@@ -66,6 +67,9 @@ test: $(VENV)/.test $(VENV)/.compiled
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python -m pytest $(WORKERS) $(SLOW:%=--ignore=tests/%) $(ARGS)
+
+foreign: $(VENV)/.test $(VENV)/.compiled
+	$(BIN)/python tests/foreign/bring.py
 
 # As if on another processor: what libraries can be told to leave out is left out.  Everything is
 # compiled once more for it; browsers and processes that install something tell nothing new.

@@ -29,8 +29,10 @@ def table():
         ("talos_data/robots/talos_reduced_box.urdf", None),
         # A foot whose picture is missing in its DAE file.
         ("anymal_b_simple_description/robots/anymal.urdf", "to be named: robot anymal"),
-        ("quadruped_description/urdf/quadruped.urdf", "give its range, or make the joint fixed"),
-        ("romeo_description/urdf/romeo.urdf", "give its speed, or make the joint fixed"),
+        # Legs of two joints, some of which have no range.
+        ("quadruped_description/urdf/quadruped.urdf", "to be named: robot quadroped"),
+        # Joints without a speed.
+        ("romeo_description/urdf/romeo.urdf", None),
     ],
 )
 def test_what_is_in_the_table_is_so(table, file, says):

@@ -29,8 +29,7 @@ WIDE = 120
 def progress(title: str) -> Generator[Report]:
     """A bar for as long as the block runs; a line now and then where errors go to no terminal.
 
-    Such a line comes each `PATIENCE` s, of what was told last: who watches a file knows that it
-    goes on.
+    Such a line repeats the last report every `PATIENCE` s, so that a log shows that work goes on.
     """
     console = Console(stderr=True)
     if not console.is_terminal:

@@ -119,7 +119,7 @@ OTHER_SIDE = Drawing("bar.stl", stl(((-7, -5, 70), (0, 5, 120))))
 
 BAD = [
     ({"name": "../../etc/passwd"}, "letters, digits"),
-    ({"body": Drawing("palm.zip", stl(PALM))}, "is no CAD file"),
+    ({"body": Drawing("palm.rar", stl(PALM))}, "is no CAD file"),
     ({"body": Drawing("palm.stl")}, "has 0 bytes"),
     ({"body": Drawing("palm.stl", stl(PALM), "furlong")}, "unit 'furlong'"),
     ({"body": Drawing("palm.stl", stl(PALM), "m")}, "another unit"),

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from ssik import Manipulator
+from judged_arms import made
 
-from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import configurations, has_closed_form
 
 POSES = 40
@@ -15,33 +14,6 @@ ITERATED = ("fanuc_crx10ia_ik", "m1013_ik", "xarm6_ik")
 """Wrists with an offset, for which EAIK has no closed form."""
 SPARE = ("yumi_left_ik", "yumi_right_ik", "iiwa7_ik", "franka_panda_ik")
 """Seven axes."""
-
-
-def made(name):
-    """The judge's arm, and ours by its own numbers."""
-    arm = Manipulator.from_prebuilt(name)
-    R, p, axes, T = [], [], [], np.eye(4)
-    for joint in arm.kinbody.joints:
-        T = T @ joint.T_left
-        R.append(T[:3, :3])
-        p.append(T[:3, 3])
-        axes.append(np.asarray(joint.axis, dtype=float))
-        T = np.asarray(joint.T_right)
-    R.append(T[:3, :3])
-    p.append(T[:3, 3])
-    lower, upper = np.array(arm.joint_limits).T
-    n = len(axes)
-    chain = Chain(
-        np.array(R),
-        np.array(p),
-        np.array(axes),
-        np.zeros(n),
-        lower.copy(),
-        upper.copy(),
-        np.ones(n),
-        np.ones(n),
-    )
-    return arm, chain
 
 
 def drawn(chain, seed):

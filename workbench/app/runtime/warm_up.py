@@ -27,7 +27,9 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
+from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.planners.ease import eased
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
@@ -63,6 +65,8 @@ def plan() -> None:
     pile = drop_parts((part, part), cell.bin, seed=28)
     unexplained(cell, synthesize(cell, pile, seed=28), pile)
     plan_pick(cell, pile, "", strategy="both")
+    arm, beyond = cell.arms[0], pose_from_rpy((9.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    configurations(chain_of(cell, arm), beyond, np.array(arm.home))
     zero, one, rng = np.zeros(2), np.ones(2), np.random.default_rng(0)
     planner_named("rrtconnect")(
         zero, one, zero, one, one, lambda a, b: False, iterations=1, rng=rng

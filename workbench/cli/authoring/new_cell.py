@@ -10,7 +10,7 @@ import numpy as np
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
 from workbench.cli.authoring.first_tools import gripper, suction_cup
-from workbench.cli.authoring.new_cell_told import Made, tell
+from workbench.cli.authoring.new_cell_report import Made, tell
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, progress
 from workbench.formats.cells.writer import write_cell

@@ -3,6 +3,7 @@
 Convex pieces are what the collision checker is quick and sure with.  What was cut once is kept.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,15 +38,13 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
         None when all points lie in one plane.
     """
 
-    def cut() -> Arrays | None:
+    def cut() -> tuple[tuple[Mesh, ...], float] | None:
         # It takes a while to import, and is seldom needed.
         from workbench.formats.meshes.pieces import cutting
 
-        found = cutting.cut(mesh, tolerance, most)
-        return found and {**packed(found[0]), "excess": np.array(found[1])}
+        return cutting.cut(mesh, tolerance, most)
 
-    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
-    return None if found is None else Pieces(unpacked(found), float(found["excess"]))
+    return _kept_pieces(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", mesh, cut)
 
 
 def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
@@ -60,13 +59,24 @@ def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces |
         None when all points lie in one plane.
     """
 
-    def cut() -> Arrays | None:
+    def cut() -> tuple[tuple[Mesh, ...], float] | None:
         from workbench.formats.meshes.pieces import splitting
 
-        found = splitting.split(mesh, tolerance, most)
+        return splitting.split(mesh, tolerance, most)
+
+    return _kept_pieces(f"split {recipe(*ASKED)} {tolerance!r} {most}", mesh, cut)
+
+
+def _kept_pieces(
+    name: str, mesh: Mesh, cut: Callable[[], tuple[tuple[Mesh, ...], float] | None]
+) -> Pieces | None:
+    """The pieces of a mesh and their excess, from the cache where they are in it."""
+
+    def made() -> Arrays | None:
+        found = cut()
         return found and {**packed(found[0]), "excess": np.array(found[1])}
 
-    found = kept(f"split {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), cut)
+    found = kept(name, content_of(mesh), made)
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
 
 
