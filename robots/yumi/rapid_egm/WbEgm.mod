@@ -9,7 +9,7 @@ MODULE WbEgm
 
     ! Tool and part together: EGM begins with it, so it stays when the controller starts
     ! anew.  Write the load of your tool here; a plan sets it that states one.
-    TASK PERS loaddata wb_load:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
+    TASK PERS loaddata wb_carried:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
 
     ! What is answered: version, the ticket that was begun last, the order that was
     ! done last, the ticket that was refused last since it had been begun before.
@@ -58,7 +58,7 @@ MODULE WbEgm
         IF NOT Hand_IsCalibrated() THEN
             Hand_Initialize\maxSpd:=WB_FINGER_SPEED,\holdForce:=WB_FORCE,\Calibrate;
         ENDIF
-        GripLoad wb_load;
+        GripLoad wb_carried;
         ! EGM wants a fine point before it; the arm stays where it is.
         MoveAbsJ CJointT(),wb_slow,fine,tool0;
         EGMReset wb_states;
@@ -135,13 +135,13 @@ MODULE WbEgm
     ENDTRAP
 
     PROC take_load()
-        wb_load.mass:=DnumToNum(wb_from{8});
-        wb_load.cog:=[DnumToNum(wb_from{9}),DnumToNum(wb_from{10}),DnumToNum(wb_from{11})];
-        wb_load.aom:=[DnumToNum(wb_from{12}),DnumToNum(wb_from{13}),DnumToNum(wb_from{14}),DnumToNum(wb_from{15})];
-        wb_load.ix:=DnumToNum(wb_from{16});
-        wb_load.iy:=DnumToNum(wb_from{17});
-        wb_load.iz:=DnumToNum(wb_from{18});
-        GripLoad wb_load;
+        wb_carried.mass:=DnumToNum(wb_from{8});
+        wb_carried.cog:=[DnumToNum(wb_from{9}),DnumToNum(wb_from{10}),DnumToNum(wb_from{11})];
+        wb_carried.aom:=[DnumToNum(wb_from{12}),DnumToNum(wb_from{13}),DnumToNum(wb_from{14}),DnumToNum(wb_from{15})];
+        wb_carried.ix:=DnumToNum(wb_from{16});
+        wb_carried.iy:=DnumToNum(wb_from{17});
+        wb_carried.iz:=DnumToNum(wb_from{18});
+        GripLoad wb_carried;
     ENDPROC
 
     FUNC bool is_begun(dnum ticket)
