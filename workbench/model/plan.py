@@ -120,7 +120,7 @@ class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
-    tool and part, which the controller is told; None where the tool's mass is not known.
+    tool and part, which the controller gets; None where the tool's mass is not known.
     """
 
     arm: str

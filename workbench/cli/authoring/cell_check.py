@@ -89,22 +89,19 @@ def check_cell(typed: CellCheck) -> int:
 
 def _load_notes(cell: Cell) -> Iterator[str]:
     """What the cell does not say of loads, and what follows."""
-    for arm in cell.arms:
-        tool = arm.tool
+    for name, tool in {arm.tool.name: arm.tool for arm in cell.arms}.items():
         if tool.mass is None:
             yield (
-                f"{arm.name} arm: the mass of {tool.name} is not stated, so the controller is told "
-                "no load and its collision detection may stop the robot; set mass_g in [[tool]]"
+                f"mass_g of {name} is missing, so the controller gets no load and its collision "
+                "detection may stop the robot; write it into [[tool]]"
             )
             continue
         keys = {"centre_of_gravity_mm": tool.centre_of_gravity, "inertia_kgm2": tool.inertia}
         missing = [key for key, value in keys.items() if value is None]
         if missing:
-            yield (
-                f"{arm.name} arm: {' and '.join(missing)} of {tool.name} estimated from its bodies"
-            )
+            yield f"{' and '.join(missing)} of {name} estimated from its bodies"
     if not cell.controller.motion.takes_loads:
-        yield f"the robot link {cell.controller.link} tells no load: set it on the controller"
+        yield f"the robot link {cell.controller.link} sends no load; set it on the controller"
 
 
 def _load_form(arm: Arm, load: Load | None) -> dict[str, object]:

@@ -54,21 +54,21 @@ def _plan_html(state: State, number: int) -> str:
 
 
 def _loads_html(state: State, plan: Plan) -> str:
-    """What the controller is told that each arm carries, or why it is told nothing."""
-    rows: list[str] = []
+    """What each arm carries, a line each, and one line where a mass is missing."""
+    controller, lines = state.cell.controller, ""
     for one in plan.arms:
         if one.loads is None:
-            tool = state.cell.arm(one.arm).tool.name
-            words = f"{one.arm}: no load is known; set mass_g of the tool {tool} in the cell file"
-            rows.append(words)
             continue
-        rows.append(f"{one.arm}: the tool weighs {one.loads.tool.words}")
-        rows.append(f"{one.arm}: tool and part weigh {one.loads.carried(True).words}")
-    if not state.cell.controller.motion.takes_loads:
-        link = state.cell.controller.link
-        rows.append(f"The robot link {link} tells no load: set it on the controller")
-    lines = "".join(f'<div class="wb-small">{escape(row)}</div>' for row in rows)
-    return f"<div>{lines}</div>"
+        tool, both = one.loads.tool.mass, one.loads.carried(True).mass
+        words = f"{one.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
+        if not controller.motion.takes_loads:
+            words += f", not sent by {controller.link}"
+        lines += f'<div class="wb-small" title="{escape(one.loads.words)}">{escape(words)}</div>'
+    tools = {state.cell.arm(one.arm).tool.name for one in plan.arms if one.loads is None}
+    if tools and controller.motion.takes_loads:
+        words = f"No load is sent: mass_g of {', '.join(sorted(tools))} is missing"
+        lines += f'<div class="wb-small">{escape(words)}</div>'
+    return lines
 
 
 def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]) -> str:
