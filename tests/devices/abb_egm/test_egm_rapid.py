@@ -12,7 +12,7 @@ import pytest
 from egm_scenes import PATIENT
 from waiting import PATIENCE, wait_until
 
-from workbench.devices.abb_egm import wire
+from workbench.devices.abb_egm import rapid_controller, wire
 from workbench.devices.abb_egm.link import AbbEgm
 from workbench.devices.abb_egm.rapid_controller import GuidedController
 from workbench.formats.rapid.check import check_modules
@@ -131,6 +131,14 @@ def test_a_hand_that_fails_ends_the_plan(planned):
             list(send(plan, approval, there, patience=patience))
         assert one.written == [f"Workbench: the hand of the {name} arm has a fault"]
         assert stands_at(one, cell, name, plan.arm(name).legs[0].q[0]) < np.deg2rad(0.1)
+
+
+def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, monkeypatch):
+    monkeypatch.setattr(rapid_controller, "LOCKSTEP", 5.0)
+    cell, plan, approval = planned
+    with modules_run(cell) as (_, there):
+        receipts = list(send(plan, approval, there, patience=PATIENT))
+    assert [one.sent for one in receipts[-2:]] == ["end", "end"]
 
 
 @pytest.mark.parametrize("done", [1, 6], ids=["before the other arm has begun", "on the way"])

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from workbench.devices.abb_egm.guided import Guidance
-from workbench.devices.abb_egm.twin import free_ports
+from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports
 from workbench.devices.rapid.controller import Controller, Operator
 from workbench.devices.rapid.motion import Mechanism
 from workbench.devices.rapid.tasks import Task
@@ -15,9 +15,6 @@ from workbench.formats.rapid.setup import Setup, read_setup
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.plugins.robot_link import Running, Simulation
-
-LOCKSTEP = 0.5
-"""[s] So long is an answer waited for, faster than in real time."""
 
 UNHEARD = 0.001
 """[s] Between two messages that nobody answers, faster than in real time."""
@@ -112,6 +109,7 @@ class GuidedController(Controller):
             for one in ready:
                 one.hear()
                 awaited.remove(one)
+                until = min(until, time.monotonic() + BESIDE)
         for one in awaited:
             one.is_prompt = not self._in_haste and one.is_prompt
         for one in self._guidances:

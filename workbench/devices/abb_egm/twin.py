@@ -32,6 +32,10 @@ HELD_UP = 60
 LOCKSTEP = 0.5
 """[s] So long is an answer waited for, faster than in real time."""
 
+BESIDE = 0.01
+"""[s] So long is the answer of one arm waited for when another's has come: a plan that has ended
+for one arm is answered for the other alone, to which this must be no silence."""
+
 STATES = 25
 """[reports] Of which one goes to the port for states: the controller streams there more slowly."""
 
@@ -157,6 +161,8 @@ class SimulatedEgm:
             for one in select.select(self._sockets, [], [], max(left, 0.0))[0]:
                 k = self._sockets.index(one)
                 self._take(k, one)
+                if self._speed > 1.0 and k in missing:
+                    due = min(due, time.monotonic() + BESIDE)
                 missing.discard(k)
             if left <= 0.0 or (self._speed > 1.0 and awaited and not missing):
                 for k in missing:
