@@ -39,10 +39,11 @@ def test_a_plan_states_the_loads_of_its_cell(proven):
     cell, plan = weighed(proven.cell, proven.plan.arms[0].arm), proven.plan
     loads = right(cell, plan)
     assert said(cell, plan, loads) == []
-    assert said(proven.cell, plan, None) == []
+    unweighed = weighed(cell, plan.arms[0].arm, None)
+    assert said(unweighed, plan, None) == []
     (problem,) = said(cell, plan, None)
     assert "states no load" in problem
-    (problem,) = said(proven.cell, plan, loads)
+    (problem,) = said(unweighed, plan, loads)
     assert "no mass of the tool" in problem
 
 
