@@ -24,7 +24,7 @@ def a_part_is_reckoned_with_from_the_grasp_to_the_release(stage):
         *step(3, "R", "alone", NEAR["R"], hand="open", opening=40.0),
         *step(4, "R", "alone", HOME["R"], hand="keep", opening=40.0),
     )
-    wait_until(lambda: arm.payload[0] > NOTHING)
+    wait_until(lambda: arm.payload[0] > 2 * NOTHING)
     assert round(arm.payload[0], 4) == 0.134
     assert [round(value, 2) for value in arm.payload[1]] == [0.0, -1.5, 141.0]
     assert round(arm.payload[2][1], 4) == 0.7071
