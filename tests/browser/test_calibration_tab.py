@@ -101,7 +101,7 @@ def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_sca
     wait(lambda: bench.state.before != (), "the bin to be moved")
     off = T.actInv(bench.state.cell.bin.T_world_bin)
     assert np.linalg.norm(off.translation) < 0.0005
-    screen.wait_for("The bin is empty")
+    screen.wait_for("Nothing higher than")
     check = bin_check_of(bench.state)
     assert check.is_empty and not check.is_elsewhere
     assert screen.errors == []

@@ -56,6 +56,19 @@ def test_bad_input_is_one_line(say, box):
     assert "no arm 'middle'" in say("grasps", "suggest", "puck", "--arm", "middle").problem
 
 
+def test_check_says_what_lies_flat_and_what_the_scanner_sees(say, box):
+    trimesh.creation.annulus(3.2, 6.25, 1.6).export("washer.stl")
+    made = say("part", "import", "washer.stl", "--name", "washer", "--unit", "mm")
+    assert made.code == 0, made.err
+    assert say("grasps", "suggest", "washer", "--cell", "yumi", "--most", 4, "--add").code == 0
+    said = say("part", "check", "washer", "--cell", "yumi", "--json")
+    told = json.loads(said.out)
+    assert said.code == 3 and told["coverage"]["lying_share"] < 0.5
+    assert told["scanner"]["across"] < 45
+    problems = " ".join(told["problems"])
+    assert "of the ways to lie on the floor" in problems and "pixels across" in problems
+
+
 def test_a_part_without_grasps_does_not_pass(say, box):
     assert say("part", "import", box, "--name", "bare").code == 0
     said = say("part", "check", "bare", "--json")

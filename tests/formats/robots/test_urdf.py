@@ -134,6 +134,13 @@ def test_a_mesh_without_a_height_is_refused(tmp_path: Path) -> None:
         read_urdf(with_mesh(tmp_path, 'filename="ball.stl" scale="1 0 1"'))
 
 
+def test_half_a_mesh_is_said_to_be_cut_off(tmp_path: Path) -> None:
+    whole = stl_of(triangles_of(Sphere(0.1)))
+    (tmp_path / "ball.stl").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(FileError, match=r"is cut off: of 1280 triangles that it has, 639 are"):
+        read_urdf(with_mesh(tmp_path, 'filename="ball.stl"'))
+
+
 def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     inner = tmp_path / "my_robot" / "urdf"
     inner.mkdir(parents=True)
@@ -142,6 +149,19 @@ def test_a_package_is_a_folder_here_or_above(tmp_path: Path) -> None:
     (meshes / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(0.1))))
     path = with_mesh(inner, 'filename="package://my_robot/meshes/ball.stl"')
     assert isinstance(read_urdf(path).link("base").visual[0].shape, Mesh)
+
+
+def test_a_mesh_that_another_machine_named_is_found_in_its_package(tmp_path: Path) -> None:
+    meshes = tmp_path / "my_robot" / "meshes"
+    meshes.mkdir(parents=True)
+    (tmp_path / "my_robot" / "package.xml").write_text("<package><name>my_robot</name></package>")
+    (meshes / "ball.stl").write_bytes(stl_of(triangles_of(Sphere(0.1))))
+    inner = tmp_path / "urdf"
+    inner.mkdir()
+    place = "/home/other/install/my_robot/share/my_robot/meshes/ball.stl"
+    for named in (f"file://{place}", place):
+        robot = read_urdf(with_mesh(inner, f'filename="{named}"'))
+        assert isinstance(robot.link("base").visual[0].shape, Mesh)
 
 
 def test_a_hull_with_a_corner_of_many_edges_can_be_checked(tmp_path: Path) -> None:

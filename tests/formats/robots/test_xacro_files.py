@@ -196,3 +196,22 @@ def test_a_xacro_is_not_taken_for_a_urdf_of_a_cell(tmp_path):
     path = made_arm.written(tmp_path / "a.urdf", xacro('<link name="${1}"/>', NAMESPACES[2]))
     with pytest.raises(FileError, match="is a xacro file; `workbench cell new` expands it"):
         read_urdf(path)
+
+
+def test_an_empty_argument_that_leads_to_no_file_is_named(tmp_path):
+    made_arm.written(tmp_path / "arms" / "6dof" / "m.xacro", xacro(MACRO))
+    body = (
+        '<xacro:arg name="arm" default="arms"/><xacro:arg name="dof" default=""/>'
+        + CALLS.format("$(arg arm)/$(arg dof)dof/m.xacro")
+    )
+    path = made_arm.written(tmp_path / "arm.xacro", xacro(body))
+    with pytest.raises(FileError, match=r"argument dof is '': --xacro dof:=VALUE"):
+        link_names(path)
+    assert link_names(path, dof="6") == ["base"]
+
+
+def test_a_file_that_is_not_there_is_no_fault_of_an_empty_argument(tmp_path):
+    body = '<xacro:arg name="prefix" default=""/>' + CALLS.format("gone.xacro")
+    with pytest.raises(FileError, match=r"there is no file .*gone\.xacro") as refused:
+        link_names(made_arm.written(tmp_path / "arm.xacro", xacro(body)))
+    assert "prefix" not in str(refused.value)

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+import trimesh
 
 from workbench.formats.cells.reading import read_cell
-from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Scan
+from workbench.model.geometry import Mesh, pose_from_rpy
+from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -77,7 +78,22 @@ def test_a_part_that_stands_above_the_rim_makes_no_bin_too_full(cell):
 def test_an_empty_bin_is_told(cell):
     check = check_bin(scanned(cell)[0], cell.bin)
     assert check.is_empty and check.fill < 0.01
-    assert check.findings == ("the bin is empty",) and check.light == "warning"
+    assert check.findings == ("nothing higher than 1.0 mm lies on the floor",)
+    assert check.light == "warning"
+
+
+def test_flat_parts_on_the_floor_are_seen_to_lie_there(cell):
+    ring = trimesh.creation.annulus(0.0032, 0.00625, 0.0016)
+    washer = replace(cell.parts[0], name="washer", mesh=Mesh(ring.vertices, ring.faces))
+    with_washers = replace(cell, parts=(washer,))
+    lying = tuple(
+        Detection("washer", cell.bin.T_world_bin * pose_from_rpy((x, y, 0.0008)), 1.0, 1.0)
+        for x in (-0.05, 0.0, 0.05)
+        for y in (-0.03, 0.04)
+    )
+    check = check_bin(synthesize(with_washers, lying, seed=0), cell.bin)
+    assert not check.is_empty
+    assert check.findings == ("only things lower than 4 mm lie on the floor",)
 
 
 def test_a_floor_that_is_not_where_the_rim_is_is_told_and_the_bin_empty_all_the_same(cell):
@@ -155,4 +171,4 @@ def test_a_surface_that_is_not_there_is_bad_news(cell):
 
 def test_a_surface_on_which_nothing_lies_is_told(cell):
     check = check_bin(scanned(table(cell))[0], table(cell).bin)
-    assert check.is_empty and check.findings == ("nothing lies on the surface",)
+    assert check.is_empty and check.findings == ("nothing higher than 1.0 mm lies on the floor",)

@@ -88,3 +88,11 @@ def test_the_centre_of_mass_is_that_of_the_body_not_of_its_corners():
     cone = trimesh.creation.cone(0.01, 0.04, sections=64)
     assert centre_of_mass(Mesh(cone.vertices, cone.faces))[2] == pytest.approx(0.01, abs=1e-4)
     assert corner[0] == pytest.approx(0.01)
+
+
+def test_a_tube_is_taken_across_its_outside(tools):
+    tube = trimesh.creation.annulus(0.014, 0.0166, 0.078)
+    shape = Mesh(tube.vertices, tube.faces)
+    part = Part("tube", shape, (), 0.02, Symmetry(0), GraspLibrary())
+    found = suggest(part, tools["yumi"], most=4, seed=0)
+    assert any(one.check.width == pytest.approx(0.0332, abs=2e-4) for one in found)

@@ -11,7 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Box, Cylinder, Mesh, pose_from_rpy
 from workbench.model.symmetry import Symmetry
-from workbench.planning.grasps.resting import TURNS, resting_poses
+from workbench.planning.grasps.resting import TURNS, resting_poses, ways_to_lie
 
 DROP = 0.007
 """[m] The margin of the shipped cells and what a proof lets pass above it."""
@@ -116,3 +116,15 @@ def test_the_same_part_stands_in_the_same_ways():
     assert len(one) == len(other)
     for T, U in zip(one, other, strict=True):
         np.testing.assert_array_equal(T.homogeneous, U.homogeneous)
+
+
+def test_a_flat_part_mostly_lies_flat():
+    ups, often = ways_to_lie(read_part("puck"))
+    assert often.sum() == pytest.approx(1.0)
+    flat = np.abs(ups[:, 2]) > 0.99
+    assert flat.sum() == 2 and often[flat].sum() > 0.8
+
+
+def test_a_cylinder_mostly_lies_on_its_side():
+    ups, often = ways_to_lie(read_part("keyed_cylinder"))
+    assert often[np.abs(ups[:, 2]) < 0.1].sum() > 0.8

@@ -1,8 +1,10 @@
 """Makers' arms by the numbers of `ssik` (PyPI): poses that are missed, and the time a pose takes.
 
-`python tests/planning/kinematics/judged_arms.py` prints the table of `docs/benchmarks/judged.md`.
+`python tests/planning/kinematics/judged_arms.py [CELL_FILE ...]` prints the table of
+`docs/benchmarks/judged.md`, with rows for the arms of further cells.
 """
 
+import sys
 import time
 from pathlib import Path
 
@@ -59,11 +61,11 @@ def main() -> None:
         _, chain = made(name)
         draw = np.random.default_rng(0).uniform(chain.lower, chain.upper, (11, 6))
         print(row(name, chain, np.vstack([(chain.lower + chain.upper) / 2, draw])), flush=True)
-    for name in CELLS:
-        cell = read_cell(Path("robots") / name / "cell.toml")
+    shipped = [Path("robots") / name / "cell.toml" for name in CELLS]
+    for cell in map(read_cell, (*shipped, *map(Path, sys.argv[1:]))):
         for arm in cell.arms:
             chain = chain_of(cell, arm)
-            print(row(f"{name} {arm.name}", chain, starts_of(chain, arm, 0)), flush=True)
+            print(row(f"{cell.name} {arm.name}", chain, starts_of(chain, arm, 0)), flush=True)
 
 
 if __name__ == "__main__":

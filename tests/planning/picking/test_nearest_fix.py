@@ -68,6 +68,29 @@ def test_what_is_out_of_reach_has_no_small_fix(cell, detections):
     assert nearest_fix(cell, far, candidates, seed=0) is None
 
 
+def test_a_bin_that_is_out_of_reach_is_said_to_be_moved_and_by_how_much(cell, detections):
+    def moved(cell, detections, x):
+        shift = pose_from_rpy((x, 0, 0))
+        there = replace(cell.bin, T_world_bin=shift * cell.bin.T_world_bin)
+        lying = tuple(replace(one, T_world_part=shift * one.T_world_part) for one in detections)
+        return replace(cell, bin=there), lying
+
+    far, lying = moved(cell, detections, 0.3)
+    fix = nearest_fix(far, lying, judge(far, lying), seed=0)
+    by, back = map(int, re.findall(r"[+-]\d+", fix.change))
+    assert fix.change.startswith("move the bin by -") and back == -by
+    nearer, there = moved(far, lying, by / 1000)
+    wanted = (fix.candidate.detection, fix.candidate.arm, fix.candidate.grasp.name)
+    admitted = {
+        (one.detection, one.arm, one.grasp.name)
+        for one in judge(nearer, there)
+        if one.verdict.is_ok
+    }
+    assert wanted in admitted
+    none = nearest_fix(far, lying, judge(far, lying), seed=0, may_move_bin=False)
+    assert none is None or "bin" not in none.change
+
+
 def test_where_no_other_grasp_helps_the_margin_is_named(cell, detections, monkeypatch):
     """With a margin of 9 mm to the floor, which its fingers do not have."""
     for name in ("TURNS", "BACK_OFFS", "SLIDES", "OPENINGS"):

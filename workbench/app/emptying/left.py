@@ -63,7 +63,7 @@ def left_in(
             found.append(LeftPart(name, kind, f"a grasp of it works, but {why}", ""))
             continue
         best = max((one.verdict for one in mine), key=lambda one: one.progress)
-        fix = nearest_fix(cell, detections, mine, seed=seed) if fixes else None
+        fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
         sentence = _renamed(_sentence(mine, best), names)
         found.append(LeftPart(name, str(best.reason), sentence, "" if fix is None else fix.change))
     return tuple(found)

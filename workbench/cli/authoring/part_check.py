@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from workbench.app.picking.part_import import excess_of
+from workbench.app.picking.part_visibility import LEAST_ACROSS, Visibility, visibility
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -38,11 +39,20 @@ def check_part(typed: PartCheck) -> int:
         covered = coverage(cell, part, report=lambda done, note: report(0.1 + 0.9 * done, note))
     surface = examined(joined_corners(part.mesh)[0])
     problems = list(_problems(part, cell, surface, checks))
+    least = f"{LEAST_COVERED:.0%} are the least"
     if part.library.grasps and covered.share < LEAST_COVERED:
-        least = f"{LEAST_COVERED:.0%} are the least"
         problems.append(f"grasps work in {covered.share:.0%} of the poses in the bin, {least}")
+    lying = covered.lying_share
+    if part.library.grasps and lying is not None and lying < LEAST_COVERED:
+        problems.append(f"grasps work in {lying:.0%} of the ways to lie on the floor, {least}")
+    seen = visibility(cell, part)
+    if not seen.is_enough:
+        problems.append(
+            f"too small for the scanner: {seen.across:.0f} pixels across, {LEAST_ACROSS:.0f} are "
+            "the least to find it reliably"
+        )
     if typed.json:
-        print_json(_form(part, surface, checks, covered, problems))
+        print_json(_form(part, surface, checks, covered, seen, problems))
     else:
         closed = "watertight" if surface.is_watertight else "open"
         pieces = counted(len(part.pieces), "convex piece")
@@ -53,6 +63,10 @@ def check_part(typed: PartCheck) -> int:
         )
         _print_grasps(checks, covered)
         _print_coverage(covered)
+        print(
+            f"seen by the scanner: {seen.pixels} pixels where it lies alone, {seen.across:.0f} "
+            f"across, {seen.height * 1000:.1f} mm high"
+        )
         for problem in problems:
             print(f"problem: {problem}")
         if not problems:
@@ -85,6 +99,7 @@ def _form(
     surface: Surface,
     checks: dict[str, list[GraspCheck]],
     covered: Coverage,
+    seen: Visibility,
     problems: list[str],
 ) -> dict[str, Any]:
     return {
@@ -97,6 +112,11 @@ def _form(
         "excess_mm": round(excess_of(part) * 1000, 2),
         "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
         "coverage": _coverage_form(covered),
+        "scanner": {
+            "pixels": seen.pixels,
+            "across": round(seen.across, 1),
+            "height_mm": round(seen.height * 1000, 2),
+        },
         "problems": problems,
     }
 
@@ -147,6 +167,8 @@ def _print_coverage(covered: Coverage) -> None:
         for arm, share in zip(covered.arms, covered.arm_shares.mean(axis=0), strict=True)
     )
     print(f"covered: {covered.share:.0%} of {covered.poses} poses in the bin ({each})")
+    if covered.lying_share is not None:
+        print(f"lying on the floor by itself: {covered.lying_share:.0%} of the ways to lie")
     missing = covered.missing
     if missing is None:
         return
@@ -167,6 +189,7 @@ def _coverage_form(covered: Coverage) -> dict[str, Any]:
     return {
         "poses": covered.poses,
         "share": round(covered.share, 4),
+        "lying_share": covered.lying_share and round(covered.lying_share, 4),
         "arms": {
             arm: round(float(share), 4)
             for arm, share in zip(covered.arms, covered.arm_shares.mean(axis=0), strict=True)

@@ -13,9 +13,9 @@ import numpy as np
 from workbench.formats.files.apart import Answer, apart
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import MB, read_whole
-from workbench.formats.meshes.cad_problems import check_stl, converted_step
 from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh
 from workbench.formats.meshes.repair import joined_corners, shells_of
+from workbench.formats.meshes.step_files import converted_step
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -146,9 +146,6 @@ def read_bodies(path: Path) -> CadBodies:
 
 
 def _unnamed(path: Path) -> Body:
-    content = read_whole(path, LARGEST_MESH)
-    if path.suffix.lower() == ".stl":
-        check_stl(path, content)
     # Bounded as if it were in millimetres: the unit is looked at later.
     mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
     return Body(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))

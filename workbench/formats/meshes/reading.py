@@ -30,6 +30,8 @@ FLATNESS = 1e-4
 """[m] How far a corner of a convex piece may stand beyond the plane of one of its faces."""
 THINNEST = 1e-6
 """[m] What is no thicker is flat: so far rounding carries the corners of a plane out of it."""
+HEADER, TRIANGLE = 84, 50
+"""[bytes] In a binary STL file."""
 MOST_NEIGHBOURS = 254
 """Of one corner of a convex mesh: Coal counts them in one byte."""
 
@@ -83,6 +85,8 @@ def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mes
     import trimesh  # takes a while, and is seldom needed
 
     kind = path.suffix[1:].lower()
+    if kind == "stl":
+        _check_stl(path, content)
     try:
         source = bare_collada(content) if kind == "dae" else BytesIO(content)
         loaded = trimesh.load_mesh(source, file_type=kind, process=False)
@@ -107,6 +111,24 @@ def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mes
         )
     is_mirrored = np.prod(np.broadcast_to(scale, 3)) < 0
     return Mesh(points, triangles[:, ::-1] if is_mirrored else triangles)
+
+
+def _check_stl(path: Path, content: bytes) -> None:
+    """Refuse an STL file that was not written or copied to its end.
+
+    Raises:
+        FileError: says how much is missing.
+    """
+    if content[:6].lstrip().lower().startswith(b"solid") and b"facet" in content[:2000]:
+        if b"endsolid" not in content:
+            raise FileError(path, "is cut off: endsolid is missing at its end")
+        return
+    if len(content) < HEADER:
+        return
+    count = int.from_bytes(content[HEADER - 4 : HEADER], "little")
+    there = (len(content) - HEADER) // TRIANGLE
+    if there < count and b"facet" not in content[:2000]:
+        raise FileError(path, f"is cut off: of {count} triangles that it has, {there} are there")
 
 
 MATERIALS = ("bind_material", "library_images", "library_effects", "library_materials")

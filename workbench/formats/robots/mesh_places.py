@@ -30,7 +30,7 @@ def mesh_file(element: Element, name: str, packages: Packages) -> Path:
     plain = name.replace("\\", "/").strip()
     scheme = next((one for one in OF_PACKAGES if plain.startswith(one)), None)
     if scheme is None:
-        return _beside(element, name, plain.removeprefix("file://"))
+        return _beside(element, name, plain.removeprefix("file://"), packages)
     package, _, rest = plain.removeprefix(scheme).partition("/")
     folders = list(dict.fromkeys(packages.all(package)))
     beside = element.path.parent.resolve()
@@ -43,12 +43,20 @@ def mesh_file(element: Element, name: str, packages: Packages) -> Path:
     raise _missing(element, name, f"there is no such file in {folders[0]}")
 
 
-def _beside(element: Element, name: str, plain: str) -> Path:
+def _beside(element: Element, name: str, plain: str, packages: Packages) -> Path:
     folder = element.path.parent.resolve()
     for above in (folder, *list(folder.parents)[:LEVELS]):
         found = _in(above, plain)
         if found is not None:
             return found
+    if plain.startswith("/"):
+        # A URDF that was expanded on another machine: the package is one of the folders it names.
+        parts = PurePosixPath(plain).parts[1:]
+        for k in reversed(range(len(parts) - 1)):
+            for folder in dict.fromkeys(packages.all(parts[k])):
+                found = _in(folder, "/".join(parts[k + 1 :]))
+                if found is not None:
+                    return found
     raise _missing(element, name, "there is no such file beside the URDF")
 
 

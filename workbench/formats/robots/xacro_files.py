@@ -259,9 +259,16 @@ def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
         there = sorted(one.name for one in above.iterdir() if not one.name.startswith("."))
         listed = ", ".join(there[:MOST_LISTED]) + (", ..." if len(there) > MOST_LISTED else "")
         said += f" (in {above.name} there is {listed or 'nothing'})"
-    for name, value in (_defaults(path) | given).items():
-        if value in missing.parts:
-            return f"{said}; its argument {name} is {shown(value)}: --xacro {name}:=VALUE"
+    arguments = _defaults(path) | given
+    in_path = [name for name, value in arguments.items() if value in missing.parts]
+    if above is not None:
+        gap = missing.relative_to(above).parts[0]
+        if any(one.name.endswith(gap) and one.name != gap for one in above.iterdir()):
+            # Something belongs before it, which an argument that is empty should have been.
+            in_path = [name for name, value in arguments.items() if not value] or in_path
+    if in_path:
+        name = in_path[0]
+        return f"{said}; its argument {name} is {shown(arguments[name])}: --xacro {name}:=VALUE"
     return said
 
 

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from workbench.app.core.state import State
 from workbench.gui.shared.look import NO_HELP, Help
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, Reason
 from workbench.planning.picking.nearest_fix import fix_words, nearest_fix
 
 log = logging.getLogger(__name__)
@@ -89,5 +89,7 @@ class Fixes:
 
 
 def _may_help(candidate: Candidate) -> bool:
-    """Whether a small change of the grasp might admit it."""
-    return not candidate.verdict.is_ok and candidate.verdict.pair is not None
+    """Whether a small change of the grasp, or of the bin's place, might admit it."""
+    verdict = candidate.verdict
+    is_far = verdict.reason is Reason.OUT_OF_REACH
+    return not verdict.is_ok and (verdict.pair is not None or is_far)

@@ -15,7 +15,7 @@ from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_tur
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import FARTHEST, as_in_cell, fit_bin
-from workbench.perception.scene.fill_level import filled
+from workbench.perception.scene.fill_level import LOW, Filling, filled
 
 REACH = 0.08
 """[m] Around the bin that the rim is looked for."""
@@ -70,7 +70,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
         return _check_surface(p_bin, bin)
     T = rim_place(p_bin, bin)
     if T is None:
-        _, above, _ = filled(p_bin, bin, as_in_cell())
+        above = filled(p_bin, bin, as_in_cell()).above
         hidden = f"something is {above * 1000:.0f} mm above it" if above > OVER else ""
         finding = (
             f"the rim of the bin is not seen where the cell has it, nor within "
@@ -81,8 +81,9 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     is_elsewhere = shift > SHIFTED or turn > TURNED
     p_bin = (p_bin - T.translation) @ T.rotation
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
-    fill, above, covered = filled(p_bin, bin, seen)
-    is_empty, is_overfull = fill is not None and covered < EMPTY, _is_too_full(fill, above)
+    filling = filled(p_bin, bin, seen)
+    fill, above = filling.fill, filling.above
+    is_overfull = _is_too_full(fill, above)
     findings: list[str] = []
     if is_overfull:
         findings.append(f"the bin is too full: parts lie {above * 1000:.0f} mm above its rim")
@@ -101,8 +102,7 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
             f"the floor of the bin lies {abs(seen.floor[0]) * 1000:.1f} mm {way} under its rim "
             "than the cell has it"
         )
-    if is_empty:
-        findings.append("the bin is empty")
+    is_empty = _is_empty(filling, findings)
     if fill is None:
         findings.append("the inside of the bin is hardly seen")
     light: Light = "warning" if findings else "good"
@@ -123,7 +123,8 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
 def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     """The same of a bin without walls: how high its floor lies, and how it leans, can be seen."""
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
-    fill, above, covered = filled(p_bin, bin, seen)
+    filling = filled(p_bin, bin, seen)
+    fill, above = filling.fill, filling.above
     is_overfull, height = _is_too_full(fill, above), f"{bin.size[2] * 1000:.0f} mm"
     findings: list[str] = []
     if is_overfull:
@@ -155,9 +156,7 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
             f"the cell has, and leans by {np.rad2deg(turn):.1f} degrees more: it was moved, or the "
             "scanner is not calibrated"
         )
-    is_empty = fill is not None and covered < EMPTY
-    if is_empty:
-        findings.append("nothing lies on the surface")
+    is_empty = _is_empty(filling, findings)
     if fill is None:
         findings.append("the surface that parts lie on is hardly seen")
     return BinCheck(
@@ -173,6 +172,17 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
         is_overfull=is_overfull,
         has_walls=False,
     )
+
+
+def _is_empty(filling: Filling, findings: list[str]) -> bool:
+    """Whether nothing is seen to lie there; how flat a thing would be missed is a finding."""
+    if filling.fill is None or filling.covered >= EMPTY:
+        return False
+    if filling.is_flat_seen:
+        findings.append(f"only things lower than {LOW * 1000:.0f} mm lie on the floor")
+        return False
+    findings.append(f"nothing higher than {filling.lowest * 1000:.1f} mm lies on the floor")
+    return True
 
 
 def _is_too_full(fill: float | None, above: float) -> bool:

@@ -1,14 +1,16 @@
 """How full a bin is as seen from above, and about how many parts that may be."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.spatial import ConvexHull
 
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
 from workbench.perception.scene.bin_fit import SeenBin, above_floor
@@ -17,7 +19,18 @@ GRID = 0.005
 """[m] Width of the pieces into which the inside is divided, seen from above."""
 
 LOW = 0.004
-"""[m] What is no higher above the floor is floor."""
+"""[m] What is no higher above the floor takes no room."""
+
+FLATTEST, LOW_OVER_NOISE = 0.001, 4.0
+"""[m] A point this high above the floor shows that something lies there, or so many deviations of
+the floor's points."""
+
+FLAT_POINTS, FLAT_SHARE = 6, 0.4
+"""So many such points on a square of two by two pieces of the grid, and this share of all on it,
+show something flat: stray points of scanners lie alone."""
+
+MARGIN = 0.01
+"""[m] Beside walls nothing flat is looked for: scanners smooth wall and floor into each other."""
 
 OVER_CELLS = 4
 """Pieces of the grid over which something sticks out, or it is a mistake of the scanner."""
@@ -54,8 +67,24 @@ def _room(part: Part) -> float:
     return float(ConvexHull(part.mesh.points).volume)
 
 
-def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> tuple[float | None, float, float]:
-    """Share of the room taken or None, what sticks out [m], and share of the floor covered.
+@dataclass(frozen=True, slots=True)
+class Filling:
+    """What lies in a bin, seen from above.
+
+    `fill` is the share of its room that is taken, None where its inside is hardly seen; `above` [m]
+    how far something sticks out; `covered` the share of the floor under something higher than
+    `LOW`.  `is_flat_seen`: something lies there that is higher than `lowest` [m].
+    """
+
+    fill: float | None
+    above: float
+    covered: float
+    lowest: float
+    is_flat_seen: bool
+
+
+def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> Filling:
+    """How full a bin is.
 
     Args:
         p_bin: (n, 3) [m] of a scan, in the frame of the bin.
@@ -67,14 +96,38 @@ def filled(p_bin: Floats, bin: Bin, seen: SeenBin) -> tuple[float | None, float,
     shape = tuple(np.maximum(1, np.ceil(2 * inner / GRID).astype(int)))
     index = np.minimum(((inside[:, :2] + inner) / GRID).astype(int), np.array(shape) - 1)
     flat = index[:, 0] * shape[1] + index[:, 1]
-    total, count = int(np.prod(shape)), np.bincount(flat, minlength=int(np.prod(shape)))
+    total = int(np.prod(shape))
+    count = np.bincount(flat, minlength=total)
+    shown = count > 0
+    if shown.sum() < LEAST_INSIDE * total:
+        return Filling(None, 0.0, 0.0, LOW, is_flat_seen=False)
     # The mean of a piece does not jump with one stray point, as its highest would.
-    heights = np.bincount(flat, inside[:, 2], total)[count > 0] / count[count > 0]
-    deep = np.bincount(flat, above_floor(seen, bin.size, inside), total)[count > 0]
-    deep = deep / count[count > 0]
-    if len(heights) < LEAST_INSIDE * total:
-        return None, 0.0, 0.0
+    heights = (np.bincount(flat, inside[:, 2], total) / np.maximum(count, 1))[shown]
+    over_floor = above_floor(seen, bin.size, inside)
+    deep = (np.bincount(flat, over_floor, total) / np.maximum(count, 1))[shown]
     over = np.sort(heights[heights > height])
     above = float(over[-OVER_CELLS] - height) if len(over) >= OVER_CELLS else 0.0
     taken = np.where(deep > LOW, np.clip(deep, 0.0, height), 0.0)
-    return float(taken.mean() / height), above, float(np.mean(deep > LOW))
+    lowest = float(np.clip(LOW_OVER_NOISE * seen.noise, FLATTEST, LOW))
+    return Filling(
+        float(taken.mean() / height),
+        above,
+        float(np.mean(deep > LOW)),
+        lowest,
+        is_flat_seen=_is_flat_seen(inside, over_floor > lowest, np.asarray(bin.size[:2]) / 2),
+    )
+
+
+def _is_flat_seen(inside: Floats, is_higher: Bools, half: Floats) -> bool:
+    """Whether points (n, 3), some of them higher than the floor, show that something lies there."""
+    free = (np.abs(inside[:, :2]) < half - MARGIN).all(axis=1)
+    edges = [np.arange(-size, size + GRID, GRID) for size in half - MARGIN]
+    if min(map(len, edges)) < 3:
+        return False
+    both = [
+        sliding_window_view(np.histogram2d(*inside[chosen, :2].T, bins=edges)[0], (2, 2)).sum(
+            axis=(2, 3)
+        )
+        for chosen in (free, free & is_higher)
+    ]
+    return bool(np.any((both[1] >= FLAT_POINTS) & (both[1] >= FLAT_SHARE * both[0])))

@@ -12,11 +12,12 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats, frozen, put, spread_directions
+from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
 from workbench.model.part import Part
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import NOTHING, first_hits, normals_of
+from workbench.planning.grasps.resting import ways_to_lie
 from workbench.planning.kinematics.quickness import tool_acceleration
 
 DIRECTIONS = 60
@@ -65,7 +66,8 @@ class Coverage:
     `directions` (n, 3): unit vectors of the part, pointing up; `shares` (n,) of the poses with that
     direction up in which any grasp works with any arm, `arm_shares` (n, a) with each arm.
     `grasp_shares` (g, a): of all poses, for each grasp of the library and arm.  `poses` is how many
-    were looked at; fewer when the search was ended.
+    were looked at; fewer when the search was ended.  `lying_share` is that of the ways in which a
+    part comes to lie on the floor by itself, each by how often it does; None where that is unknown.
     """
 
     part: str
@@ -77,6 +79,7 @@ class Coverage:
     grasp_shares: Floats
     poses: int
     missing: MissingGrasp | None
+    lying_share: float | None = None
 
     def __post_init__(self) -> None:
         put(
@@ -134,6 +137,7 @@ def coverage(
     works, ups = works[seen], ups[seen]
     any_arm = np.any(works, axis=2)
     shares = np.any(any_arm, axis=2).mean(axis=1) if len(ups) else np.empty(0)
+    lying = _lying_share(trial, usable, turns, places, cancelled) if len(ups) else None
     missing = None
     if advise and len(ups) and not cancelled():
         report(0.9, "what to add")
@@ -148,7 +152,26 @@ def coverage(
         works.mean(axis=(0, 1)) if len(ups) else np.zeros(works.shape[2:]),
         int(seen.sum()) * turns * len(places),
         missing,
+        lying,
     )
+
+
+def _lying_share(
+    trial: Trial,
+    usable: Bools,
+    turns: int,
+    places: tuple[tuple[float, float], ...],
+    cancelled: Callable[[], bool],
+) -> float | None:
+    """The share of the ways to lie in which some grasp works; None where it is not known."""
+    ups, often = ways_to_lie(trial.part)
+    share = 0.0
+    for k, (up, frequency) in enumerate(zip(ups, often, strict=True)):
+        if cancelled():
+            return None
+        works = trial.works(trial.poses(up, k, turns, places), trial.part.library.grasps, usable)
+        share += float(frequency) * float(works.any(axis=(1, 2)).mean())
+    return share
 
 
 def _missing(

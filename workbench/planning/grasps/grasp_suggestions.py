@@ -26,6 +26,7 @@ from workbench.planning.grasps.grasp_frames import (
 )
 from workbench.planning.grasps.pads import Pads
 from workbench.planning.grasps.part_rays import (
+    NOTHING,
     centre_of_mass,
     first_hits,
     normals_of,
@@ -53,6 +54,9 @@ PAD = 50e-6
 
 ROOM = 0.004
 """[m] More room between the open tool and the part is no better."""
+
+SURFACES = 5
+"""Of the part that a line from a point is followed through: walls, and what is hollow between."""
 
 THINNEST = 0.0005
 """[m] Nothing thinner is taken between fingers."""
@@ -163,18 +167,27 @@ def opposite_points(
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Points of the surface (n, 3) [m] with an opposite one that the tool can close on.
 
-    Of `count` samples those that have one.  Beside them the directions (n, 3) to it, its distance
-    (n,) [m] and the angle (n,) [rad] between the faces.
+    Of `count` samples those that have one, once for each: a tube is taken by its wall or across
+    its outside.  Beside them the directions (n, 3) to it, its distance (n,) [m] and the angle (n,)
+    [rad] between the faces.
     """
     mesh, (low, high) = checker.part.mesh, checker.tool.stroke
     normals, _ = normals_of(mesh)
     points, triangles = samples_of(mesh, count, rng)
     inward = -normals[triangles]
-    widths, met = first_hits(mesh, points + 1e-6 * inward, inward)
-    facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
-    angles = np.arccos(facing)
-    fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
-    return points[fits], inward[fits], widths[fits], angles[fits]
+    found: list[tuple[Floats, Floats, Floats, Floats]] = []
+    widths = np.zeros(len(points))
+    for _ in range(SURFACES):
+        step, met = first_hits(mesh, points + (widths + 1e-6)[:, None] * inward, inward)
+        widths = widths + 1e-6 + step
+        facing = np.clip(np.einsum("ij,ij->i", inward, normals[met]), -1.0, 1.0)
+        angles = np.where(met == NOTHING, np.pi, np.arccos(facing))
+        fits = (widths > max(low, THINNEST)) & (widths < high) & (angles < FRICTION)
+        found.append((points[fits], inward[fits], widths[fits], angles[fits]))
+        on = (met != NOTHING) & (widths < high)
+        points, inward, widths = points[on], inward[on], widths[on]
+    points, inward, widths, angles = (np.concatenate(column) for column in zip(*found, strict=True))
+    return points, inward, widths, angles
 
 
 def sides(y: Floats, count: int) -> Floats:

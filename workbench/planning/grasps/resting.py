@@ -22,6 +22,46 @@ ALIKE = 2e-4
 """[m, no unit] Poses whose numbers differ by less are one."""
 
 
+ALONG = np.deg2rad(10.0)
+"""[rad] Ways to lie whose verticals differ by less are one: a round part rolls from one to the
+next."""
+
+COUNTED = 0.95
+"""Share of all drops after which ways to lie are left out: edges on which a part hardly stands."""
+
+
+@lru_cache(maxsize=64)
+def ways_to_lie(part: Part) -> tuple[Floats, Floats]:
+    """How a part that is dropped comes to lie on a level floor, the most frequent way first.
+
+    Returns:
+        Unit vectors (n, 3) of the part that point up then, and how often (n,), adding up to 1: by
+        the solid angles of its hull's faces (Goldberg et al., Part pose statistics, 1999).  Also
+        those on its side, where it may roll.
+    """
+    import trimesh
+
+    mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
+    poses, shares = trimesh.poses.compute_stable_poses(
+        mesh, center_mass=_centre(part), sigma=0.0, n_samples=1, threshold=0.0
+    )
+    ups: list[Floats] = []
+    often: list[float] = []
+    # The digits behind these depend on the processor.
+    for k in np.lexsort((*np.round(poses[:, 2, :3], 3).T, -np.round(shares, 6))).tolist():
+        up = poses[k, 2, :3]
+        near = [n for n, other in enumerate(ups) if up @ other > np.cos(ALONG)]
+        if near:
+            often[near[0]] += float(shares[k])
+        else:
+            ups.append(up)
+            often.append(float(shares[k]))
+    order = np.argsort(-np.round(often, 6), kind="stable")
+    chosen = order[: int(np.searchsorted(np.cumsum(np.array(often)[order]), COUNTED)) + 1]
+    share = np.array(often)[chosen]
+    return np.array(ups)[chosen], share / share.sum()
+
+
 @lru_cache(maxsize=64)
 def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     """Poses T_surface_part in which a part stands on a level surface, the steadiest first.

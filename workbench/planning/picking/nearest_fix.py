@@ -2,15 +2,19 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
+import pinocchio as pin
 
-from workbench.model.candidate import Candidate, Pick, Stage
+from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell, Policy, Tool
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
+from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.kinematics.inverse import configurations, starts_of
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
@@ -25,6 +29,9 @@ SLIDES = (2, 4, 6, 8, 10)
 
 OPENINGS = (2, 4, 6, 8, 10, 12)
 """[mm] by which the fingers may arrive less or more open."""
+
+MOVES = (20, 40, 60, 80, 100, 150, 200, 300, 400)
+"""[mm] by which the bin, with all that lies in it, may lie elsewhere along one axis."""
 
 SHOWN = "know the roll of every part: from another scan, or by hand"
 """The change that admits what works for parts as they were found, but not for every roll."""
@@ -69,6 +76,7 @@ def nearest_fix(
     *,
     seed: int,
     obstacles: tuple[Obstacle, ...] = (),
+    may_move_bin: bool = True,
 ) -> Fix | None:
     """The smallest change that was found to admit a refused candidate, the best one if possible.
 
@@ -81,6 +89,7 @@ def nearest_fix(
         candidates: all of them, judged.
         seed: of the request.
         obstacles: what the scan shows beside the parts.
+        may_move_bin: where no grasp helps and some are out of reach, bin or base may be moved.
 
     Returns:
         None when no change of those tried admits any of the `MOST_REFUSED` best.
@@ -92,6 +101,44 @@ def nearest_fix(
         for change in fixes.of(best):
             if fixes.admits(best, change):
                 return fixes.fix(best, change)
+    if not may_move_bin:
+        return None
+    far = [one for one in candidates if one.verdict.reason is Reason.OUT_OF_REACH]
+    far.sort(key=lambda one: one.verdict.distance or np.inf)
+    return _moved_bin(cell, detections, far[:MOST_REFUSED], obstacles, seed)
+
+
+def _moved_bin(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    far: list[Candidate],
+    obstacles: tuple[Obstacle, ...],
+    seed: int,
+) -> Fix | None:
+    """The least move of the bin after which one of these, now out of reach, works."""
+    chains = {arm.name: chain_of(cell, arm) for arm in cell.arms}
+    starts = {arm.name: starts_of(chains[arm.name], arm, seed) for arm in cell.arms}
+    for way in MOVES:
+        for axis, sign in product("xyz", (1, -1)):
+            shift = pin.SE3(np.eye(3), sign * way / 1000 * np.eye(3)["xyz".index(axis)])
+            reached = [
+                one
+                for one in far
+                if len(configurations(chains[one.arm], shift * one.T_world_tcp, starts[one.arm]).q)
+            ]
+            if not reached:
+                continue
+            admits = _trial(
+                replace(cell, bin=replace(cell.bin, T_world_bin=shift * cell.bin.T_world_bin)),
+                tuple(replace(one, T_world_part=shift * one.T_world_part) for one in detections),
+                tuple(replace(one, T_world_box=shift * one.T_world_box) for one in obstacles),
+                seed,
+            )
+            for one in reached:
+                if admits(one, one.grasp):
+                    by, back = f"{sign * way:+d} mm", f"{-sign * way:+d} mm"
+                    change = f"move the bin by {by} along {axis}, or the robot's base by {back}"
+                    return Fix(one, change)
     return None
 
 

@@ -1,4 +1,4 @@
-"""CAD files that are cut off are told before their readers guess, and STEP files are converted."""
+"""STEP files as meshes; one that is cut off is refused before its reader guesses."""
 
 from pathlib import Path
 
@@ -12,28 +12,7 @@ from workbench.model.errors import FileError
 FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
 
-HEADER, TRIANGLE = 84, 50
-"""[bytes] In a binary STL file."""
-
 STEP_ENDS = b"END-ISO-10303-21"
-
-
-def check_stl(path: Path, content: bytes) -> None:
-    """Refuse an STL file that was not written or copied to its end.
-
-    Raises:
-        FileError: says how much is missing.
-    """
-    if content[:6].lstrip().lower().startswith(b"solid") and b"facet" in content[:2000]:
-        if b"endsolid" not in content:
-            raise FileError(path, "is cut off: endsolid is missing at its end")
-        return
-    if len(content) < HEADER:
-        return
-    count = int.from_bytes(content[HEADER - 4 : HEADER], "little")
-    there = (len(content) - HEADER) // TRIANGLE
-    if there < count and b"facet" not in content[:2000]:
-        raise FileError(path, f"is cut off: of {count} triangles that it has, {there} are there")
 
 
 def converted_step(path: Path, target: Path) -> Path:
