@@ -95,6 +95,21 @@ def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, mo
     assert 0 < passed[0] * 1000 < shortest.metadata["low"]
 
 
+def test_the_twin_reports_to_no_port_of_its_own(planned, monkeypatch):
+    make = abb_twin._socket
+    port, states = (abb_twin.free_ports("127.0.0.1", 2) for _ in range(2))
+    if abs(port - states) < 2:
+        states = port + 2
+    wanted = [states, port + 1]
+    monkeypatch.setattr(abb_twin, "_socket", lambda host: make(host, wanted.pop() if wanted else 0))
+    twin = SimulatedEgm(planned[0], "127.0.0.1", port, states)
+    own = {one.getsockname()[1] for one in twin._sockets}
+    for one in twin._sockets:
+        one.close()
+    assert wanted == [] and len(own) == 2
+    assert not own & {port, port + 1, states, states + 1}
+
+
 def test_a_plan_with_limits_of_jerk_is_streamed_to_its_end():
     cell, plan, approval = plan_of_two(jerk=20.0)
     with twin_of(cell) as (twin, there):

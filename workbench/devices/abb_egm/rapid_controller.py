@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from workbench.devices.abb_egm.guided import Guidance
-from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports
+from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports, socket_beside
 from workbench.devices.rapid.controller import Controller, Operator
 from workbench.devices.rapid.motion import Mechanism
 from workbench.devices.rapid.tasks import Task
@@ -83,7 +83,11 @@ class GuidedController(Controller):
                 )
             if words[1] == arm:
                 ports[name] = (words[0], self._ports[words[0]] + self._arms.index(arm))
-        one = Guidance(task, task.mechanism, ports, self._sensor, waits=self._in_haste)
+        count = len(self._arms)
+        own = socket_beside(
+            self._sensor, {first + k for first in self._ports.values() for k in range(count)}
+        )
+        one = Guidance(task, task.mechanism, ports, self._sensor, own, waits=self._in_haste)
         self._guidances.append(one)
         return one.natives()
 
