@@ -247,3 +247,30 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     z = bench.state.cell.part("brick").library.grasps[0].T_part_tcp.rotation[:, 2]
     assert np.abs(z).max() > 0.999, "square on one of its faces"
     assert screen.errors == []
+
+
+def test_one_of_several_solids_becomes_a_part(screen, bench, wait, own):
+    scene = trimesh.Scene()
+    plate = trimesh.creation.box((0.04, 0.024, 0.02))
+    pin = trimesh.creation.cylinder(0.005, 0.03)
+    pin.apply_translation((0.05, 0.0, 0.0))
+    scene.add_geometry(plate, node_name="plate", geom_name="plate")
+    scene.add_geometry(pin, node_name="pin", geom_name="pin")
+    file = own / "set.glb"
+    scene.export(file)
+    screen.tab("Grasps")
+    unfold(screen, "New part from a CAD file")
+    with screen.page.expect_file_chooser() as chooser:
+        screen.press("Choose a CAD file")
+    chooser.value.set_files(file)
+    screen.wait_for("set.glb: 75 x 24 x 30 mm, as the file says")
+    screen.page.get_by_label("Solid", exact=True).click()
+    screen.page.get_by_role("option", name="plate", exact=True).click()
+    screen.wait_for("set.glb: 40 x 24 x 20 mm, as the file says")
+    screen.shoot("one-solid")
+    screen.press("Make the part")
+    wait(lambda: "set" in [part.name for part in bench.state.cell.parts], "the part")
+    assert np.ptp(bench.state.cell.part("set").mesh.points, axis=0) == pytest.approx(
+        [0.04, 0.024, 0.02], abs=1e-6
+    )
+    assert screen.errors == []

@@ -19,6 +19,8 @@ def plan_of_two(jerk=None):
     `jerk` [1/s] times their acceleration limits the arms' jerk, if it is given.
     """
     cell = workbench.read_cell("yumi")
+    arms = tuple(replace(arm, tool=replace(arm.tool, mass=0.23)) for arm in cell.arms)
+    cell = replace(cell, arms=arms)
     if jerk is not None:
         arms = tuple(replace(arm, jerk=jerk * arm.acceleration) for arm in cell.arms)
         cell = replace(cell, arms=arms)

@@ -9,6 +9,10 @@ import struct
 import time
 
 import numpy as np
+from rapid_load_scenes import (
+    a_part_is_reckoned_with_from_the_grasp_to_the_release,
+    loads_that_cannot_be_are_refused,
+)
 from rapid_old_scenes import (
     a_hand_that_fails_in_the_older_protocol,
     the_older_protocol,
@@ -354,6 +358,8 @@ def an_address_that_cannot_be_had(stage):
 
 
 SCENES = (
+    a_part_is_reckoned_with_from_the_grasp_to_the_release,
+    loads_that_cannot_be_are_refused,
     parts_are_picked_and_lost,
     a_part_that_slips_is_narrower_before_it_is_let_go,
     refusals_of_words_and_numbers,

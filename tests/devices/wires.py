@@ -173,6 +173,17 @@ def lines_of(rng, cell, stands, ticket):
         for arm in cell.arms
     ]
     head = [f"plan {digest}", f"ticket {ticket} {legs:03d} {points:03d}", *starts]
+    if rng.random() < 0.5:
+        head += [
+            line
+            for arm in cell.arms
+            for of in ("tool", "part")
+            for line in (
+                f"load {arm.controller_id} {of} 0.134 0.0 -1.5 {rng.uniform(1, 200):.1f}",
+                f"axes {arm.controller_id} {of} 0.7071 0.0000 -0.7071 0.0000 "
+                "0.00004 0.00100 0.00010",
+            )
+        ]
     return [*head, *steps], points, after
 
 

@@ -19,6 +19,9 @@ DATA = HERE.parents[2] / "shared" / "data" / "foreign"
 PATIENCE = 300
 """[s] For one command."""
 
+PLACES = ("session: ", "written to ")
+"""How lines begin that say where results lie."""
+
 WIDEST = 110
 """Letters of a sentence in the table."""
 
@@ -100,8 +103,9 @@ def _commands(one: Brought, folder: Path, data: Path, demo: bool) -> Iterator[li
 
 
 def _sentence(said: str) -> str:
-    """The last line of what was said, with the names of files alone."""
-    lines = [line.strip() for line in said.splitlines() if line.strip()]
+    """The last line that says more than where something lies, with the names of files alone."""
+    lines = [line.strip("│ ") for line in said.splitlines()]
+    lines = [line for line in lines if line and not line.startswith(PLACES) and line[0].isalnum()]
     if not lines:
         return ""
     line = lines[-1].removeprefix("workbench: ")

@@ -100,7 +100,7 @@ class Reader:
         self._word("module")
         module = Module(self._name())
         while not self._is("endmodule"):
-            if self._peek().low in ("const", "pers", "var"):
+            if self._is("const", "pers", "task", "var"):
                 kind, name, type_, value = self._declaration()
                 self._check_new(name, {**module.data, **module.routines})
                 module.data[name] = (kind, type_, value)
@@ -152,7 +152,12 @@ class Reader:
     # -- declarations and routines
 
     def _declaration(self) -> tuple[str, str, str, list[Token]]:
+        is_of_task = self._is("task")
+        if is_of_task:
+            self._word("task")
         kind, type_, name = self._next().low, self._name(), self._name()
+        if is_of_task and kind != "pers":
+            raise RapidError(f"{name}: TASK stands before PERS alone")
         start = self._at
         while not self._is(";"):
             self._next()

@@ -25,11 +25,11 @@ TASKS = {
 SIGNALS = set(re.findall(r"\| `(do\w+)` \|", README))
 
 INSTRUCTIONS = {
-    "ClearPath", "ClkReset", "ClkStart", "ClkStop", "Hand_GripInward", "Hand_Initialize",
-    "Hand_MoveTo", "MoveAbsJ", "SocketAccept", "SocketBind", "SocketClose", "SocketCreate",
-    "SocketListen", "SocketReceive", "SocketSend", "Stop", "StopMove", "StopMoveReset",
-    "SyncMoveOff", "SyncMoveOn", "SyncMoveUndo", "TPReadFK", "TPWrite", "WaitSyncTask", "WaitTime",
-    "WaitUntil",
+    "ClearPath", "ClkReset", "ClkStart", "ClkStop", "GripLoad", "Hand_GripInward",
+    "Hand_Initialize", "Hand_MoveTo", "MoveAbsJ", "SocketAccept", "SocketBind", "SocketClose",
+    "SocketCreate", "SocketListen", "SocketReceive", "SocketSend", "Stop", "StopMove",
+    "StopMoveReset", "SyncMoveOff", "SyncMoveOn", "SyncMoveUndo", "TPReadFK", "TPWrite",
+    "WaitSyncTask", "WaitTime", "WaitUntil",
 }  # fmt: skip
 FUNCTIONS = {
     "Abs", "BitXOr", "ByteToStr", "CalcRobT", "CJointT", "ClkRead", "Distance", "DOutput",
@@ -43,6 +43,7 @@ PREDEFINED = {
     "STR_DIGIT",
     "WAIT_MAX",
     "fine",
+    "load0",
     "stEmpty",
     "tool0",
     "z0",
@@ -170,6 +171,7 @@ def test_home_is_that_of_the_cell():
         ("PROC run_program()", "PROC run_leg()", "declared twice"),
         ('"The "', f'"{"x" * 81}"', "more than 80"),
         ("CONST num WB_FORCE:=10;", "CONST num WB_FORCE;", "without a value"),
+        ("VAR bool has_gripped", "TASK VAR bool has_gripped", "TASK stands before PERS alone"),
         ("IF my_arm=WB_RIGHT go_home;", "IF my_arm=WB_RIGHT THEN go_home;", "'ENDPROC' is no name"),
         ("go_home_in_turn;", "go_home_in_turn", "is there a ; missing"),
         ("IF share=0 RETURN fine;", "@", "is not RAPID"),

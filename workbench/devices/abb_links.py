@@ -65,6 +65,7 @@ class AbbProgram(AbbSocket):
         reports_progress=True,
         takes_share=True,
         takes_steps=True,
+        takes_loads=True,
         longest=LONGEST_WAY,
     )
     send = staticmethod(send_program)

@@ -45,7 +45,8 @@ class Tool:
 
     `press` [m]: how far it gives way to the part that it takes, pads of fingers as they close,
     the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
-    pulls; None where nobody has said it.
+    pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
+    estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
     """
 
     name: str
@@ -55,9 +56,16 @@ class Tool:
     stroke: tuple[float, float] = (0.0, 0.0)
     press: float = 0.0015
     force: float | None = field(default_factory=lambda: None, metadata=LATER)
+    mass: float | None = field(default_factory=lambda: None, metadata=LATER)
+    centre_of_gravity: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_flange_tcp=copied(self.T_flange_tcp))
+        if self.centre_of_gravity is not None:
+            put(self, centre_of_gravity=frozen(self.centre_of_gravity))
+        if self.inertia is not None:
+            put(self, inertia=frozen(self.inertia))
 
     @property
     def reach(self) -> float:

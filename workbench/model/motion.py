@@ -29,7 +29,7 @@ class MotionModel:
 
     `takes_share`: it can be told to move slower than was planned, along the same way; at most
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
-    step (`plugins.robot_link.SteppedLink`).
+    step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it is told the plan's loads.
     """
 
     link: str
@@ -41,6 +41,7 @@ class MotionModel:
     reports_progress: bool = False
     takes_share: bool = field(default_factory=bool, metadata=LATER)
     takes_steps: bool = field(default_factory=bool, metadata=LATER)
+    takes_loads: bool = field(default_factory=bool, metadata=LATER)
     longest: float = field(default_factory=lambda: math.inf, metadata=LATER)
 
     def __post_init__(self) -> None:

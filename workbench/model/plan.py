@@ -15,6 +15,7 @@ from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.load import Loads
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
@@ -118,7 +119,8 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
-    `station` names where the part is put to be taken anew; empty: to a place.
+    `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
+    tool and part, which the controller gets; None where the tool's mass is not known.
     """
 
     arm: str
@@ -128,6 +130,7 @@ class ArmPlan:
     joints: tuple[str, ...]
     legs: tuple[Leg, ...]
     station: str = field(default_factory=str, metadata=LATER)
+    loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copied(self.T_tcp_part))

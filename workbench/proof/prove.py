@@ -11,6 +11,7 @@ from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, turned_pieces
 from workbench.proof.form import form_violations, limit_violations, range_violations
+from workbench.proof.grasps.loads import load_violations
 from workbench.proof.grasps.rolls import roll_violations
 from workbench.proof.grasps.taking import grasp_violations, pair_violations
 from workbench.proof.places.layers import kept_box, pallet_violations
@@ -58,6 +59,7 @@ def prove(
         violations += [f for arm, leg in legs for f in limit_violations(cell, arm, leg)]
         violations += pace_violations(cell, plan)
         violations += [f for _, one in arms for f in grasp_violations(cell, tree, plan, one)]
+        violations += [f for _, one in arms for f in load_violations(cell, plan, one)]
         violations += [f for _, one in arms for f in roll_violations(cell, tree, plan, one)]
         violations += pair_violations(cell, plan)
         violations += [

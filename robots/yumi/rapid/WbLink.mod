@@ -15,12 +15,14 @@ MODULE WbLink
     CONST num WB_START_TOLERANCE:=0.5;
 
     ! State, what comes, state after it: the table of docs/protocol.md.
-    CONST num WB_ROWS:=25;
-    CONST string wb_row{25}:=[
+    CONST num WB_ROWS:=27;
+    CONST string wb_row{27}:=[
         "greeted hello ready",
         "ready plan loading",
         "loading ticket loading",
         "loading start loading",
+        "loading load loading",
+        "loading axes loading",
         "loading leg loading",
         "loading to loading",
         "loading end loaded",
@@ -72,6 +74,8 @@ MODULE WbLink
     VAR num open_arm;
     VAR num open_points;
     VAR num started;
+    VAR num load_arm;
+    VAR num load_of;
     VAR bool part_told{2};
 
     PROC main()
@@ -215,6 +219,10 @@ MODULE WbLink
             take_ticket;
         CASE "start":
             take_start;
+        CASE "load":
+            take_load;
+        CASE "axes":
+            take_axes;
         CASE "leg":
             take_leg;
         CASE "to":
@@ -250,6 +258,7 @@ MODULE WbLink
         all_low:=WB_FIRST_BYTE;
         wb_steps:=0;
         started:=0;
+        load_arm:=0;
         open_points:=0;
         ticket:="";
         FOR arm FROM 1 TO 2 DO
@@ -259,6 +268,8 @@ MODULE WbLink
             wb_asks{arm}:=0;
             wb_at{arm}:=0;
             wb_part{arm}:=WB_UNTOLD;
+            wb_has_load{arm,WB_OF_TOOL}:=FALSE;
+            wb_has_load{arm,WB_OF_PART}:=FALSE;
             part_told{arm}:=FALSE;
         ENDFOR
     ENDPROC
@@ -292,6 +303,51 @@ MODULE WbLink
         started:=started+1;
     ENDPROC
 
+    ! Mass and centre of gravity; the axes of the same load come next.
+    PROC take_load()
+        VAR num number{4};
+
+        IF words<>8 OR arm_of(word{3})=0 OR load_named(word{4})=0 OR started<>2 OR wb_steps<>0 OR load_arm<>0 THEN
+            refuse "a load at the wrong place";
+            RETURN;
+        ENDIF
+        load_arm:=arm_of(word{3});
+        load_of:=load_named(word{4});
+        FOR k FROM 1 TO 4 DO
+            IF NOT StrToVal(word{k+4},number{k}) refuse "no number";
+        ENDFOR
+        IF wb_has_load{load_arm,load_of} refuse "a second load";
+        IF number{1}<=0 OR (number{2}=0 AND number{3}=0 AND number{4}=0) refuse "a load without mass or centre";
+        wb_load{load_arm,load_of}.mass:=number{1};
+        wb_load{load_arm,load_of}.cog:=[number{2},number{3},number{4}];
+    ENDPROC
+
+    PROC take_axes()
+        VAR num number{7};
+
+        IF words<>11 OR load_arm=0 OR load_arm<>arm_of(word{3}) OR load_of<>load_named(word{4}) THEN
+            refuse "axes without their load";
+            RETURN;
+        ENDIF
+        FOR k FROM 1 TO 7 DO
+            IF NOT StrToVal(word{k+4},number{k}) refuse "no number";
+        ENDFOR
+        IF Abs(number{1}*number{1}+number{2}*number{2}+number{3}*number{3}+number{4}*number{4}-1)>0.002 refuse "no orientation";
+        IF number{5}<0 OR number{6}<0 OR number{7}<0 refuse "an inertia below 0";
+        wb_load{load_arm,load_of}.aom:=[number{1},number{2},number{3},number{4}];
+        wb_load{load_arm,load_of}.ix:=number{5};
+        wb_load{load_arm,load_of}.iy:=number{6};
+        wb_load{load_arm,load_of}.iz:=number{7};
+        wb_has_load{load_arm,load_of}:=TRUE;
+        load_arm:=0;
+    ENDPROC
+
+    FUNC num load_named(string text)
+        IF text="tool" RETURN WB_OF_TOOL;
+        IF text="part" RETURN WB_OF_PART;
+        RETURN 0;
+    ENDFUNC
+
     PROC take_leg()
         VAR num arm;
         VAR num leg;
@@ -301,7 +357,7 @@ MODULE WbLink
         VAR num opening;
 
         arm:=arm_of(word{4});
-        IF words<>10 OR arm=0 OR started<>2 OR open_points<>0 THEN
+        IF words<>10 OR arm=0 OR started<>2 OR open_points<>0 OR load_arm<>0 THEN
             refuse "a leg at the wrong place";
             RETURN;
         ENDIF

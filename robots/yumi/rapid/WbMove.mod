@@ -16,6 +16,11 @@ MODULE WbMove
     CONST speeddata wb_slow:=[50,15,50,15];
     CONST speeddata wb_usual:=[250,90,250,90];
 
+    ! The frame of the wrist, with the load of the tool: a plan sets it that states one.  For
+    ! abb-socket, which states none, write the load of your tool here.
+    TASK PERS tooldata wb_tool:=[TRUE,[[0,0,0],[1,0,0,0]],[0.001,[0,0,0.001],[1,0,0,0],0,0,0]];
+    TASK PERS loaddata wb_payload:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
+
     VAR bool has_gripped:=FALSE;
 
     ! Runs for ever. Begins anew when the operator sets the pointer to main.
@@ -62,7 +67,7 @@ MODULE WbMove
 
         IF is_near(CJointT(),my_home) RETURN;
         TPReadFK answer,"The "+my_name+" arm is not at home. Move it there?","Move",stEmpty,stEmpty,stEmpty,"Stay";
-        IF answer=1 MoveAbsJ my_home,wb_slow,fine,tool0;
+        IF answer=1 MoveAbsJ my_home,wb_slow,fine,wb_tool;
     ENDPROC
 
     FUNC bool is_near(jointtarget here,jointtarget there)
@@ -83,6 +88,7 @@ MODULE WbMove
     PROC run_program()
         VAR num leg;
 
+        IF wb_has_load{my_arm,WB_OF_TOOL} wb_tool.tload:=wb_load{my_arm,WB_OF_TOOL};
         FOR nr FROM 1 TO wb_steps DO
             WaitSyncTask\InPos,wb_begin,wb_both\TimeOut:=WB_PATIENCE;
             wb_at{my_arm}:=0;
@@ -131,9 +137,9 @@ MODULE WbMove
                 corner:=corner_at(k,wb_leg_zone{my_arm,leg});
             ENDIF
             IF is_sync THEN
-                MoveAbsJ wb_point{my_arm,k}\ID:=k-first+1,wb_usual\T:=wb_seconds{my_arm,k},corner,tool0;
+                MoveAbsJ wb_point{my_arm,k}\ID:=k-first+1,wb_usual\T:=wb_seconds{my_arm,k},corner,wb_tool;
             ELSE
-                MoveAbsJ wb_point{my_arm,k},wb_usual\T:=wb_seconds{my_arm,k},corner,tool0;
+                MoveAbsJ wb_point{my_arm,k},wb_usual\T:=wb_seconds{my_arm,k},corner,wb_tool;
             ENDIF
         ENDFOR
         IF is_sync SyncMoveOff wb_sync_off;
@@ -169,7 +175,7 @@ MODULE WbMove
     PROC run_single()
         IF wb_mover<>my_arm RETURN;
         move_fingers wb_hand,2*WB_FINGER_STROKE;
-        IF wb_moves MoveAbsJ wb_target,wb_usual,fine,tool0;
+        IF wb_moves MoveAbsJ wb_target,wb_usual,fine,wb_tool;
     ERROR
         RAISE;
     ENDPROC
@@ -181,9 +187,14 @@ MODULE WbMove
             IF has_gripped judge_part;
             has_gripped:=FALSE;
             Hand_MoveTo opening/2;
+            GripLoad load0;
         CASE WB_GRIP:
             Hand_GripInward\holdForce:=WB_FORCE;
             has_gripped:=TRUE;
+            IF wb_kind=WB_PROGRAM AND wb_has_load{my_arm,WB_OF_PART} THEN
+                wb_payload:=wb_load{my_arm,WB_OF_PART};
+                GripLoad wb_payload;
+            ENDIF
             wb_expected{my_arm}:=opening;
             wb_width{my_arm}:=2*Hand_GetActualPos();
         DEFAULT:

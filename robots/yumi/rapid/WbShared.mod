@@ -47,6 +47,13 @@ MODULE WbShared
     PERS jointtarget wb_point{2,400};
     PERS num wb_seconds{2,400};
 
+    ! The loads of a program, by arm: of the tool, and of the part in it.  Without them the
+    ! tool has the load that wb_tool in WbMove says.
+    CONST num WB_OF_TOOL:=1;
+    CONST num WB_OF_PART:=2;
+    PERS bool wb_has_load{2,2}:=[[FALSE,FALSE],[FALSE,FALSE]];
+    PERS loaddata wb_load{2,2};
+
     ! A single motion of abb-socket.
     PERS num wb_mover:=1;
     PERS bool wb_moves:=FALSE;

@@ -3,8 +3,13 @@ MODULE WbEgm
     ! References come by EGM, orders beside them; nothing here moves the arm by itself.
 
     ! What the sensor's side says: version, ticket, order, command, opening in mm,
-    ! whether it closes on a part, leg.
+    ! whether it closes on a part, leg, and the load on the wrist after that: mass in kg,
+    ! centre of gravity in mm, axes, inertia in kg m2; no mass where none is told.
     TASK PERS dnum wb_from{40};
+
+    ! Tool and part together: EGM begins with it, so it stays when the controller starts
+    ! anew.  Write the load of your tool here; a plan sets it that states one.
+    TASK PERS loaddata wb_carried:=[0.001,[0,0,0.001],[1,0,0,0],0,0,0];
 
     ! What is answered: version, the ticket that was begun last, the order that was
     ! done last, the ticket that was refused last since it had been begun before.
@@ -53,6 +58,7 @@ MODULE WbEgm
         IF NOT Hand_IsCalibrated() THEN
             Hand_Initialize\maxSpd:=WB_FINGER_SPEED,\holdForce:=WB_FORCE,\Calibrate;
         ENDIF
+        GripLoad wb_carried;
         ! EGM wants a fine point before it; the arm stays where it is.
         MoveAbsJ CJointT(),wb_slow,fine,tool0;
         EGMReset wb_states;
@@ -119,6 +125,7 @@ MODULE WbEgm
                 wb_runs:=FALSE;
                 RETURN;
             ENDIF
+            IF wb_from{8}>0 take_load;
         CASE WB_END:
             wb_runs:=FALSE;
         DEFAULT:
@@ -126,6 +133,16 @@ MODULE WbEgm
         ENDTEST
         wb_to{3}:=wb_from{3};
     ENDTRAP
+
+    PROC take_load()
+        wb_carried.mass:=DnumToNum(wb_from{8});
+        wb_carried.cog:=[DnumToNum(wb_from{9}),DnumToNum(wb_from{10}),DnumToNum(wb_from{11})];
+        wb_carried.aom:=[DnumToNum(wb_from{12}),DnumToNum(wb_from{13}),DnumToNum(wb_from{14}),DnumToNum(wb_from{15})];
+        wb_carried.ix:=DnumToNum(wb_from{16});
+        wb_carried.iy:=DnumToNum(wb_from{17});
+        wb_carried.iz:=DnumToNum(wb_from{18});
+        GripLoad wb_carried;
+    ENDPROC
 
     FUNC bool is_begun(dnum ticket)
         FOR k FROM 1 TO WB_TICKETS DO

@@ -68,6 +68,8 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
         "JobEnded (plan)",
     ]
     assert told["plan"].endswith(": 1 part, strategy left, one-at-a-time")
+    load = "tool 0.23 kg, centre of gravity 8, 12, 52 mm from the flange; with the part 0.35 kg, "
+    assert told["load, left arm"].startswith(load)
 
 
 def test_what_a_printed_row_says_goes_on_under_itself_and_long_names_push_nothing_off_the_page():

@@ -86,3 +86,43 @@ def test_a_cell_that_is_not_there_is_bad_input(say):
     said = say("cell", "check", "nowhere")
     assert said.code == 2
     assert "nowhere" in said.problem
+
+
+def test_the_loads_of_the_tools_are_told_with_what_is_estimated(say):
+    said = say("cell", "check", "yumi", "--json")
+    told = json.loads(said.out)
+    for one in told["loads"]:
+        assert (one["tool"], one["mass_g"]) == ("smart_gripper", 230.0)
+        assert one["centre_of_gravity_mm"] == [8.2, 11.7, 52.0]
+    assert told["notes"] == []
+    said = say("cell", "check", "tx2_90")
+    assert "load of suction_cup: 0.385 kg, centre of gravity 0, 0, 92 mm" in said.out
+    assert "inertia_kgm2 of suction_cup estimated from its bodies" in said.out
+    assert "the robot link abb-socket sends no load; set it on the controller" in said.out
+
+
+def test_a_mass_that_is_missing_is_asked_for_once(say, changed):
+    lines = "mass_g = 230\ncentre_of_gravity_mm = [8.2, 11.7, 52]\n"
+    lines += "inertia_kgm2 = [0.00021, 0.00024, 0.00009]\n"
+    said = say("cell", "check", changed(lines, ""))
+    assert said.code == 0, said.out
+    assert said.out.count("note: mass_g of smart_gripper is missing") == 1
+    assert "load of smart_gripper" not in said.out
+
+
+@pytest.mark.parametrize(
+    ("new", "why"),
+    [
+        ("mass_g = 0", "mass_g: more than 0 is expected"),
+        ("mass_g = nan", "mass_g"),
+        ("mass_g = 230\ninertia_kgm2 = [-0.1, 0.1, 0.1]", "inertia_kgm2"),
+    ],
+)
+def test_a_load_that_cannot_be_is_bad_input(say, changed, new, why):
+    path = changed("mass_g = 230", new)
+    text = path.read_text()
+    if new.count("inertia"):
+        path.write_text(text.replace("inertia_kgm2 = [0.00021, 0.00024, 0.00009]\n", ""))
+    said = say("cell", "check", path)
+    assert said.code == 2, said.out
+    assert "cell.toml" in said.problem and why in said.problem

@@ -3,7 +3,8 @@
 import json
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.link import AbbEgm
 from workbench.devices.abb_egm.orders import Run, score_of
+from workbench.devices.abb_egm.twin import SimulatedEgm
 from workbench.devices.abb_egm.twin_arm import TwinArm
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.plugins.robot_link import Simulation, send
@@ -71,6 +73,41 @@ def test_a_plan_is_streamed_once_with_its_grips_between_and_each_arm_ends_where_
         with pytest.raises(LinkError, match="has begun this plan already"):
             list(send(plan, approval, there, patience=PATIENT))
         assert [arm.orders for arm in twin.arms] == before
+
+
+def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, monkeypatch):
+    twin = SimulatedEgm(planned[0], "127.0.0.1", 0, 0, speed=20.0)
+    passed, answers = [0.0], [twin._sockets[0]]
+
+    def select(_, __, ___, seconds):
+        if answers:
+            return [answers.pop()], [], []
+        passed[0] += seconds
+        return [], [], []
+
+    monkeypatch.setattr(abb_twin, "select", SimpleNamespace(select=select))
+    monkeypatch.setattr(abb_twin, "time", SimpleNamespace(monotonic=lambda: passed[0]))
+    monkeypatch.setattr(twin, "_take", lambda k, one: None)
+    twin._listen([0, 1], 0.0)
+    for one in twin._sockets:
+        one.close()
+    shortest = next(one for one in fields(AbbEgm.Options) if one.name == "silence_ms")
+    assert 0 < passed[0] * 1000 < shortest.metadata["low"]
+
+
+def test_the_twin_reports_to_no_port_of_its_own(planned, monkeypatch):
+    make = abb_twin._socket
+    port, states = (abb_twin.free_ports("127.0.0.1", 2) for _ in range(2))
+    if abs(port - states) < 2:
+        states = port + 2
+    wanted = [states, port + 1]
+    monkeypatch.setattr(abb_twin, "_socket", lambda host: make(host, wanted.pop() if wanted else 0))
+    twin = SimulatedEgm(planned[0], "127.0.0.1", port, states)
+    own = {one.getsockname()[1] for one in twin._sockets}
+    for one in twin._sockets:
+        one.close()
+    assert wanted == [] and len(own) == 2
+    assert not own & {port, port + 1, states, states + 1}
 
 
 def test_a_plan_with_limits_of_jerk_is_streamed_to_its_end():

@@ -12,7 +12,7 @@ import pytest
 from egm_scenes import PATIENT
 from waiting import PATIENCE, wait_until
 
-from workbench.devices.abb_egm import wire
+from workbench.devices.abb_egm import rapid_controller, wire
 from workbench.devices.abb_egm.link import AbbEgm
 from workbench.devices.abb_egm.rapid_controller import GuidedController
 from workbench.formats.rapid.check import check_modules
@@ -133,6 +133,14 @@ def test_a_hand_that_fails_ends_the_plan(planned):
         assert stands_at(one, cell, name, plan.arm(name).legs[0].q[0]) < np.deg2rad(0.1)
 
 
+def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, monkeypatch):
+    monkeypatch.setattr(rapid_controller, "LOCKSTEP", 5.0)
+    cell, plan, approval = planned
+    with modules_run(cell) as (_, there):
+        receipts = list(send(plan, approval, there, patience=PATIENT))
+    assert [one.sent for one in receipts[-2:]] == ["end", "end"]
+
+
 @pytest.mark.parametrize("done", [1, 6], ids=["before the other arm has begun", "on the way"])
 def test_a_stop_brakes_and_ends(planned, done):
     cell, plan, approval = planned
@@ -186,7 +194,14 @@ def test_every_statement_of_the_modules_is_executed(planned):
                 with pytest.raises(LinkError):
                     list(sending)
             else:
-                list(sending)
+                carried = []
+                for _ in sending:
+                    payload = one.mechanisms[TASKS[name]].payload
+                    if round(payload[0], 3) not in carried:
+                        carried.append(round(payload[0], 3))
+                loads = plan.arm(name).loads
+                assert carried[-2:] == [0.23, round(loads.carried(True).mass, 3)]
+                assert payload[0] == pytest.approx(0.23), "the part is put down"
                 begun_and_stopped(plan, replace(approval, at=approval.at - 1), there)
                 wait_until(lambda: all(arm.is_guided for arm in one.mechanisms.values()))
                 with pytest.raises(LinkError, match="already"):

@@ -212,6 +212,16 @@ def changed(texts, old, new):
     return [*texts[:index], texts[index].replace(old, new, 1), *texts[index + 1 :]]
 
 
+def unloaded(texts):
+    return [text for text in texts if not text.startswith(("load ", "axes "))]
+
+
+def first_point(texts, spoil):
+    """The first waypoint spoilt."""
+    index = next(k for k, text in enumerate(texts) if text.startswith("to 001"))
+    return [*texts[:index], spoil(texts[index]), *texts[index + 1 :]]
+
+
 def points_in(texts):
     return sum(text.startswith("to ") for text in texts)
 
@@ -221,7 +231,10 @@ def points_in(texts):
     [
         (lambda t: without(t, "to 003"), "waypoint 4 came where 3"),
         (lambda t: without(t, "leg 02"), "waypoint 1 came where|is not a number"),
-        (lambda t: without(t, "start R"), "before the starts of all arms"),
+        (lambda t: without(unloaded(t), "start R"), "before the starts of all arms"),
+        (lambda t: without(t, "start R"), "a load comes at the wrong place"),
+        (lambda t: without(t, "load L"), "axes came without their load"),
+        (lambda t: without(t, "axes L"), "a load comes at the wrong place"),
         (lambda t: without(t, "ticket"), "at the wrong place"),
         (lambda t: t[:-1], "has 8 waypoints of 9"),
         (lambda t: changed(t, "leg 02 ", "leg 03 "), "step 3 came after step 1"),
@@ -235,8 +248,8 @@ def points_in(texts):
             r"\d\d waypoints on 12 legs came, 99 on 12 were told",
         ),
         (lambda t: changed(t, "plan ", "plan g"), "no digest"),
-        (lambda t: [*t[:7], t[7][:7] + "199.00" + t[7][t[7].index(" ", 8) :], *t[8:]], "outside"),
-        (lambda t: [*t[:7], t[7][:-5] + "00001", *t[8:]], "cannot go to waypoint"),
+        (lambda t: first_point(t, lambda p: f"{p[:7]}199.00{p[p.index(' ', 8) :]}"), "outside"),
+        (lambda t: first_point(t, lambda p: p[:-5] + "00001"), "cannot go to waypoint"),
         (lambda t: [*t[:3], "start R 0.00", *t[3:]], "1 numbers came"),
         (lambda t: ["hello abb-socket/9", *t[1:]], "is not abb-socket/2"),
     ],

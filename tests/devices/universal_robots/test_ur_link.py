@@ -18,6 +18,7 @@ from workbench.devices.universal_robots.twin import SimulatedUr
 from workbench.devices.universal_robots.urscript import read_program, seconds_of
 from workbench.devices.universal_robots.ways import Way
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
+from workbench.model.load import Load, Loads
 from workbench.plugins.robot_link import Simulation, send
 from workbench.testing import check_robot_link
 
@@ -67,6 +68,45 @@ def test_the_program_is_the_plan_waypoint_by_waypoint(planned):
     assert np.all(np.array(takes) >= seconds - 2e-3), "no faster than the plan was timed"
     hands = re.findall(r"set_standard_digital_out\(3, (\w+)\)", text)
     assert hands == ["False", "True", "False"], "open, closed on the part, open at the place"
+
+
+def with_loads(plan):
+    loads = Loads(
+        Load(0.8, np.array([0.0, 0.0, 0.05]), np.diag([0.002, 0.002, 0.001])),
+        Load(0.2, np.array([0.0, 0.01, 0.15]), np.diag([1e-4, 1e-4, 1e-4])),
+    )
+    return replace(plan, arms=tuple(replace(one, loads=loads) for one in plan.arms)), loads
+
+
+def test_the_program_tells_what_the_arm_carries_whenever_the_gripper_has_moved(planned):
+    cell, plan, approval = planned
+    plan, loads = with_loads(plan)
+    lines = read_program(program_of(cell, plan, approval, 3, 0.25, 2.0).text)
+    told = [tuple(map(float, one.words)) for one in lines if one.name == "set_target_payload"]
+    for numbers, holding in zip(told, (False, True, False), strict=True):
+        load = loads.carried(holding)
+        inertia = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+        assert numbers == pytest.approx((load.mass, *load.centre, *inertia), abs=1e-6)
+    old = program_of(cell, plan, approval, 3, 0.25, 2.0, tells_inertia=False).text
+    assert old.count("set_payload(0.8") == 2 and old.count("set_payload(1.0") == 1
+    assert read_program(old)
+    none = program_of(cell, planned[1], approval, 3, 0.25, 2.0).text
+    assert ("payload" in none) == (planned[1].arms[0].loads is not None)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "set_target_payload(-1.0, [0, 0, 0.1], [0, 0, 0, 0, 0, 0])",
+        "set_target_payload(1.0, [0, 0], [0, 0, 0, 0, 0, 0])",
+        "set_target_payload(1.0, [0, 0, 0.1], [-1, 0, 0, 0, 0, 0])",
+        "set_target_payload(1.0, [0, 0, 0.1])",
+        "set_payload(1.0, [0, 0, nan])",
+    ],
+)
+def test_a_payload_that_cannot_be_is_not_taken(call):
+    with pytest.raises(InputError, match="not known"):
+        read_program(f"def one():\n  {call}\nend\n")
 
 
 def test_a_plan_is_carried_out_once_and_leg_by_leg(planned, host):

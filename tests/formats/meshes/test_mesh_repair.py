@@ -170,5 +170,7 @@ def test_no_surface_is_too_broken_to_look_at(triangles, seed):
     before = examined(mesh)
     mended, _ = repaired(mesh)
     after = examined(mended)
-    assert after.open_edges <= before.open_edges + before.bad_edges * 2
+    # Of two triangles on each other one may go.
+    gone = max(0, before.triangles - after.triangles)
+    assert after.open_edges <= before.open_edges + before.bad_edges * 2 + 3 * gone
     assert np.isfinite(after.volume)

@@ -153,7 +153,7 @@ def test_a_name_that_no_file_has_is_refused_in_a_sentence(pick, panel, restoring
 def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
     began, ended = threading.Event(), threading.Event()
 
-    def read(name, content, unit, *, cancelled):
+    def read(name, content, unit, solid, *, cancelled):
         if name == "second.stl":
             return "second"
         began.set()
@@ -164,7 +164,7 @@ def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
     monkeypatch.setattr(cad_pick, "cad_look", read)
     monkeypatch.setattr(cad_pick, "look_words", str)
     pick._chosen(sent(pick._pick, "first.stl", b"1"))
-    began.wait()
+    wait_until(began.is_set)
     pick._chosen(sent(pick._pick, "second.stl", b"2"))
     wait_until(ended.is_set)
     wait_until(lambda: pick.look == "second")
@@ -174,7 +174,7 @@ def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
 def test_who_leaves_waits_for_no_file_any_more(pick, visitor, monkeypatch):
     ended = threading.Event()
 
-    def read(name, content, unit, *, cancelled):
+    def read(name, content, unit, solid, *, cancelled):
         wait_until(cancelled)
         ended.set()
         raise JobCancelled(name)

@@ -11,8 +11,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
 from workbench.model.cell import Cell, Fixture
 from workbench.model.geometry import Box, Cylinder, Floats, Solid, pose_from_rpy
-from workbench.model.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan
+from workbench.perception.scene.reach import reach
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.noise_models import FINE, ROUGH
 from workbench.perception.simulation.piles import drop_parts

@@ -61,6 +61,9 @@ MOST_TOOLS = 20
 MOST_GRASPS = 10_000
 """Of one part, with patterns and symmetry written out."""
 
+LONGEST_SOLID = 300
+"""Letters of the name of a solid in a CAD file."""
+
 
 def changed_cell(state: State, cell: Cell, says: str) -> Changed:
     """The state with another cell, which an undo can take back; `says` tells what was changed."""
@@ -253,6 +256,8 @@ def check_import(cell: Cell, command: ImportPart) -> None:
             f"{command.file} has {command.content.size:,} bytes; up to {LARGEST_CAD / MB:g} MB "
             "are taken"
         )
+    if len(command.solid) > LONGEST_SOLID:
+        raise CommandRefused(f"the name of a solid has up to {LONGEST_SOLID} letters")
     check_among("unit", command.unit, ("", *UNITS))
     check_number("density", command.density, *DENSITIES, "kg/m3")
 

@@ -229,10 +229,7 @@ class AcknowledgeFault:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AcknowledgeChanges:
-    """An engineer has seen how software, machine or people differ from the start before.
-
-    `ran` is the digest of the inventory that was seen.
-    """
+    """How software, machine or people differ from the start before was seen: `ran`, its digest."""
 
     ran: str
 
@@ -275,9 +272,9 @@ class EditPart:
 class ImportPart:
     """Make a part of a CAD file, and have the cell pick it too.
 
-    `content` (n,) are the bytes of the file called `file`; `unit` is mm, m, inch, or empty when
-    the file says it or only one gives the size of a part; `density` [kg/m3] makes the mass;
-    `is_mended`: close what is open; `is_symmetric`: state the symmetry that the mesh has.
+    `content` (n,) are the bytes of `file`; `unit` mm, m, inch, or empty when the file or its size
+    says it; `density` [kg/m3] makes the mass; `is_mended`: close what is open; `is_symmetric`:
+    state its symmetry; `solid`: which of several, empty for all as one rigid part.
     """
 
     name: str
@@ -287,6 +284,7 @@ class ImportPart:
     density: float = 1200.0
     is_mended: bool = False
     is_symmetric: bool = False
+    solid: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, content=frozen(self.content, np.uint8))

@@ -165,6 +165,9 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
+    for one in plan.arms:
+        told = "not stated" if one.loads is None else one.loads.words
+        yield f"load, {one.arm} arm", told
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",

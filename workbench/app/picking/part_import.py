@@ -148,5 +148,6 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
             density=command.density,
             repair=command.is_mended,
             is_symmetric=command.is_symmetric,
+            solid=command.solid or None,
             report=go_on,
         ).written.part

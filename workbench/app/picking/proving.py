@@ -6,7 +6,8 @@ from dataclasses import replace
 from workbench.formats.plans.certificates import Certificate
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
-from workbench.model.plan import Plan, Proof
+from workbench.model.load import loads_of
+from workbench.model.plan import ArmPlan, Plan, Proof
 from workbench.model.scan import Detection, Scan, Scene
 from workbench.proof import prove as layer
 
@@ -87,14 +88,27 @@ def _shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detect
 def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
     """A plan of another program, which knows no digests, as one for this cell and scan.
 
-    What the plan states itself stays, so that a plan for another cell is found out.
+    What the plan states itself stays, so that a plan for another cell is found out.  Loads that it
+    does not state are those of the cell.
     """
     seen = digest_of(plan.detections) if scan is None else scan.digest
+    arms = tuple(_with_loads(cell, plan, one) for one in plan.arms)
     return replace(
         plan,
+        arms=arms,
         cell_digest=plan.cell_digest or cell.digest,
         scan_digest=plan.scan_digest or seen,
     )
+
+
+def _with_loads(cell: Cell, plan: Plan, one: ArmPlan) -> ArmPlan:
+    kinds = {part.name: part for part in cell.parts}
+    part = kinds.get(plan.detections[one.detection].part)
+    arm = next((arm for arm in cell.arms if arm.name == one.arm), None)
+    # What the cell does not have, the proof objects to.
+    if one.loads is not None or part is None or arm is None:
+        return one
+    return replace(one, loads=loads_of(arm.tool, part, one.T_tcp_part))
 
 
 def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Proof:

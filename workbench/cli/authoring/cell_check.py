@@ -13,6 +13,7 @@ from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
+from workbench.model.load import Load, tool_load
 from workbench.studies.layout.flanges import lean_of
 from workbench.studies.reach import PlacedPart, Reach, reach_of
 from workbench.studies.targets import Target
@@ -43,6 +44,8 @@ def check_cell(typed: CellCheck) -> int:
     ]
     problems += station_problems(cell)
     problems += pallet_problems(cell)
+    loads = [(arm, tool_load(arm.tool)) for arm in cell.arms]
+    notes = list(_load_notes(cell))
     if typed.json:
         print_json(
             {
@@ -50,7 +53,9 @@ def check_cell(typed: CellCheck) -> int:
                 "cell": cell.name,
                 "digest": cell.digest,
                 "arms": [_form(reach) for reach in reaches],
+                "loads": [_load_form(arm, load) for arm, load in loads],
                 "problems": problems,
+                "notes": notes,
             }
         )
         return SUCCESS if not problems else NO_PLAN
@@ -68,11 +73,47 @@ def check_cell(typed: CellCheck) -> int:
     )
     for pallet in pallets_of(cell, ()):
         print(f"{pallet.arm} pallet {pallet.number}: {pallet.places} places in layers")
+    for arm, load in loads:
+        if load is not None:
+            print(f"{arm.name} arm, load of {arm.tool.name}: {load.words}")
+            moments = ", ".join(f"{value:.3g}" for value in np.diag(load.inertia))
+            print(f"  its inertia about that, along the axes of the flange: {moments} kg m2")
+    for note in notes:
+        print(f"note: {note}")
     for problem in problems:
         print(f"problem: {problem}")
     if not problems:
         print("nothing speaks against this cell")
     return SUCCESS if not problems else NO_PLAN
+
+
+def _load_notes(cell: Cell) -> Iterator[str]:
+    """What the cell does not say of loads, and what follows."""
+    for name, tool in {arm.tool.name: arm.tool for arm in cell.arms}.items():
+        if tool.mass is None:
+            yield (
+                f"mass_g of {name} is missing, so the controller gets no load and its collision "
+                "detection may stop the robot; write it into [[tool]]"
+            )
+            continue
+        keys = {"centre_of_gravity_mm": tool.centre_of_gravity, "inertia_kgm2": tool.inertia}
+        missing = [key for key, value in keys.items() if value is None]
+        if missing:
+            yield f"{' and '.join(missing)} of {name} estimated from its bodies"
+    if not cell.controller.motion.takes_loads:
+        yield f"the robot link {cell.controller.link} sends no load; set it on the controller"
+
+
+def _load_form(arm: Arm, load: Load | None) -> dict[str, object]:
+    if load is None:
+        return {"arm": arm.name, "tool": arm.tool.name, "mass_g": None}
+    return {
+        "arm": arm.name,
+        "tool": arm.tool.name,
+        "mass_g": round(load.mass * 1000, 3),
+        "centre_of_gravity_mm": np.round(load.centre * 1000, 3).tolist(),
+        "inertia_kgm2": np.round(load.inertia, 9).tolist(),
+    }
 
 
 def _names(cell: Cell) -> str:

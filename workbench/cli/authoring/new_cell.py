@@ -41,6 +41,10 @@ ACCELERATION = (
     f"no file says how fast joints may accelerate: {ACCELERATION_DEG} degrees/s2 is assumed; "
     "acceleration_deg of each [[arm]] in cell.toml"
 )
+MASS = (
+    "no file says what the tool weighs, so the controller gets no load: mass_g of [[tool]] in "
+    "cell.toml"
+)
 
 
 def new_cell(typed: CellNew) -> int:
@@ -77,7 +81,7 @@ def new_cell(typed: CellNew) -> int:
         )
         report(0.95, "writing the cell")
         path = write_cell(folder, found.cell, unchecked)
-    decisions = (*description.notes, *arms.notes, ACCELERATION, *found.notes)
+    decisions = (*description.notes, *arms.notes, ACCELERATION, MASS, *found.notes)
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
     tell(made, as_json=typed.json)
     return SUCCESS

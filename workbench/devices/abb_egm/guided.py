@@ -50,7 +50,8 @@ class Guidance:
         task: that moves the arm.
         mechanism: the arm.
         ports: where its devices send to, by name: (`motion` or `states`, port).
-        host: of the sensor, and where messages come from.
+        host: of the sensor.
+        own: from where messages come; it is closed with this.
         waits: whether silence counts only once somebody has answered.
     """
 
@@ -60,12 +61,12 @@ class Guidance:
         mechanism: Mechanism,
         ports: Mapping[str, tuple[str, int]],
         host: str,
+        own: socket.socket,
         *,
         waits: bool = False,
     ) -> None:
         self._task, self._arm, self._ports, self._host = task, mechanism, ports, host
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.bind((host, 0))
+        self._socket = own
         self._socket.setblocking(False)
         self._devices: dict[int, tuple[str, int, float]] = {}
         self._used: set[int] = set()

@@ -42,7 +42,14 @@ class AbbEgm:
             100, low=20, high=1000, says="without a report for longer the motion ends [ms]"
         )
 
-    motion = MotionModel("abb-egm", corners="streamed", unit="deg", period=0.004, takes_share=True)
+    motion = MotionModel(
+        "abb-egm",
+        corners="streamed",
+        unit="deg",
+        period=0.004,
+        takes_share=True,
+        takes_loads=True,
+    )
 
     tells_of_parts = False
     """What became of parts is not reported, only that every order was done."""

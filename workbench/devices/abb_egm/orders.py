@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.devices.abb_egm import wire
+from workbench.devices.abb_loads import load_data
 from workbench.devices.jerk_limited_way import JerkLimitedWay
 from workbench.devices.streamed_way import Way, timed_way
 from workbench.model.cell import Cell
@@ -12,18 +13,25 @@ from workbench.model.errors import InputError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 
+NO_LOAD = (0.0,) * 11
+"""Mass, centre of gravity, axes and inertia of a load that is not told."""
+
 STILL = 1e-6
 """[m] Openings that differ by less are the same."""
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """A word to the module of one arm: `command`, and for the gripper its `opening` [m]."""
+    """A word to the module of one arm: `command`, and for the gripper its `opening` [m].
+
+    `load` is what the arm carries from then on, by `abb_loads`; zeros where nobody knows.
+    """
 
     arm: str
     command: int
     opening: float = 0.0
     holding: bool = False
+    load: tuple[float, ...] = NO_LOAD
 
     @property
     def words(self) -> str:
@@ -83,7 +91,10 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
             before = hands.get(name)
             if before is None or before[1] != leg.holding or abs(before[0] - leg.opening) > STILL:
                 hands[name] = leg.opening, leg.holding
-                moves.append(Order(name, wire.GRIP, leg.opening, leg.holding))
+                loads, load = plan.arm(name).loads, NO_LOAD
+                if loads is not None:
+                    load = load_data(loads.carried(leg.holding)).numbers
+                moves.append(Order(name, wire.GRIP, leg.opening, leg.holding, load))
             legs += 1
             moves.append(Run(name, leg_name, legs, timed_way(cell, arm, leg)))
     arms = tuple(dict.fromkeys(arm.arm for arm in plan.arms))

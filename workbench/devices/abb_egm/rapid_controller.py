@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from workbench.devices.abb_egm.guided import Guidance
-from workbench.devices.abb_egm.twin import free_ports
+from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports, socket_beside
 from workbench.devices.rapid.controller import Controller, Operator
 from workbench.devices.rapid.motion import Mechanism
 from workbench.devices.rapid.tasks import Task
@@ -15,9 +15,6 @@ from workbench.formats.rapid.setup import Setup, read_setup
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.plugins.robot_link import Running, Simulation
-
-LOCKSTEP = 0.5
-"""[s] So long is an answer waited for, faster than in real time."""
 
 UNHEARD = 0.001
 """[s] Between two messages that nobody answers, faster than in real time."""
@@ -86,7 +83,11 @@ class GuidedController(Controller):
                 )
             if words[1] == arm:
                 ports[name] = (words[0], self._ports[words[0]] + self._arms.index(arm))
-        one = Guidance(task, task.mechanism, ports, self._sensor, waits=self._in_haste)
+        count = len(self._arms)
+        own = socket_beside(
+            self._sensor, {first + k for first in self._ports.values() for k in range(count)}
+        )
+        one = Guidance(task, task.mechanism, ports, self._sensor, own, waits=self._in_haste)
         self._guidances.append(one)
         return one.natives()
 
@@ -112,6 +113,7 @@ class GuidedController(Controller):
             for one in ready:
                 one.hear()
                 awaited.remove(one)
+                until = min(until, time.monotonic() + BESIDE)
         for one in awaited:
             one.is_prompt = not self._in_haste and one.is_prompt
         for one in self._guidances:

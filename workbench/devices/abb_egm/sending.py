@@ -150,6 +150,7 @@ class Sending:
         words = (order.opening * 1000, float(order.holding))
         self._said[order.arm] = (
             wire.VERSION, self._score.ticket, float(number), float(order.command), *words,
+            0.0, *order.load,
         )  # fmt: skip
         began, beside = self._patience.clock(), 0
         start, goal = self._refs[order.arm][-1], self._score.start(order.arm).at(0.0)[0]
@@ -204,7 +205,7 @@ class Sending:
         self._leg = run.number
         ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
         said = self._said[run.arm]
-        self._said[run.arm] = (*said[:6], float(run.number))
+        self._said[run.arm] = (*said[:6], float(run.number), *said[7:])
         self._check_stands(run.arm, ride.q, f"leg {run.name} begins")
         self._riding = run.arm, ride
         settled, is_there, has_begun = 0, False, False
@@ -228,7 +229,8 @@ class Sending:
                     raise LinkError(f"{name} does not come to rest at the end of leg {run.name}")
             yield
         self._riding = None
-        self._said[run.arm] = (*self._said[run.arm][:6], 0.0)
+        said = self._said[run.arm]
+        self._said[run.arm] = (*said[:6], 0.0, *said[7:])
 
     def _heard(self) -> list[str]:
         """Arms with new reports, each of which is looked at."""

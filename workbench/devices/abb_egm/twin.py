@@ -13,7 +13,7 @@ import select
 import socket
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -31,6 +31,10 @@ HELD_UP = 60
 
 LOCKSTEP = 0.5
 """[s] So long is an answer waited for, faster than in real time."""
+
+BESIDE = 0.01
+"""[s] So long is the answer of one arm waited for when another's has come: a plan that has ended
+for one arm is answered for the other alone, to which this must be no silence."""
 
 STATES = 25
 """[reports] Of which one goes to the port for states: the controller streams there more slowly."""
@@ -84,8 +88,9 @@ class SimulatedEgm:
         self._into = [0] * count
         self._held: list[bytes] = []
         self._sockets: list[socket.socket] = []
+        ports = {one + k for one in (self.port, self.state_port) for k in range(count)}
         for _ in self.arms:
-            self._sockets.append(_socket(host))
+            self._sockets.append(socket_beside(host, ports))
 
     def stop(self) -> None:
         """End `run`."""
@@ -157,6 +162,8 @@ class SimulatedEgm:
             for one in select.select(self._sockets, [], [], max(left, 0.0))[0]:
                 k = self._sockets.index(one)
                 self._take(k, one)
+                if self._speed > 1.0 and k in missing:
+                    due = min(due, time.monotonic() + BESIDE)
                 missing.discard(k)
             if left <= 0.0 or (self._speed > 1.0 and awaited and not missing):
                 for k in missing:
@@ -197,6 +204,19 @@ def _socket(host: str, port: int = 0) -> socket.socket:
         reason = error.strerror or error
         raise InputError(f"{host}:{port} cannot be sent from: {reason}") from None
     return one
+
+
+def socket_beside(host: str, ports: Collection[int]) -> socket.socket:
+    """A UDP socket at any port but these: who sends there must not hear himself.
+
+    Raises:
+        InputError: the address is none of this machine.
+    """
+    while True:
+        one = _socket(host)
+        if one.getsockname()[1] not in ports:
+            return one
+        one.close()
 
 
 def free_ports(host: str, count: int) -> int:

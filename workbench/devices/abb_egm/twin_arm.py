@@ -27,6 +27,9 @@ SECONDS = wire.PERIOD_MS / 1000
 HOMING = 1.0
 """[rad/s] Of each joint on its way home, where nobody leads the arm."""
 
+LOAD = 7
+"""Where the load begins in the numbers of an order."""
+
 MOST_TICKETS = 16
 """So many of the last tickets are remembered, and not begun again."""
 
@@ -58,6 +61,8 @@ class TwinArm:
         self._begun, self._refused = list[float](), 0.0
         self._order: tuple[float, ...] = ()
         self.leg = 0
+        self.load: tuple[float, ...] = ()
+        """What it carries, as `abb_loads` has it; empty until it is told."""
         self.orders: list[tuple[float, ...]] = []
 
     def take(self, said: wire.Reference) -> bool:
@@ -82,6 +87,9 @@ class TwinArm:
         if ticket != self._ticket or number <= at or command == wire.NONE or self._has_ended:
             return False
         self._order = said.orders[:6]
+        load = list(said.orders)[LOAD : LOAD + 11]
+        if command == wire.GRIP and load and load[0] > 0:
+            self.load = tuple(load)
         self._busy = GRIPPER if command == wire.GRIP else 1
         self.orders.append(self._order)
         return True

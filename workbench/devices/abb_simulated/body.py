@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from workbench.devices.abb_loads import LoadData
 from workbench.devices.abb_simulated.faults import Faults
+from workbench.devices.abb_socket.program import LoadOf
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 
@@ -41,6 +43,9 @@ class Body:
         self._holds: dict[str, str] = {}
         self._moving, self._fault = "", ""
         self._received = self._placed = self._grips = 0
+        self._told: Mapping[tuple[str, LoadOf], LoadData] = {}
+        self.carried: dict[str, tuple[LoadData, ...]] = {}
+        """What each arm carries that was told: its tool, and the part in its hand."""
 
     def state(self) -> dict[str, Any]:
         """As it is reported."""
@@ -109,6 +114,18 @@ class Body:
     def _is_home(self, arm: Arm) -> bool:
         return bool(np.abs(self._q[arm.name] - np.asarray(arm.home)).max() < 1e-9)
 
+    def reckon(self, loads: Mapping[tuple[str, LoadOf], LoadData]) -> None:
+        """Take the loads of a program; hands are empty before it."""
+        self._told = loads
+        for arm, what in loads:
+            if what == "tool":
+                self._carry(arm, holding=False)
+
+    def _carry(self, arm: str, *, holding: bool) -> None:
+        kinds: tuple[LoadOf, ...] = ("tool", "part") if holding else ("tool",)
+        if (arm, "tool") in self._told:
+            self.carried[arm] = tuple(self._told[arm, k] for k in kinds if (arm, k) in self._told)
+
     def open(self, arm: str, opening: float) -> str | None:
         """Open a hand to `opening` [m]; what became of its part, None when it had not closed.
 
@@ -116,6 +133,7 @@ class Body:
         """
         with self._lock:
             self._openings[arm] = opening
+            self._carry(arm, holding=False)
             result = self._holds.pop(arm, None)
             self._placed += result == "picked"
             return result
@@ -124,6 +142,7 @@ class Body:
         """Close a hand around what should be `opening` [m] wide there."""
         with self._lock:
             self._grips += 1
+            self._carry(arm, holding=True)
             if self.faults.is_due("empty-hand", self._grips):
                 self._openings[arm] = self.cell.arm(arm).tool.stroke[0]
                 closed = f"{self._openings[arm] * 1000:.1f}"

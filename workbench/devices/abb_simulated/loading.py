@@ -9,6 +9,7 @@ from typing import cast, get_args
 
 import numpy as np
 
+from workbench.devices.abb_loads import LoadData
 from workbench.devices.abb_socket.frames import FIRST_CRC, TEXT, Frame, crc_of
 from workbench.devices.abb_socket.messages import angles_within_limits
 from workbench.devices.abb_socket.program import (
@@ -17,6 +18,7 @@ from workbench.devices.abb_socket.program import (
     MOST_POINTS,
     TICKET,
     Hand,
+    LoadOf,
     Mode,
     Program,
     ProgramLeg,
@@ -46,6 +48,8 @@ class Loading:
         self._legs_told = self._points_told = 0
         self._starts: dict[str, Floats] = {}
         self._steps: list[tuple[Mode, list[ProgramLeg]]] = []
+        self._loads: dict[tuple[str, LoadOf], LoadData] = {}
+        self._open_load: tuple[str, LoadOf, float, tuple[float, ...]] | None = None
         self._leg: tuple[Arm, ProgramLeg, int] | None = None
         self._points: list[Floats] = []
         self._seconds: list[float] = []
@@ -65,6 +69,10 @@ class Loading:
                 self._take_ticket(words)
             case "start", count if count > 1:
                 self._start(words)
+            case "load", 6:
+                self._take_load(words)
+            case "axes", 9:
+                self._take_axes(words)
             case "leg", 8:
                 self._take_leg(words)
             case "to", count if count > 2:
@@ -98,9 +106,34 @@ class Loading:
         self._starts[arm.name] = angles_within_limits(self._cell, arm, words[1:])
         self._stands[arm.name] = self._starts[arm.name]
 
+    def _take_load(self, words: list[str]) -> None:
+        """Mass and centre of gravity, which the axes of this load follow."""
+        key = self._arm(words[0]).name, cast(LoadOf, _one_of(words[1], get_args(LoadOf)))
+        if len(self._starts) != len(self._arms) or self._steps or self._open_load:
+            raise ProtocolError("a load comes at the wrong place")
+        if key in self._loads:
+            raise ProtocolError(f"the load of {words[1]} of arm {key[0]} comes twice")
+        mass, *cog = _signed(words[2:], (3, 1, 1, 1))
+        if mass <= 0 or not any(cog):
+            raise ProtocolError("a load without mass, or without a centre of gravity")
+        self._open_load = (*key, mass, tuple(cog))
+
+    def _take_axes(self, words: list[str]) -> None:
+        """The principal axes of the load that came before, and its inertia about them."""
+        if not self._open_load or self._open_load[:2] != (self._arm(words[0]).name, words[1]):
+            raise ProtocolError("axes came without their load")
+        arm, what, mass, cog = self._open_load
+        numbers = _signed(words[2:], (4, 4, 4, 4, 5, 5, 5))
+        if abs(np.linalg.norm(numbers[:4]) - 1.0) > 1e-3 or min(numbers[4:]) < 0:
+            raise ProtocolError("axes that are no orientation, or an inertia below 0")
+        self._loads[arm, what] = LoadData(mass, cog, tuple(numbers[:4]), tuple(numbers[4:]))
+        self._open_load = None
+
     def _take_leg(self, words: list[str]) -> None:
         if len(self._starts) != len(self._arms):
             raise ProtocolError("a leg came before the starts of all arms")
+        if self._open_load:
+            raise ProtocolError("a leg came before the axes of a load")
         self._close_leg()
         arm = self._arm(words[1])
         number, last = _whole(words[0], 1, 99, "step"), len(self._steps)
@@ -148,7 +181,8 @@ class Loading:
         self._close_leg()
         self._check_step()
         steps = tuple(ProgramStep(mode, tuple(legs)) for mode, legs in self._steps)
-        program = Program(self._digest, self._ticket, self._starts, steps, self._is_stepped)
+        begun = self._digest, self._ticket, self._starts
+        program = Program(*begun, steps, self._is_stepped, self._loads)
         points = sum(len(leg.seconds) for leg in program.legs)
         told = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
         if (len(program.legs), points, points) != (self._legs_told, self._points_told, told):
@@ -198,6 +232,14 @@ def _number(word: str, low: float, high: float, decimals: int) -> float:
     if not re.fullmatch(rf"\d{{1,3}}\.\d{{{decimals}}}", word) or not low <= float(word) <= high:
         raise ProtocolError(f"{word!r} is not a number from {low} to {high}")
     return float(word)
+
+
+def _signed(words: list[str], decimals: tuple[int, ...]) -> list[float]:
+    """Numbers below 1000 either way, with so many decimals each."""
+    for word, count in zip(words, decimals, strict=True):
+        if not re.fullmatch(rf"-?\d{{1,3}}\.\d{{{count}}}", word):
+            raise ProtocolError(f"{word!r} is not a number with {count} decimals")
+    return [float(word) for word in words]
 
 
 def _one_of(word: str, known: tuple[str, ...]) -> str:

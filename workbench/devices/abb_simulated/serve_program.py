@@ -121,6 +121,7 @@ class ProgramClient:
         if frame.word == "run" and program is not None:
             if faults.is_due("start-refused", count):
                 raise LinkError("an arm is 12.3 degrees from its start")
+            self._body.reckon(program.loads)
             self._motion = Motion(program, self._body, self._station.paces)
             self._moved_at, self._behind = self._clock(), 0.0
         if frame.word == "next" and self._motion is not None:

@@ -89,7 +89,7 @@ class Serving:
             case "plan":
                 self._loading = Loading(self._cell)
                 self._loading.take(frame)
-            case "ticket" | "start" | "leg" | "to" | "end":
+            case "ticket" | "start" | "load" | "axes" | "leg" | "to" | "end":
                 self.program = self._loading.take(frame)
             case "run":
                 self._check_run(frame)

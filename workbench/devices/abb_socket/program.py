@@ -7,11 +7,12 @@ legs run.  That is what the proof of the plan presumes.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 
+from workbench.devices.abb_loads import LoadData, load_data
 from workbench.devices.abb_socket.messages import check_limits, in_degrees
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -21,6 +22,7 @@ from workbench.model.release import Approval
 
 Mode = Literal["alone", "free", "sync"]
 Hand = Literal["open", "grip", "keep"]
+LoadOf = Literal["tool", "part"]
 
 MOST_POINTS = 400
 """Waypoints of one arm that a controller has room for."""
@@ -30,6 +32,9 @@ MOST_LEGS = 24
 
 LONGEST_WAY = 99.999
 """[s] From one waypoint to the next, in whole milliseconds of five digits."""
+
+MOST_LOAD = (999.999, 999.9, 99.99999)
+"""[kg, mm, kg m2] Of a load: its mass, how far its centre of gravity is, its moments of inertia."""
 
 TICKET = 16
 """Digits of the approval's digest that travel."""
@@ -70,7 +75,8 @@ class Program:
 
     `digest` is the plan's, `ticket` the beginning of the approval's: a controller runs each
     ticket once.  `starts` (arm -> (n,) [rad]) is where every arm has to stand before.
-    `is_stepped`: it waits before each step until that one may run.
+    `is_stepped`: it waits before each step until that one may run.  `loads` are those of the tool
+    of an arm, and of the part that it takes.
     """
 
     digest: str
@@ -78,6 +84,7 @@ class Program:
     starts: Mapping[str, Floats]
     steps: tuple[ProgramStep, ...]
     is_stepped: bool = False
+    loads: Mapping[tuple[str, LoadOf], LoadData] = field(default_factory=dict[Any, LoadData])
 
     @property
     def legs(self) -> list[ProgramLeg]:
@@ -106,7 +113,12 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
     before: dict[str, Leg] = {}
     share, ticket = approval.speed_share, approval.digest[:TICKET]
     steps = tuple(_step(cell, plan, step, before, share) for step in plan.sequence)
-    program = Program(plan.digest, ticket, starts, steps, approval.is_stepped)
+    loads: dict[tuple[str, LoadOf], LoadData] = {}
+    for one in plan.arms:
+        if one.loads is not None:
+            loads[one.arm, "tool"] = load_data(one.loads.tool)
+            loads[one.arm, "part"] = load_data(one.loads.part)
+    program = Program(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]
         points = sum(len(leg.seconds) for leg in legs)
@@ -184,6 +196,18 @@ def _lines(cell: Cell, program: Program) -> Iterator[Line]:
     for arm in cell.arms:
         where = " ".join(in_degrees(arm, program.starts[arm.name]))
         yield Line(arm.name, "start", f"{arm.controller_id} {where}")
+    # Controllers that know no loads refuse the first one, and nothing has moved.
+    for (name, what), load in program.loads.items():
+        mass, *cog = load.numbers[:4]
+        if mass > MOST_LOAD[0] or max(map(abs, cog)) > MOST_LOAD[1]:
+            raise InputError(f"the load of the {what} of arm {name} is more than can be said")
+        if max(load.moments) > MOST_LOAD[2]:
+            raise InputError(f"the inertia of the {what} of arm {name} is more than can be said")
+        said = " ".join(f"{value:.1f}" for value in cog)
+        yield Line(name, "load", f"{letters[name]} {what} {mass:.3f} {said}")
+        turn = " ".join(f"{value:.4f}" for value in load.aom)
+        moments = " ".join(f"{value:.5f}" for value in load.moments)
+        yield Line(name, "axes", f"{letters[name]} {what} {turn} {moments}")
     for number, step in enumerate(program.steps, start=1):
         for leg in step.legs:
             if abs(leg.zone - round(leg.zone, 3)) > 1e-9:

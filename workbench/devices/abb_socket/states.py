@@ -18,6 +18,8 @@ NEXT: Mapping[tuple[ControllerPhase, str], ControllerPhase] = {
     ("ready", "plan"): "loading",
     ("loading", "ticket"): "loading",
     ("loading", "start"): "loading",
+    ("loading", "load"): "loading",
+    ("loading", "axes"): "loading",
     ("loading", "leg"): "loading",
     ("loading", "to"): "loading",
     ("loading", "end"): "loaded",

@@ -16,6 +16,7 @@ import logging
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,9 @@ STEP = 0.004
 
 PREFETCH = 0.1
 """[s] How long before a zone begins the program goes on."""
+
+NO_LOAD = (0.001, [0.0, 0.0, 0.001], [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0)
+"""`load0`: what counts until something else is said."""
 
 CORNER_PATH = "50024 Corner path failure: a corner path is executed as a stop point"
 
@@ -68,6 +72,9 @@ class Mechanism:
         self.is_in_step = False
         # Led from outside: it may move at any time without a way.
         self.is_guided = False
+        # What the controller reckons with, as RAPID has it.
+        self.tool_load: list[Any] = list(NO_LOAD)
+        self.payload: list[Any] = list(NO_LOAD)
         self._ways: deque[Way] = deque()
         self._time = 0.0
         self.stops: set[str] = set()

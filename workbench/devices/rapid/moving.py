@@ -8,6 +8,7 @@ takes, but no axis is faster than it can be.  The gripper counts what one finger
 # The prelude gives the types of what natives take, and every call is checked against it.
 # pyright: reportUnknownLambdaType=false
 
+import copy
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -73,6 +74,7 @@ class Moving:
             "moveabsj": self._move_axes,
             "movej": lambda *given: self._move_tool(False, *given),
             "movel": lambda *given: self._move_tool(True, *given),
+            "gripload": self._grip_load,
             "stopmove": lambda quick, all_tasks: self._stops(all_tasks, True),
             "startmove": lambda all_tasks: self._stops(all_tasks, False),
             "stopmovereset": lambda all_tasks: self._stops(all_tasks, False),
@@ -107,6 +109,12 @@ class Moving:
 
     # -- moves
 
+    def _grip_load(self, place: Any) -> None:
+        """The payload from now on; what no robot can carry is refused."""
+        load = place[0][place[1]]
+        _check_load(load)
+        self._mine().payload = copy.deepcopy(load)
+
     def _move_axes(
         self,
         target: list[list[float]],
@@ -120,7 +128,12 @@ class Moving:
     ) -> None:
         mine = self._mine()
         goal = self._values(target)
+        self._take(tool)
         self._go(np.array([mine.end, goal]), number, speed, seconds, zone, tool)
+
+    def _take(self, tool: Any) -> None:
+        """The tool of a motion is the one that the controller reckons with."""
+        self._mine().tool_load = copy.deepcopy(tool[0][tool[1]][2])
 
     def _move_tool(
         self,
@@ -133,6 +146,7 @@ class Moving:
         tool: Any,
         frame: Any,
     ) -> None:
+        self._take(tool)
         mine, axes = self._mine(), self._axes()
         start = axes.flange(mine.end)
         goal = _pose(target) if frame is None else _frame(frame) * _pose(target)
@@ -247,6 +261,13 @@ class Moving:
         hand.position, hand.until = position, time() + HAND_SECONDS
         if not no_wait:
             self._task.wait(lambda: time() >= hand.until)
+
+
+def _check_load(load: list[Any]) -> None:
+    mass, cog, aom, *moments = load
+    _rotation(aom)
+    if mass <= 0 or not any(cog) or min(moments) < 0:
+        raise RapidStop(f"a load of {mass:g} kg at {cog} with inertia {moments} cannot be carried")
 
 
 def _joint_target(axes: Floats) -> list[list[float]]:

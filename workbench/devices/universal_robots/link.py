@@ -35,8 +35,11 @@ class UrRtde:
             0, low=0, high=7, says="digital output that closes the gripper or turns on the suction"
         )
         grip_s: float = option(0.5, low=0.0, high=10.0, says="what the gripper needs [s]")
+        payload_inertia: bool = option(
+            True, says="set_target_payload with inertia; false: set_payload, as old controllers do"
+        )
 
-    motion = MotionModel("ur-rtde", corners="stop", unit="rad", decimals=6)
+    motion = MotionModel("ur-rtde", corners="stop", unit="rad", decimals=6, takes_loads=True)
 
     tells_of_parts = False
     """What became of parts is not reported, only that the program has ended."""
@@ -90,7 +93,10 @@ class UrRtde:
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
         """What goes out for a plan."""
         options = options_of(self.Options, cell.controller.options)
-        return program_of(cell, plan, approval, options.gripper_output, options.grip_s, silence)
+        hand = options.gripper_output, options.grip_s
+        return program_of(
+            cell, plan, approval, *hand, silence, tells_inertia=options.payload_inertia
+        )
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What RTDE reports, whenever it has changed."""
@@ -155,12 +161,13 @@ class UrRtdeBlend(UrRtde):
             50.0, low=0.0, high=500.0, says="largest radius at the flange of a blend [mm]"
         )
 
-    motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6)
+    motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6, takes_loads=True)
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
         options = options_of(self.Options, cell.controller.options)
         hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
-        return program_of(cell, plan, approval, *hand, silence, blend)
+        inertia = options.payload_inertia
+        return program_of(cell, plan, approval, *hand, silence, blend, tells_inertia=inertia)
 
 
 class UrRtdeServo(UrRtde):
@@ -182,10 +189,13 @@ class UrRtdeServo(UrRtde):
         decimals=6,
         period=PERIOD,
         takes_share=True,
+        takes_loads=True,
     )
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
-        return program_of(cell, plan, approval, *hand, silence, servo=servo)
+        return program_of(
+            cell, plan, approval, *hand, silence, servo=servo, tells_inertia=options.payload_inertia
+        )

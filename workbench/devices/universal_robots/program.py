@@ -20,6 +20,7 @@ from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.load import Load
 from workbench.model.plan import Leg, Plan
 from workbench.model.release import Approval
 
@@ -65,6 +66,7 @@ def program_of(
     silence: float,
     blend: float = 0.0,
     servo: Servo | None = None,
+    tells_inertia: bool = True,
 ) -> Program:
     """The program of a plan.
 
@@ -77,6 +79,7 @@ def program_of(
         silence: [s] after which the controller stops when nobody writes `ALIVE`.
         blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
         servo: how references along each leg are followed, where they are streamed.
+        tells_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
 
     Raises:
         InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
@@ -108,6 +111,8 @@ def program_of(
                 holding = leg.holding
                 lines.append(f"  set_standard_digital_out({output}, {holding})")
                 lines.append(f"  sleep({grip_seconds:.3f})")
+                if (loads := plan.arm(arm.name).loads) is not None:
+                    lines.append(_payload(loads.carried(holding), tells_inertia))
             if servo is not None:
                 references.append(references_of(cell, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]
@@ -128,6 +133,16 @@ def program_of(
     ends = legs[0].q[0], legs[-1].q[-1]
     seconds = tuple(leg.seconds / approval.speed_share for leg in legs)
     return Program("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
+
+
+def _payload(load: Load, tells_inertia: bool) -> str:
+    """What the arm carries from now on, in the flange's frame."""
+    centre = ", ".join(f"{value + 0.0:.6f}" for value in load.centre)
+    if not tells_inertia:
+        return f"  set_payload({load.mass:.6f}, [{centre}])"
+    six = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    inertia = ", ".join(f"{value + 0.0:.9f}" for value in six)
+    return f"  set_target_payload({load.mass:.6f}, [{centre}], [{inertia}])"
 
 
 def _begun_once(ticket: int) -> list[str]:

@@ -92,6 +92,7 @@ class SimulatedUr:
         self._watchdog = 0.0
         self._program: threading.Thread | None = None
         self.outputs: dict[int, bool] = {}
+        self.payloads: list[tuple[float, ...]] = []
         self.programs: list[str] = []
         self._listening: list[tuple[socket.socket, Callable[[socket.socket], None]]] = []
         for port, serve in (
@@ -280,6 +281,8 @@ class SimulatedUr:
                     self._watchdog, self._alive_at = 1 / float(line.words[1]), time.monotonic()
             case "write_output_integer_register":
                 self._write(*line.words)
+            case "set_payload" | "set_target_payload":
+                self.payloads.append(tuple(map(float, line.words)))
             case "stopj" | "set_tcp" | "if" | "end":
                 return  # the axes stand as soon as the program before has ended; the TCP is there
             case name:

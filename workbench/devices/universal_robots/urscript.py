@@ -14,6 +14,7 @@ JOINTS = re.compile(r"\[([^\]]*)\], a=([0-9.]+), v=([0-9.]+)(?:, r=([0-9.]+))?")
 SERVO = re.compile(r"\[([^\]]*)\], t=([0-9.]+), lookahead_time=([0-9.]+), gain=([0-9]+)")
 IF = re.compile(r"  if read_output_integer_register\((\d+)\) == (\d+):")
 READ = re.compile(r"read_output_integer_register\((\d+)\)")
+PAYLOAD = re.compile(r"([-0-9.]+), \[([-0-9., ]+)\](?:, \[([-0-9., ]+)\])?")
 FLANGE = "p[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]"
 """The TCP at the flange."""
 
@@ -84,6 +85,9 @@ def _line(number: int, text: str, is_inside: bool) -> Line:
     if call is not None and call[1] in ("movej", "servoj"):
         if (line := _move(call[1], call[2])) is not None:
             return line
+    elif call is not None and call[1] in ("set_payload", "set_target_payload"):
+        if (line := _payload(call[1], call[2])) is not None:
+            return line
     elif call is not None and call[1] == "set_tcp" and call[2] == FLANGE:
         return Line("set_tcp", (FLANGE,))
     elif call is not None:
@@ -94,6 +98,22 @@ def _line(number: int, text: str, is_inside: bool) -> Line:
         if is_known:
             return Line(call[1], words)
     raise InputError(f"line {number}: {text.strip()!r:.60} is not known")
+
+
+def _payload(name: str, words: str) -> Line | None:
+    """A call that tells the load, its numbers in `words`; None where no load is that."""
+    said = PAYLOAD.fullmatch(words)
+    if said is None or (name == "set_payload") != (said[3] is None):
+        return None
+    try:
+        mass, centre = float(said[1]), [float(word) for word in said[2].split(",")]
+        inertia = [float(word) for word in said[3].split(",")] if said[3] else [0.0] * 6
+    except ValueError:
+        return None
+    numbers = (mass, *centre, *inertia)
+    if len(centre) != 3 or len(inertia) != 6 or mass <= 0 or min(inertia[:3]) < 0:
+        return None
+    return Line(name, tuple(map(str, numbers)))
 
 
 def _move(name: str, words: str) -> Line | None:

@@ -12,6 +12,7 @@ from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
+from workbench.formats.cells.tools import LOAD_KEYS
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
 from workbench.formats.robots.dh import read_dh
 from workbench.plugins.found import Group, load, names
@@ -87,8 +88,9 @@ def _add_options(schema: dict[str, Any]) -> None:
     for table, key, group in seams:
         tables[table]["properties"]["options"] = {"type": "object"}
         tables[table]["allOf"] = [_with_options(key, name, group) for name in names(group)]
-    # A tool of a kind has its name and options; any other has what the reader asks of it.
+    # A tool of a kind has its name, its load and options; any other has what the reader asks of it.
     explicit = tables["tool"]["items"]
+    loads = {key: explicit["properties"][key] for key in LOAD_KEYS}
     kinds = [
         {
             "type": "object",
@@ -96,6 +98,7 @@ def _add_options(schema: dict[str, Any]) -> None:
                 "name": {"type": "string"},
                 "kind": {"const": name},
                 "options": schema_of(load("workbench.tools", name).Options),
+                **loads,
             },
             "required": ["kind", "name"],
             "additionalProperties": False,

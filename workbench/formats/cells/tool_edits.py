@@ -95,7 +95,8 @@ def _numbers(tool: Tool) -> Floats:
     return np.concatenate(
         [
             tool.T_flange_tcp.homogeneous.ravel(),
-            (*tool.stroke, tool.press, tool.force or 0.0, len(tool.body)),
+            (*tool.stroke, tool.press, tool.force or 0.0, tool.mass or 0.0, len(tool.body)),
+            *(np.ravel(one) for one in (tool.centre_of_gravity, tool.inertia) if one is not None),
             *(finger.direction for finger in tool.fingers),
             *map(_of_solid, solids),
         ]

@@ -162,6 +162,19 @@ def _scanner(cell: Cell) -> Iterator[str]:
         yield from (f"{key} = {text(value)}" for key, value in record.items())
 
 
+def _load(tool: Tool) -> Iterator[str]:
+    """What a tool says of its load."""
+    if tool.mass is None:
+        return
+    yield f"mass_g = {number(tool.mass * 1000)}"
+    if tool.centre_of_gravity is not None:
+        yield f"centre_of_gravity_mm = {_mm(tool.centre_of_gravity)}"
+    if tool.inertia is not None:
+        six = tool.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+        values = ", ".join(f"{value + 0.0:.9g}" for value in six)
+        yield f"inertia_kgm2 = [{values}]   # xx, yy, zz, xy, xz, yz"
+
+
 def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
     """The table `[[tool]]`, line by line."""
     yield from ("", "# In the flange's frame, z out of the flange.", "[[tool]]")
@@ -170,6 +183,7 @@ def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
     yield f"press_mm = {number(tool.press * 1000)}"
     if tool.force is not None:
         yield f"force_n = {number(tool.force)}"
+    yield from _load(tool)
     yield from ("", "[tool.tcp]", *_pose(tool.T_flange_tcp))
     for solid in tool.body:
         yield from ("", "[[tool.body]]", *_solid(tool.name, solid.name, solid, put_mesh))

@@ -60,13 +60,14 @@ class CadMesh:
     """The triangles of a file [m], and the unit that it was read in; empty if it says it itself.
 
     `is_assumed`: nobody said so, only one unit gives a size that parts have.  `taken` says in words
-    what was taken of several solids.
+    what was taken of several solids; `solids` are the names of these, one of each shape.
     """
 
     mesh: Mesh
     unit: str
     is_assumed: bool
     taken: str = ""
+    solids: tuple[str, ...] = ()
 
 
 def read_cad(
@@ -117,7 +118,8 @@ def read_cad(
         told = "; ".join(_meaning(raw, one, density) for one in likely)
         would = f"would be {size * 1000:.4g} mm large" + (f" ({told})" if told else "")
         raise FileError(path, f"{would}: give another unit (--unit)")
-    return CadMesh(mesh, unit or "", is_assumed, taken)
+    solids = tuple(_shapes(found.bodies)) if len(found.bodies) > 1 else ()
+    return CadMesh(mesh, unit or "", is_assumed, taken, solids)
 
 
 def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
@@ -139,8 +141,8 @@ def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]
     return mesh, f"{len(bodies)} solids taken as one rigid part: {_names(bodies)}"
 
 
-def _names(solids: tuple[Body, ...]) -> str:
-    """The names of solids, those of one shape together."""
+def _shapes(solids: tuple[Body, ...]) -> dict[str, int]:
+    """The first solid of each shape by its name, with how many are of it."""
     first: dict[tuple[float, ...], str] = {}
     times: dict[str, int] = {}
     for one in solids:
@@ -148,8 +150,14 @@ def _names(solids: tuple[Body, ...]) -> str:
         shape = (len(one.mesh.triangles), *np.round(sides / sides.max(), 3).tolist())
         name = first.setdefault(shape, one.name)
         times[name] = times.get(name, 0) + 1
+    return times
+
+
+def _names(solids: tuple[Body, ...]) -> str:
+    """The names of solids, those of one shape together."""
     told = [
-        name if count == 1 else f"{name} and {count - 1} like it" for name, count in times.items()
+        name if count == 1 else f"{name} and {count - 1} like it"
+        for name, count in _shapes(solids).items()
     ]
     more = f" and {len(told) - NAMED} other shapes" if len(told) > NAMED else ""
     return ", ".join(told[:NAMED]) + more

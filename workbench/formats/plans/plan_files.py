@@ -29,6 +29,7 @@ from workbench.formats.plans.pose_files import MOST_PARTS, name_in, read_detecti
 from workbench.model.digest import LARGE, canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
+from workbench.model.load import Load, Loads, load_problem
 from workbench.model.plan import (
     LEG_NAMES,
     PLAN_FORMAT,
@@ -185,9 +186,26 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         joints=joints,
         legs=legs,
         station=name_in(table, "station") if table.has("station") else "",
+        loads=_loads(table.table("loads")) if table.has("loads") else None,
     )
     table.finish()
     return arm
+
+
+def _loads(table: Table) -> Loads:
+    loads = Loads(_load(table.table("tool")), _load(table.table("part")))
+    table.finish()
+    return loads
+
+
+def _load(table: Table) -> Load:
+    mass, centre = table.number("mass", low=1e-9, high=1e6), table.numbers("centre", 3)
+    inertia = table.rows("inertia", 3)
+    if problem := load_problem(mass, centre, inertia):
+        raise table.error("inertia", problem)
+    load = Load(mass, centre, inertia)
+    table.finish()
+    return load
 
 
 def _leg(table: Table, joints: int) -> Leg:

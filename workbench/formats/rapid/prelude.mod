@@ -91,6 +91,8 @@ MODULE Prelude
     ENDPROC
     PROC MoveL(robtarget ToPoint \identno ID, speeddata Speed \num T, zonedata Zone, PERS tooldata Tool \PERS wobjdata WObj)
     ENDPROC
+    PROC GripLoad(PERS loaddata Load)
+    ENDPROC
     PROC StopMove(\switch Quick \switch AllMotionTasks)
     ENDPROC
     PROC StartMove(\switch AllMotionTasks)

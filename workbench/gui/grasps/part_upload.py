@@ -23,7 +23,7 @@ class PartUpload:
         self.asked = ""
         """Name of the part that this browser has asked for last."""
         gui = visitor.gui
-        self._pick = CadPick(visitor, "Choose a CAD file", self._chosen)
+        self._pick = CadPick(visitor, "Choose a CAD file", self._chosen, has_solids=True)
         self._mass = gui.add_html("")
         self._name = gui.add_text("Name", "", hint="Letters, digits, - and _.")
         self._density = gui.add_number(
@@ -74,4 +74,5 @@ class PartUpload:
             self._density.value * 1000,
             bool(self._is_mended.value),
             bool(self._is_symmetric.value),
+            self._pick.solid,
         )

@@ -7,7 +7,7 @@ from workbench.app.core.state import Outline, State, counted
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import floored, line, mm, sentence, short
-from workbench.model.plan import Strategy, count_taken, parts_taken, renumbered
+from workbench.model.plan import Plan, Strategy, count_taken, parts_taken, renumbered
 
 STAGES = {
     "propose": "grasps",
@@ -50,7 +50,25 @@ def _plan_html(state: State, number: int) -> str:
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
     note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
     small = f'<div class="wb-small" title="{escape(plan.digest)}">{escape(how)}</div>'
-    return f"{''.join(chips)}{small}{note}"
+    return f"{''.join(chips)}{small}{note}{_loads_html(state, plan)}"
+
+
+def _loads_html(state: State, plan: Plan) -> str:
+    """What each arm carries, a line each, and one line where a mass is missing."""
+    controller, lines = state.cell.controller, ""
+    for one in plan.arms:
+        if one.loads is None:
+            continue
+        tool, both = one.loads.tool.mass, one.loads.carried(True).mass
+        words = f"{one.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
+        if not controller.motion.takes_loads:
+            words += f", not sent by {controller.link}"
+        lines += f'<div class="wb-small" title="{escape(one.loads.words)}">{escape(words)}</div>'
+    tools = {state.cell.arm(one.arm).tool.name for one in plan.arms if one.loads is None}
+    if tools and controller.motion.takes_loads:
+        words = f"No load is sent: mass_g of {', '.join(sorted(tools))} is missing"
+        lines += f'<div class="wb-small">{escape(words)}</div>'
+    return lines
 
 
 def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]) -> str:

@@ -25,23 +25,36 @@ from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 log = logging.getLogger(__name__)
 
 AS_SAID = "as the file says"
+WHOLE: str = "all, as one rigid part"
+MOST_SOLIDS = 200
+"""That may be chosen among on the page."""
 
 
 class CadPick:
     """The button, the unit that the file may not say, and size, unit and volume once it is read.
+
+    Where the file holds several solids, one of them may be chosen.
 
     Concurrency: callbacks of viser, and one thread for each look, which waits for a process of its
     own and ends it when another file or unit was chosen meanwhile, or the browser has gone;
     `drawing` and `look` are replaced as a whole.
     """
 
-    def __init__(self, visitor: Visitor, label: str, changed: Callable[[], object]):
+    def __init__(
+        self,
+        visitor: Visitor,
+        label: str,
+        changed: Callable[[], object],
+        *,
+        has_solids: bool = False,
+    ):
         """Add the controls.
 
         Args:
             visitor: whose browser.
             label: of the button.
             changed: called when another file is there, and when it was looked at.
+            has_solids: one of several solids may be chosen; otherwise all are taken.
         """
         self._visitor, self._changed = visitor, changed
         self.drawing: Drawing | None = None
@@ -55,6 +68,14 @@ class CadPick:
         self._unit = gui.add_dropdown(
             "Unit", (AS_SAID, *UNITS), hint="STL, OBJ and PLY files do not say it."
         )
+        self._solid = (
+            gui.add_dropdown("Solid", (WHOLE,), hint="What the part is, of several in the file.")
+            if has_solids
+            else None
+        )
+        if self._solid is not None:
+            self._solid.visible = False
+            self._solid.on_update(lambda _: self._look())
         self._pick.on_upload(self._chosen)
         self._unit.on_update(lambda _: self._look())
         visitor.on_end(self._forget)
@@ -63,6 +84,12 @@ class CadPick:
     def unit(self) -> str:
         """What a person says; empty: as the file says."""
         return "" if self._unit.value == AS_SAID else self._unit.value
+
+    @property
+    def solid(self) -> str:
+        """The solid that a person chose; empty: all of them."""
+        value = WHOLE if self._solid is None else self._solid.value
+        return "" if value == WHOLE else value
 
     @property
     def stem(self) -> str:
@@ -87,12 +114,24 @@ class CadPick:
     def _chosen(self, event: Any) -> None:
         name, content = taken_upload(event.target)
         self._forget()
+        self._offer(())
         try:
             self.drawing = Drawing(sent_name(name), np.frombuffer(content, np.uint8), self.unit)
         except InputError as error:
             self._line.content = line(str(error), kind="bad")
             self._changed()
         self._look()
+
+    def _offer(self, solids: tuple[str, ...]) -> None:
+        """Let one of these be chosen, or all."""
+        if self._solid is None:
+            return
+        self._solid.visible = bool(solids)
+        offered = (WHOLE, *solids[:MOST_SOLIDS])
+        if self._solid.options != offered:
+            if self._solid.value not in offered:
+                self._solid.value = WHOLE
+            self._solid.options = offered
 
     def _look(self) -> None:
         """Have the file read; a page does not wait for that."""
@@ -112,6 +151,7 @@ class CadPick:
                 drawing.file,
                 drawing.content.data,
                 drawing.unit,
+                self.solid,
                 cancelled=lambda: drawing is not self.drawing,
             )
             says, kind = f"{drawing.file}: {look_words(look)}", "result"
@@ -125,5 +165,7 @@ class CadPick:
             look, says, kind = None, f"{drawing.file} could not be looked at", "bad"
         if drawing is self.drawing:
             self.look = look
+            if look is not None and self._solid is not None:
+                self._offer(look.solids)
             self._line.content = line(says, kind=kind)
             self._changed()

@@ -18,7 +18,7 @@ from workbench.plugins.progress import Cancelled, never
 
 
 def cad_look(
-    name: str, content: Content, unit: str = "", *, cancelled: Cancelled = never
+    name: str, content: Content, unit: str = "", solid: str = "", *, cancelled: Cancelled = never
 ) -> CadLook:
     """What a CAD file holds.
 
@@ -26,13 +26,14 @@ def cad_look(
         name: of the file.
         content: its bytes.
         unit: mm, m or inch; empty when the file says it or it is not known.
+        solid: name of the solid to look at; empty: all of them.
         cancelled: True once nobody wants to know any more.
 
     Raises:
         FileError: it cannot be read.
         JobCancelled: it was cancelled.
     """
-    return _read(CadLook, name, content, look_at_file, unit, cancelled=cancelled)
+    return _read(CadLook, name, content, look_at_file, unit, solid, cancelled=cancelled)
 
 
 def sent_scan(
@@ -75,9 +76,9 @@ def sent_poses(
 # What the processes of their own do.
 
 
-def look_at_file(file: Path, unit: str) -> Answer:
+def look_at_file(file: Path, unit: str, solid: str) -> Answer:
     """As `cad_look`."""
-    return _told(look_at(file, unit))
+    return _told(look_at(file, unit, solid))
 
 
 def scan_in_file(file: Path, mount: Any) -> Answer:

@@ -15,9 +15,9 @@ from numba import njit
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Floats, Ints, Solid
-from workbench.model.reach import reach
 from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
 from workbench.perception.scene.hidden import Room, hidden_columns
+from workbench.perception.scene.reach import reach
 from workbench.perception.scene.roofs import roofs_over
 from workbench.perception.scene.spurious import believed, pixel_angle
 from workbench.perception.scene.upright_boxes import Grid, upright_boxes

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.model.load import loads_of
 from workbench.model.plan import (
     LEG_NAMES,
     ArmPlan,
@@ -160,7 +161,10 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
         leg_of(world, arm, "extract", pick.extract, grasp.grip),
         leg_of(world, arm, "place", put.down, grasp.grip),
     )
-    return ArmPlan(arm.name, candidate.detection, grasp.name, pick.T_tcp_part, arm.joints, legs)
+    part = world.cell.part(world.detections[candidate.detection].part)
+    loads = loads_of(arm.tool, part, pick.T_tcp_part)
+    taken = candidate.detection, grasp.name, pick.T_tcp_part
+    return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads)
 
 
 def along_placed(world: World, arm: str, path: Floats) -> Contact | None:

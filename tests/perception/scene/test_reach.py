@@ -7,7 +7,7 @@ import pytest
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.reach import reach
+from workbench.perception.scene.reach import reach
 from workbench.planning.kinematics.robot import Kinematics
 
 
