@@ -49,7 +49,7 @@ through it: of a bore only the second cut lowers the volume."""
 SKIN = 0.1
 """Of the tolerance: a hull counts as grown by this, so that cuts are short."""
 
-OVER = 2
+OVER = 4
 """So many times as many pieces are split as are left when those that can be one are."""
 
 HOLLOW = 0.9
