@@ -5,6 +5,7 @@ A pose is a `pinocchio.SE3` named `T_a_b`: the pose of frame b in frame a, so th
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -133,13 +134,15 @@ class Mesh:
     """Triangles; `points` (n, 3) [m], `triangles` (m, 3) indices, counter-clockwise outside.
 
     `is_convex` says that the triangles bound a convex body, which the collision checker may
-    then treat as solid.
+    then treat as solid.  Where such a body has `pieces`, convex meshes in its frame, it only goes
+    around these: what comes too near to it is looked at with each of them.
     """
 
     points: Floats
     triangles: Ints
     is_convex: bool = False
     kind: Literal["mesh"] = field(default="mesh", init=False)
+    pieces: "tuple[Mesh, ...]" = field(default_factory=tuple, metadata={"later": True})
 
     def __post_init__(self) -> None:
         put(
@@ -150,6 +153,11 @@ class Mesh:
 
 
 Shape = Box | Cylinder | Capsule | Sphere | Mesh
+
+
+def pieces_of(shape: Shape) -> tuple[Shape, ...]:
+    """The convex pieces that a shape goes around; where it has none, itself."""
+    return (isinstance(shape, Mesh) and shape.pieces) or (shape,)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,3 +188,12 @@ class Solid:
             case Mesh(points=points):
                 T = self.T_owner_shape
                 return float(np.linalg.norm(points @ T.rotation.T + T.translation, axis=1).max())
+
+
+def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:
+    """Solids, and in place of those that only go around pieces these pieces."""
+    return tuple(
+        Solid(one.name, shape, one.T_owner_shape, one.colour)
+        for one in solids
+        for shape in pieces_of(one.shape)
+    )

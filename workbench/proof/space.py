@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
-from workbench.proof.bodies import Body, coal_shape, hull
+from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measured
 from workbench.proof.frames import Bodies, Chain, levers, poses
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
@@ -44,6 +44,7 @@ class Space:
                 pin.GeometryObject(str(number), body.joint, body.T_joint_body, shape)
             )
         self._measured = pin.GeometryData(self._geometry)
+        self._is_divided = [is_divided(body.shape) for body in bodies]
         self._numbers: dict[int, int] = {}
         self._last = coal.DistanceResult()
 
@@ -78,6 +79,11 @@ class Space:
 
     def distance(self, row: int) -> float:
         """Between the two of a pair [m]; negative: how deep they are in each other."""
+        pair = int(self.table.first[row]), int(self.table.second[row])
+        if self._is_divided[pair[0]] or self._is_divided[pair[1]]:
+            one, other = ((self.bodies[k].shape, self._measured.oMg[k]) for k in pair)
+            self._last = measured(one, other)
+            return float(self._last.min_distance)
         number = self._numbers.get(row)
         if number is None:
             number = self._numbers[row] = self._added(row)

@@ -76,3 +76,17 @@ def test_a_part_without_grasps_does_not_pass(say, box):
     assert said.code == 3 and not told["ok"]
     assert told["problems"] == ["it has no grasps: workbench grasps suggest bare --add"]
     assert told["watertight"] and told["coverage"]["share"] == 0.0
+
+
+def test_import_and_check_say_in_a_sentence_how_exact_the_bodies_are(say, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    trimesh.creation.annulus(14, 16.5, 60).export("tube.stl")
+    made = say("part", "import", "tube.stl", "--name", "tube", "--unit", "mm")
+    assert made.code == 0, made.err
+    sentence = next(line for line in made.out.splitlines() if "bodies used for distances" in line)
+    figure = float(sentence.split("at most ")[1].split(" mm")[0])
+    assert 0 < figure <= 0.55
+    checked = say("part", "check", "tube")
+    told = f"The bodies used for distances are at most {figure:.2f} mm larger than the mesh."
+    assert told in checked.out
+    assert len(read_part("tube").pieces) <= 16

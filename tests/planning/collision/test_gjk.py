@@ -10,7 +10,8 @@ from scipy.spatial import ConvexHull
 
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from workbench.planning.collision.bodies import coal_shape, extent
-from workbench.planning.collision.gjk import CLEAR, TOUCHES, UNCLEAR, cores_of, side
+from workbench.planning.collision.distances.cores import cores_of
+from workbench.planning.collision.distances.gjk import CLEAR, TOUCHES, UNCLEAR, side
 
 
 def hull(seed: int) -> Mesh:

@@ -1,6 +1,7 @@
 """From a CAD file to a part with its folder: the steps that page and command line share."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,7 @@ import numpy as np
 from workbench.app.core.commands import ImportPart
 from workbench.formats.files.whole_files import uploaded
 from workbench.formats.meshes.cad_files import PLASTIC
-from workbench.formats.meshes.repair import joined_corners
-from workbench.formats.meshes.triangles import surface_of
+from workbench.formats.meshes.pieces import convex_pieces
 from workbench.formats.parts.new_part import (
     Imported,
     WrittenPart,
@@ -19,17 +19,10 @@ from workbench.formats.parts.new_part import (
     write_part,
 )
 from workbench.model.errors import JobCancelled
-from workbench.model.geometry import Floats, Mesh
+from workbench.model.geometry import Floats
 from workbench.model.part import Part
-from workbench.planning.grasps.part_rays import nearest_points, normals_of, samples_of
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
 from workbench.plugins.progress import Cancelled, Report, silent
-
-SAMPLES = 4000
-"""Points on the pieces at which it is measured how far they stick out of the part."""
-
-IN_PLANE = 1e-9
-"""[m] Out of the plane of a triangle by no more than rounding."""
 
 PARTS = Path("parts")
 """Where new parts go: beside those of the working directory."""
@@ -108,20 +101,10 @@ def make_part(
     return MadePart(imported, written, found, excess_of(written.part))
 
 
+@lru_cache(maxsize=64)
 def excess_of(part: Part) -> float:
-    """How far the convex pieces of a part stick out of its surface at most [m].
-
-    Seen at their corners and at points between them, by the distance to the nearest triangle; what
-    of a piece lies inside of the part, or in the plane of that triangle, as where two of them meet,
-    counts for nothing.
-    """
-    surface = joined_corners(part.mesh)[0]
-    pieces = surface_of(part.pieces)
-    between, _ = samples_of(Mesh(pieces.vertices, pieces.faces), SAMPLES, np.random.default_rng(0))
-    points = np.vstack([pieces.vertices, between])
-    nearest, distances, triangles = nearest_points(surface, points)
-    outward = np.einsum("ij,ij->i", points - nearest, normals_of(surface)[0][triangles])
-    return float(distances[outward > IN_PLANE].max(initial=0.0))
+    """How far the convex pieces of a part stick out of its surface at most [m]."""
+    return convex_pieces.excess_of(part.mesh, part.pieces)
 
 
 def symmetry_words(found: FoundSymmetry) -> str:

@@ -7,7 +7,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.schema import schema_text
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, finest
 
 
 def print_schema(typed: CellSchema) -> int:
@@ -34,7 +34,7 @@ def show_cell(typed: CellShow) -> int:
         (
             f"part {part.name}",
             f"{part.mass * 1000:.0f} g, {len(part.library.grasps)} grasps, "
-            f"{len(part.pieces)} pieces",
+            f"{len(finest(part.pieces))} pieces",
         )
         for part in cell.parts
     ]

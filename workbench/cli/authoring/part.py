@@ -8,7 +8,13 @@ from workbench.app.core.cell_changes import DENSITIES
 from workbench.app.picking.part_import import MadePart, make_part, symmetry_words
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartImport, PartList
-from workbench.cli.authoring.part_check import counted, millimetres
+from workbench.cli.authoring.part_check import (
+    count_pieces,
+    counted,
+    counted_pieces,
+    exactness,
+    millimetres,
+)
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
@@ -86,7 +92,7 @@ def _import_form(typed: PartImport, made: MadePart) -> dict[str, Any]:
         "solids": imported.cad.taken,
         "watertight": surface.is_watertight,
         "done": list(imported.done),
-        "pieces": len(written.part.pieces),
+        "pieces": count_pieces(written.part),
         "excess_mm": round(made.excess * 1000, 2),
         "symmetry": None if found is None else symmetry_words(found),
         "symmetry_stated": found is not None and typed.accept_symmetry,
@@ -113,8 +119,7 @@ def _print_import(typed: PartImport, made: MadePart) -> None:
         print(f"mended: {line}")
     how = "given" if typed.mass_g is not None else f"at {typed.density:g} kg/m3"
     print(f"mass {part.mass * 1000:.4g} g ({how})")
-    large = f"at most about {made.excess * 1000:.1f} mm too large"
-    print(f"{counted(len(part.pieces), 'convex piece')}, {large}")
+    print(f"{counted_pieces(part)}. {exactness(made.excess)}")
     if found is not None:
         only = "a comment only: --accept-symmetry states it"
         print(f"symmetry: {symmetry_words(found)} ({'stated' if typed.accept_symmetry else only})")

@@ -15,7 +15,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.meshes.repair import Surface, examined, joined_corners
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, finest
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
@@ -55,12 +55,11 @@ def check_part(typed: PartCheck) -> int:
         print_json(_form(part, surface, checks, covered, seen, problems))
     else:
         closed = "watertight" if surface.is_watertight else "open"
-        pieces = counted(len(part.pieces), "convex piece")
         print(
             f"part {part.name}: {millimetres(surface.size)} mm, {part.mass * 1000:.4g} g, "
-            f"{surface.triangles} triangles, {closed}, {pieces}, "
-            f"at most about {excess_of(part) * 1000:.1f} mm too large"
+            f"{surface.triangles} triangles, {closed}, {counted_pieces(part)}"
         )
+        print(exactness(excess_of(part)))
         _print_grasps(checks, covered)
         _print_coverage(covered)
         print(
@@ -108,7 +107,7 @@ def _form(
         "size_mm": np.round(surface.size * 1000, 3).tolist(),
         "watertight": surface.is_watertight,
         "triangles": surface.triangles,
-        "pieces": len(part.pieces),
+        "pieces": count_pieces(part),
         "excess_mm": round(excess_of(part) * 1000, 2),
         "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
         "coverage": _coverage_form(covered),
@@ -218,6 +217,21 @@ def _check_form(check: GraspCheck) -> dict[str, Any]:
         "findings": [finding.text for finding in check.findings],
         **({} if check.firmness is None else {"held_share": round(check.firmness.share, 3)}),
     }
+
+
+def count_pieces(part: Part) -> int:
+    """How many convex pieces stand for a part."""
+    return len(finest(part.pieces))
+
+
+def counted_pieces(part: Part) -> str:
+    """The same, in words."""
+    return counted(count_pieces(part), "convex piece")
+
+
+def exactness(excess: float) -> str:
+    """By how much [m] the bodies of a part are too large, in a sentence."""
+    return f"The bodies used for distances are at most {excess * 1000:.2f} mm larger than the mesh."
 
 
 def counted(count: int, what: str) -> str:

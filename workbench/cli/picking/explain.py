@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.app.core.value_checks import SEED_LIMIT
+from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
@@ -46,6 +47,7 @@ def explain(typed: arguments.Explain) -> int:
             obstacles=obstacles,
             report=lambda done, note: report(0.9 + 0.1 * done, note),
         )
+    candidates = with_exactness(cell, detections, candidates)
     sure = [
         (candidate, budget_of(cell, detections[candidate.detection], candidate))
         for candidate in candidates

@@ -15,7 +15,7 @@ from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import is_file, read_whole
 from workbench.formats.files.xml_elements import Element, read_xml
 from workbench.formats.klampt.robots import read_rob
-from workbench.formats.meshes.pieces.convex_pieces import split_pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import pieces_of
 from workbench.formats.meshes.reading import LARGEST_MESH, read_mesh
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.cell import Fixture
@@ -79,12 +79,12 @@ def box_around(thing: Fixture) -> Bin:
 
 
 def in_pieces(thing: Fixture, *, tolerance: float, most: int) -> Fixture:
-    """A thing with convex pieces in place of its meshes; see `convex_pieces.split_pieces_of`."""
+    """A thing with convex pieces in place of its meshes; see `convex_pieces.pieces_of`."""
     solids: list[Solid] = []
     for solid in thing.solids:
         found = None
         if isinstance(solid.shape, Mesh):
-            found = split_pieces_of(solid.shape, tolerance=tolerance, most=most)
+            found = pieces_of(solid.shape, tolerance=tolerance, most=most)
         pieces = (solid.shape,) if found is None else found.pieces
         solids += [
             Solid(f"{thing.name}_piece_{k}", piece, solid.T_owner_shape, solid.colour)

@@ -35,7 +35,7 @@ def recipe(*libraries: str) -> str:
         libraries: distributions that it asks; those of another version may make something else.
     """
     code = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         code.update(source.read_bytes())
     return " ".join([code.hexdigest(), *(f"{name} {version(name)}" for name in libraries)])
 

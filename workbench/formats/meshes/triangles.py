@@ -28,6 +28,8 @@ def triangles_of(shape: Shape) -> trimesh.Trimesh:
             return capsule
         case Sphere(radius=radius):
             return trimesh.creation.icosphere(3, radius)
+        case Mesh(pieces=(_, *_) as pieces):
+            return joined([triangles_of(piece) for piece in pieces])
         case Mesh(points=points, triangles=triangles):
             return trimesh.Trimesh(np.array(points), np.array(triangles), process=False)
         case _:

@@ -23,7 +23,7 @@ from workbench.formats.meshes.repair import (
 )
 from workbench.formats.meshes.simplifying import LARGE, simplified
 from workbench.formats.meshes.triangles import stl_of, triangles_of
-from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.reading import read_part, tolerance_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Mesh
 from workbench.model.part import Part
@@ -34,9 +34,6 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 
 HEAVIEST = 1000.0
 """[kg] Of what is picked; what is heavier has another unit."""
-
-TOLERANCE = 0.001
-"""[m] A hull that is no more than this too large is taken as it is; stands in `part.toml`."""
 
 THINNEST = 1e-4
 """The share of its box that a body must fill; a surface around less encloses nothing."""
@@ -216,7 +213,8 @@ def _lines(
     yield f"name = {json.dumps(name)}"
     yield f"mass_g = {max(mass * 1000, 0.001):.6g}"
     yield "# friction = 0.4     # against pads or cup: stated, grips are checked for its weight"
-    yield f"tolerance_mm = {TOLERANCE * 1000:g}     # a convex hull this much too large will do"
+    tolerance = f"{tolerance_of(imported.mesh) * 1000:.3g}"
+    yield f"tolerance_mm = {tolerance}     # by so much may bodies for distances be too large"
     yield ""
     yield f"# The surface that the scanner sees, {imported.surface.triangles} triangles."
     yield from ("[mesh]", f'file = "{name}.stl"', 'unit = "mm"', "")

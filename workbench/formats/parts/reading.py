@@ -9,15 +9,21 @@ import pinocchio as pin
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
 from workbench.formats.meshes.face_colours import read_face_colours
-from workbench.formats.meshes.pieces.convex_pieces import pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import groups_of, pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
 from workbench.model.symmetry import MOST_FOLD, Symmetry, SymmetryAxis
 
-MOST_PIECES = 16
+MOST_PIECES = 128
 """That a mesh is divided into."""
+
+MOST_GROUPS, GROUPED = 16, 10
+"""More pieces than these are put into groups, which may be so many times as much too large."""
+
+TOLERANCE, TOLERANCE_SHARE = 0.0005, 0.005
+"""[m] By which they may be larger than the mesh; the share is that of its longest side."""
 
 MOST_GRASPS = 10_000
 """Of one part, patterns and symmetry written out."""
@@ -35,8 +41,8 @@ ROUNDED = 1e-5
 def read_part(name: str | Path) -> Part:
     """A part by name under `parts/`, or by the path of its folder or `part.toml`.
 
-    Without `[[piece]]` tables its mesh is divided into convex pieces, a hull where that is no more
-    than `tolerance_mm` too large.
+    Without `[[piece]]` tables its mesh is divided into convex pieces that are no more than
+    `tolerance_mm` too large, as long as `MOST_PIECES` are enough.
 
     Raises:
         FileError: names the file and the key that is wrong.
@@ -54,7 +60,7 @@ def read_part(name: str | Path) -> Part:
         colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
     mesh_table.finish()
     pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
-    tolerance = table.number("tolerance_mm", 1.0, low=0.01, high=100) / 1000
+    tolerance = table.number("tolerance_mm", tolerance_of(mesh) * 1000, low=0.01, high=100) / 1000
     if not pieces:
         pieces = _pieces(table, mesh, tolerance)
     symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
@@ -71,6 +77,11 @@ def read_part(name: str | Path) -> Part:
     return Part(part_name, mesh, pieces, mass, symmetry, library, friction, colours)
 
 
+def tolerance_of(mesh: Mesh) -> float:
+    """By how much [m] convex pieces of a mesh may be larger, where its part says nothing of it."""
+    return max(TOLERANCE, TOLERANCE_SHARE * float(np.ptp(mesh.points, axis=0).max()))
+
+
 def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:
     """Convex pieces of the mesh, for collision and physics, where nobody has written any."""
     found = pieces_of(mesh, tolerance=tolerance, most=MOST_PIECES)
@@ -78,7 +89,9 @@ def _pieces(table: Table, mesh: Mesh, tolerance: float) -> tuple[Solid, ...]:
         raise table.error("mesh", "is flat: give at least one [[piece]], for collision and physics")
     return tuple(
         Solid(f"piece_{number}", piece, pin.SE3.Identity())
-        for number, piece in enumerate(found.pieces, start=1)
+        for number, piece in enumerate(
+            groups_of(mesh, found, tolerance=GROUPED * tolerance, most=MOST_GROUPS), start=1
+        )
     )
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pinocchio as pin
 
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
-from workbench.formats.meshes.pieces.convex_pieces import split_pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import pieces_of
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_writer import joint_element, numbers, write_xml
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
@@ -43,7 +43,7 @@ def simplified(
             if not isinstance(solid.shape, Mesh) or solid.shape.is_convex:
                 solids.append(solid)
                 continue
-            found = split_pieces_of(solid.shape, tolerance=tolerance, most=most)
+            found = pieces_of(solid.shape, tolerance=tolerance, most=most)
             if found is None:
                 continue
             excess[link.name] = max(excess.get(link.name, 0.0), found.excess)

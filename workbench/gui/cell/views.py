@@ -7,7 +7,7 @@ from workbench.gui.scene.marks import measured_text
 from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH, Jogged
 from workbench.gui.shared.views import line, mm
 from workbench.model.cell import Cell
-from workbench.model.geometry import Floats
+from workbench.model.geometry import Floats, finest
 from workbench.model.robot import Link
 
 MOST_CONTACTS = 8
@@ -43,7 +43,7 @@ def tree_html(cell: Cell) -> str:
             f"part {part.name}, {part.mass * 1000:g} g",
             [
                 f"{len(part.library.grasps)} grasps",
-                f"{len(part.pieces)} convex pieces",
+                f"{len(finest(part.pieces))} convex pieces",
                 f"{len(part.mesh.triangles)} triangles",
             ],
         )

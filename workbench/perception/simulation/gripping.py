@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, put
+from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, finest, put
 from workbench.model.part import Part
 from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
@@ -119,7 +119,7 @@ class Gripping:
         spec = world_of_grips()
         body = spec.worldbody.add_body(name="part")
         body.add_freejoint()
-        for piece in part.pieces:
+        for piece in finest(part.pieces):
             geom = add_solid(spec, body, piece)
             is_flat = isinstance(piece.shape, Box | Mesh)
             geom.contype, geom.conaffinity = 0, ON_PLANE + (ON_PAD if is_flat else ON_TILES)

@@ -6,11 +6,14 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
+from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, finest
 from workbench.model.part import Bin, Part
 from workbench.perception.views.surfaces import triangles_of
 
 TIMESTEP = 0.002
+
+MOST_PIECES = 32
+"""Of a part that is simulated with its finest pieces."""
 
 LONGEST = 4.0
 """[s] of simulated time after the last drop, if the parts do not come to rest before."""
@@ -53,7 +56,7 @@ def model_of(
         else:
             body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it falls
             body.add_freejoint()
-        for solid in part.pieces:
+        for solid in _solids(part):
             add_solid(spec, body, solid)
     model = spec.compile()
     # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
@@ -62,6 +65,12 @@ def model_of(
     model.body_mass[1:] = masses
     mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
+
+
+def _solids(part: Part) -> tuple[Solid, ...]:
+    """What falls: a part's pieces, or what goes around them where they are many."""
+    pieces = finest(part.pieces)
+    return pieces if len(pieces) <= MOST_PIECES else part.pieces
 
 
 def add_solid(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> mujoco.MjsGeom:

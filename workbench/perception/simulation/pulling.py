@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Floats, Solid, Sphere, shift_and_turn
+from workbench.model.geometry import Floats, Solid, Sphere, finest, shift_and_turn
 from workbench.model.part import Part
 from workbench.perception.simulation.gripping import (
     CLOSING,
@@ -68,7 +68,7 @@ class Pulling:
         spec = world_of_grips()
         body = spec.worldbody.add_body(name="part")
         body.add_freejoint()
-        for piece in part.pieces:
+        for piece in finest(part.pieces):
             _rub(add_solid(spec, body, piece), grip.friction, contype=0, conaffinity=1)
         hand = spec.worldbody.add_body(name="hand")
         for number, finger in enumerate(tool.fingers):

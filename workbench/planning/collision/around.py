@@ -6,7 +6,8 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.gjk import TOUCHES, Cores, side
+from workbench.planning.collision.distances.cores import Cores
+from workbench.planning.collision.distances.gjk import TOUCHES, side
 from workbench.planning.collision.hands import NOTHING, Hands
 
 OPEN, CLOSED = 0, 1

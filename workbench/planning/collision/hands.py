@@ -7,14 +7,14 @@ once and remembered.
 from functools import lru_cache
 from typing import NamedTuple
 
-import coal
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Ints, Solid
 from workbench.model.part import Grasp
-from workbench.planning.collision.bodies import coal_shape, extent, tool_shapes
+from workbench.planning.collision.bodies import extent, tool_shapes
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.legs import grips, openings
 
 NOTHING = np.iinfo(np.int64).max
@@ -141,17 +141,11 @@ def cut_of(
     offsets = np.einsum("nij,tnj->tni", boxes.Rs, centres[:, None] - boxes.centres)
     gaps = np.maximum(np.abs(offsets) - boxes.halves, 0.0)
     near = np.einsum("tni,tni->tn", gaps, gaps) < (balls.radii[:, None] + margin) ** 2
-    request, result = coal.DistanceRequest(), coal.DistanceResult()
     for number in np.flatnonzero(near.any(axis=1)).tolist():
         T = solids[number].at(tool, T_part_tcp, opening)
-        transform = coal.Transform3s(T.rotation, T.translation)
         for piece in np.flatnonzero(near[number]).tolist():
-            result.clear()
-            shape, T_part_piece = boxes.solids[piece]
-            distance = coal.distance(
-                solids[number].geometry, transform, shape, T_part_piece, request, result
-            )
-            if distance < -press:
+            one = pieces[piece]
+            if distance(solids[number].solid.shape, T, one.shape, one.T_owner_shape) < -press:
                 return number * len(pieces) + piece
     return NOTHING
 
@@ -180,14 +174,12 @@ def _balls_of(tool: Tool) -> _Balls:
 class _Boxes(NamedTuple):
     """The boxes around a part's pieces, and these: `Rs` (n, 3, 3) turn into their frames.
 
-    `centres` (n, 3) [m] are seen from the part, `halves` (n, 3) [m] half their sizes; `solids`
-    are the pieces with their poses as Coal has them.
+    `centres` (n, 3) [m] are seen from the part, `halves` (n, 3) [m] half their sizes.
     """
 
     Rs: Floats
     centres: Floats
     halves: Floats
-    solids: tuple[tuple[coal.CollisionGeometry, coal.Transform3s], ...]
 
 
 @lru_cache(maxsize=256)
@@ -200,8 +192,4 @@ def _boxes_of(pieces: tuple[Solid, ...]) -> _Boxes:
             -1, 3
         ),
         np.array([half for _, half, _ in extents]).reshape(-1, 3),
-        tuple(
-            (coal_shape(one.shape), coal.Transform3s(T.rotation, T.translation))
-            for one, T in zip(pieces, poses, strict=True)
-        ),
     )

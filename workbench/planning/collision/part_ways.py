@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import combinations, product
 
-import coal
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape, frozen
 from workbench.planning.collision.around import Around, first_contact
-from workbench.planning.collision.bodies import coal_shape, extent, part_label
+from workbench.planning.collision.bodies import extent, part_label
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import NOTHING
 from workbench.planning.collision.pairing import kept
 from workbench.planning.collision.rolled import Placed, placed
@@ -350,11 +350,4 @@ def _is_near(p: Floats, reach: float, body: tuple[Shape, pin.SE3]) -> bool:
 def _apart(one: tuple[Shape, pin.SE3], other: tuple[Shape, pin.SE3], step: Floats) -> float:
     """The distance [m] of two bodies, the first of them moved by a step (3,) [m]."""
     (shape, T), (bed, U) = one, other
-    return coal.distance(
-        coal_shape(shape),
-        coal.Transform3s(T.rotation, T.translation + step),
-        coal_shape(bed),
-        coal.Transform3s(U.rotation, U.translation),
-        coal.DistanceRequest(),
-        coal.DistanceResult(),
-    )
+    return distance(shape, pin.SE3(T.rotation, T.translation + step), bed, U)

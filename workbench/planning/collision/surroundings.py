@@ -17,7 +17,7 @@ from workbench.planning.collision.bodies import (
     obstacle_label,
     part_label,
 )
-from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.distances.cores import cores_of
 from workbench.planning.collision.rolled import room_of
 
 

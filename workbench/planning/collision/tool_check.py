@@ -7,7 +7,6 @@ piece; what stands near a part is looked up once for all of them.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import coal
 import numpy as np
 import pinocchio as pin
 
@@ -15,7 +14,8 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Grasp
 from workbench.planning.collision.around import Around, Places, first_contact, first_fits
-from workbench.planning.collision.bodies import coal_shape, tool_shapes
+from workbench.planning.collision.bodies import tool_shapes
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import Hands, hands_of
 from workbench.planning.collision.part_ways import kept_on_ways, steps_along
 from workbench.planning.collision.surroundings import Surroundings
@@ -52,11 +52,7 @@ class ToolCheck:
         self._margin, self._least_air = cell.policy.near_margin, cell.policy.least_air
         self._on_ways = kept_on_ways(cell)
         self._still = surroundings
-        self._geometry = [coal_shape(body.shape) for body in surroundings.bodies]
-        poses = [body.T_joint_body for body in surroundings.bodies]
-        self._transforms = [coal.Transform3s(T.rotation, T.translation) for T in poses]
         self._around: dict[str, Around] = {}
-        self._request = coal.DistanceRequest()
         self._tools = {arm.name: tool_shapes(arm.tool) for arm in cell.arms}
 
     def contact(
@@ -86,15 +82,9 @@ class ToolCheck:
         number, g = pair
         tool = self._tools[arm.name][number]
         T = tool.at(arm.tool, T_world_tcp, opening)
-        distance = coal.distance(
-            tool.geometry,
-            coal.Transform3s(T.rotation, T.translation),
-            self._geometry[g],
-            self._transforms[g],
-            self._request,
-            coal.DistanceResult(),
-        )
-        return (f"{arm.name} {tool.name}", self._still.bodies[g].label), float(distance)
+        body = self._still.bodies[g]
+        far = distance(tool.solid.shape, T, body.shape, body.T_joint_body)
+        return (f"{arm.name} {tool.name}", body.label), far
 
     def fits(
         self, arm: Arm, grasps: tuple[Grasp, ...], rows: Sequence[tuple[int, int]]

@@ -15,7 +15,8 @@ from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision import bodies
 from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
-from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.distances.cores import cores_of
+from workbench.planning.collision.distances.measuring import distance, has_pieces
 from workbench.planning.collision.pairing import Phase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
@@ -150,8 +151,6 @@ class World:
         self._boxes.joint[g] = joint
         self._boxes.R[g] = T.rotation
         self._boxes.c[g] = T.translation + T.rotation @ self._centre[g]
-
-    # -- questions -------------------------------------------------------------------------
 
     def configuration(self, q: Mapping[str, Floats]) -> Floats:
         """The whole configuration (nq,): named arms at `q` (n,), others at home."""
@@ -355,8 +354,6 @@ class World:
         among, pairing = self.pairs.among, self._pairing
         return among[owned[pairing.first[among]] | owned[pairing.second[among]]]
 
-    # -- machinery -------------------------------------------------------------------------
-
     def _close(
         self, q: Floats, d: Floats, extra: float, among: Ints | None
     ) -> tuple[Ints, Floats, Floats]:
@@ -377,6 +374,10 @@ class World:
         return close
 
     def _distance(self, k: int) -> float:
+        a, b = int(self._pairing.first[k]), int(self._pairing.second[k])
+        one, other, T = self._bodies[a].shape, self._bodies[b].shape, self._data.oMg
+        if has_pieces(one) or has_pieces(other):
+            return distance(one, T[a], other, T[b])
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:

@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import coal
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Floats, Solid
+from workbench.model.geometry import Floats, Shape, Solid
 from workbench.model.part import Grasp, Part
-from workbench.planning.collision.bodies import coal_shape, extent
+from workbench.planning.collision.bodies import extent
+from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.firmness import (
     Firmness,
@@ -84,7 +84,7 @@ class _Moved:
     """A solid of the tool, with its box and the way a finger goes for each metre of opening."""
 
     name: str
-    shape: coal.CollisionGeometry
+    shape: Shape
     T_tcp_shape: pin.SE3
     travel: Floats
     centre: Floats
@@ -117,17 +117,14 @@ class GraspChecker:
             self._solids.append(
                 _Moved(
                     solid.name,
-                    coal_shape(solid.shape),
+                    solid.shape,
                     T,
                     T_tcp_flange.rotation @ travel,
                     T.act(centre),
                     radius,
                 )
             )
-        self._pieces = [
-            (coal_shape(piece.shape), piece.T_owner_shape, *_ball(piece)) for piece in part.pieces
-        ]
-        self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
+        self._pieces = [(piece.shape, piece.T_owner_shape, *_ball(piece)) for piece in part.pieces]
 
     def clearance(
         self, T_part_tcp: pin.SE3, opening: float, within: float = np.inf
@@ -143,21 +140,12 @@ class GraspChecker:
             )
             T = T_part_tcp * T_tcp
             centre = T_part_tcp.act(one.centre + one.travel * opening)
-            transform = coal.Transform3s(T.rotation, T.translation)
             for shape, T_part_piece, middle, radius in self._pieces:
                 if np.linalg.norm(centre - middle) - one.radius - radius >= best:
                     continue
-                self._result.clear()
-                distance = coal.distance(
-                    one.shape,
-                    transform,
-                    shape,
-                    coal.Transform3s(T_part_piece.rotation, T_part_piece.translation),
-                    self._request,
-                    self._result,
-                )
-                if distance < best:
-                    best, at = float(distance), one.name
+                far = distance(one.shape, T, shape, T_part_piece, best)
+                if far < best:
+                    best, at = far, one.name
         return best, at
 
     def way_in(self, grasp: Grasp) -> tuple[float, float, str]:

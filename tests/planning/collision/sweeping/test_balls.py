@@ -14,7 +14,7 @@ from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Fixture, Policy
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid, Sphere
 from workbench.planning.collision.bodies import coal_shape, extent
-from workbench.planning.collision.gjk import cores_of
+from workbench.planning.collision.distances.cores import cores_of
 from workbench.planning.collision.motion import RESOLUTION, chain_contact, segment
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.sweeping.balls import ball_gap

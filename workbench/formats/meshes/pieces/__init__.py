@@ -1,1 +1,1 @@
-"""Meshes as convex pieces, for collision checks: cut by CoACD or split along planes."""
+"""Meshes as convex pieces, for collision checks: split by planes, joined where that serves."""

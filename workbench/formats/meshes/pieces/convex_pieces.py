@@ -3,15 +3,16 @@
 Convex pieces are what the collision checker is quick and sure with.  What was cut once is kept.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.formats.meshes.kept import Arrays, content_of, kept, packed, recipe, unpacked
-from workbench.model.geometry import Mesh
+from workbench.formats.meshes.triangles import surface_of
+from workbench.model.geometry import Mesh, Solid
 
-ASKED = ("coacd", "scipy", "trimesh")
+ASKED = ("scipy", "trimesh")
 """Distributions whose version decides what comes out."""
 
 
@@ -26,29 +27,8 @@ class Pieces:
     excess: float
 
 
-def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 8) -> Pieces | None:
-    """Convex pieces that cover a mesh.
-
-    Args:
-        mesh: any triangles; they need not close.
-        tolerance: [m] a hull that is no more than this too large is taken as it is.
-        most: pieces to divide it into otherwise.
-
-    Returns:
-        None when all points lie in one plane.
-    """
-
-    def cut() -> tuple[tuple[Mesh, ...], float] | None:
-        # It takes a while to import, and is seldom needed.
-        from workbench.formats.meshes.pieces import cutting
-
-        return cutting.cut(mesh, tolerance, most)
-
-    return _kept_pieces(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", mesh, cut)
-
-
-def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
-    """Convex pieces that cover a mesh and follow it closely, made quickly by cuts along planes.
+def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
+    """Convex pieces that cover a mesh and follow it closely.
 
     Args:
         mesh: any triangles; they need not close.
@@ -59,25 +39,58 @@ def split_pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces |
         None when all points lie in one plane.
     """
 
-    def cut() -> tuple[tuple[Mesh, ...], float] | None:
+    def made() -> Arrays | None:
+        # It takes a while to import, and is seldom needed.
         from workbench.formats.meshes.pieces import splitting
 
-        return splitting.split(mesh, tolerance, most)
-
-    return _kept_pieces(f"split {recipe(*ASKED)} {tolerance!r} {most}", mesh, cut)
-
-
-def _kept_pieces(
-    name: str, mesh: Mesh, cut: Callable[[], tuple[tuple[Mesh, ...], float] | None]
-) -> Pieces | None:
-    """The pieces of a mesh and their excess, from the cache where they are in it."""
-
-    def made() -> Arrays | None:
-        found = cut()
+        found = splitting.split(mesh, tolerance, most)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
 
-    found = kept(name, content_of(mesh), made)
+    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), made)
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
+
+
+def excess_of(mesh: Mesh, solids: Iterable[Solid]) -> float:
+    """How far solids stick out of a mesh at most [m], about.
+
+    Seen at points on all their faces, to within a twentieth of a millimetre.
+
+    Args:
+        mesh: any triangles; they need not close.
+        solids: in the frame of the mesh; where one goes around pieces, these count.
+    """
+    from workbench.formats.meshes.pieces import splitting
+
+    return splitting.excess_of(mesh, surface_of(solids).triangles)
+
+
+def groups_of(mesh: Mesh, pieces: Pieces, *, tolerance: float, most: int) -> tuple[Mesh, ...]:
+    """The pieces of a mesh in few groups, each a convex mesh that goes around its pieces.
+
+    Args:
+        mesh: see `pieces_of`.
+        pieces: of it.
+        tolerance: [m] a group may be by this too large, or by more where else there were too many.
+        most: groups.
+    """
+    if len(pieces.pieces) <= most:
+        return pieces.pieces
+
+    def made() -> Arrays:
+        from workbench.formats.meshes.pieces import splitting
+
+        groups = splitting.grouped(mesh, pieces.pieces, tolerance, most)
+        flat = [part for group in groups for part in (group, *group.pieces)]
+        return {**packed(flat), "sizes": np.array([len(group.pieces) for group in groups])}
+
+    content = [part for piece in (mesh, *pieces.pieces) for part in content_of(piece)]
+    found = kept(f"groups {recipe(*ASKED)} {tolerance!r} {most}", content, made) or {}
+    flat, groups = list(unpacked(found)), list[Mesh]()
+    for size in found["sizes"].tolist():
+        around, inside = flat[0], tuple(flat[1 : 1 + size])
+        del flat[: 1 + size]
+        groups.append(Mesh(around.points, around.triangles, True, inside))
+    return tuple(groups)
 
 
 def hull_of(mesh: Mesh) -> Mesh | None:
@@ -87,9 +100,9 @@ def hull_of(mesh: Mesh) -> Mesh | None:
     """
 
     def made() -> Arrays | None:
-        from workbench.formats.meshes.pieces import cutting
+        from workbench.formats.meshes.pieces import hulls
 
-        hull = cutting.hull(mesh)
+        hull = hulls.hull(mesh)
         return hull and packed([hull])
 
     found = kept(f"hull {recipe(*ASKED)}", content_of(mesh), made)

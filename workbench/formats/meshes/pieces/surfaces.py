@@ -2,14 +2,13 @@
 
 import numpy as np
 import trimesh
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, distance_transform_edt, label
 from scipy.spatial import KDTree
 
 from workbench.model.geometry import Bools, Floats, Ints
 
-FINEST = 0.0025
-"""[m] Between points on the surface, as long as these are no more than about `MOST_POINTS`."""
 MOST_POINTS = 150_000
+"""On the surface, about."""
 
 CELL = 2.0
 """Side of a cell of space, in distances between points: so no way leads through the surface."""
@@ -17,21 +16,36 @@ CELL = 2.0
 NEIGHBOURS = 6
 """Points on the surface in whose triangles the nearest place may be."""
 
+ALIKE = 1e-7
+"""[m] Triangles whose distance differs by no more meet at the nearest place."""
+
+ALMOST = 0.95
+"""Points that are by this share as far as the farthest are about as far."""
+
+ROUGHLY = 0.1
+"""Share by which a distance may be too large before it is found exactly."""
+
+CHUNK, CHUNKS = 64, (100, 400, 0)
+"""Points whose distances are found at a time, and of which the nearest point is, the last all."""
+
 
 class Surface:
     """Triangles (n, 3, 3) [m] that enclose something, or nearly.
 
     Space is divided into cells; those that cannot be reached from outside, through cells without
     a point of the surface, are inside, and so is a hollow to which nothing leads.
+
+    Points of the surface, by which places on it are found, are `spacing` [m] apart, or more where
+    they would be more than `MOST_POINTS`.
     """
 
-    def __init__(self, triangles: Floats):
+    def __init__(self, triangles: Floats, *, spacing: float):
         self.triangles = triangles
         a, b, c = np.moveaxis(triangles, 1, 0)
         normals = np.cross(b - a, c - a)
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         self._normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 1e-12)
-        spacing = max(FINEST, float(np.sqrt(length.sum() / MOST_POINTS)))
+        spacing = max(spacing, float(np.sqrt(length.sum() / MOST_POINTS)))
         self._points, self._of = _spread(triangles, spacing)
         self._tree = KDTree(self._points)
         self._cell = CELL * spacing
@@ -43,6 +57,8 @@ class Surface:
         label(~is_taken, output=regions)
         self._is_reached = regions == regions[0, 0, 0]
         self._is_taken = is_taken
+        # How far what is in a cell is from the nearest point in another one, at most.
+        self._away = self._cell * (distance_transform_edt(~is_taken) + np.sqrt(3))
 
     def outer(self) -> Floats:
         """The triangles (n, 3, 3) [m] that something outside could touch."""
@@ -51,30 +67,55 @@ class Surface:
         is_outer[self._of[self._are(near, self._points, elsewhere=True)]] = True
         return self.triangles[is_outer]
 
-    def distances(self, points: Floats) -> Floats:
-        """How far points (n, 3) lie outside of the surface [m], (n,); 0 inside."""
-        known, near = self._tree.query(points, k=NEIGHBOURS)
-        near = self._of[near]
+    def farthest(self, points: Floats, enough: float = 0.0) -> tuple[float, int]:
+        """How far the farthest of points (n, 3) lies outside at most [m], and which it is, nearly.
+
+        Args:
+            points: [m] of those that are about as far the first is told.
+            enough: [m] what surely is no farther is not looked at closer.
+        """
+        is_at_surface = self._are(self._is_taken, points, elsewhere=False)
+        counts = is_at_surface | self._are(self._is_reached, points, elsewhere=True)
+        cells = self._cells(points).clip(0, np.array(self._away.shape) - 1)
+        most = np.where(counts, self._away[tuple(cells.T)], 0.0)
+        order, last = np.argsort(-most, kind="stable"), 0
+        farthest, told, at = 0.0, 0.0, int(order[0])
+        for size in CHUNKS:
+            some = order[last : last + size] if size else order[last:]
+            last += len(some)
+            some = some[most[some] > max(farthest, enough)]
+            if not len(some):
+                break
+            known = np.asarray(self._tree.query(points[some], eps=ROUGHLY)[0])
+            most[some] = known
+            nearer = np.argsort(-known, kind="stable")
+            some, known = some[nearer], known[nearer]
+            for first in range(0, len(some), CHUNK):
+                part = slice(first, first + CHUNK)
+                if known[first] <= max(farthest, enough):
+                    break
+                which = some[part]
+                away = self._distances(points[which], known[part], is_at_surface[which])
+                most[which] = 0.0
+                farthest = max(farthest, float(away.max()))
+                if farthest > told / ALMOST:
+                    first_far = which[away >= ALMOST * farthest]
+                    told, at = farthest, int(first_far.min())
+        return max(farthest, min(enough, float(most.max()))), at
+
+    def _distances(self, points: Floats, known: Floats, is_at_surface: Bools) -> Floats:
+        """How far points (n, 3) lie outside [m], (n,); 0 inside, which counts `is_at_surface`."""
+        near = self._of[self._tree.query(points, k=NEIGHBOURS)[1]]
         each = np.repeat(points, NEIGHBOURS, axis=0)
         off = each - trimesh.triangles.closest_point(self.triangles[near.ravel()], each)
         away = np.linalg.norm(off, axis=1).reshape(-1, NEIGHBOURS)
-        away = np.fmin(away, known)  # a triangle without area has no nearest place
-        nearest = away.argmin(axis=1)
-        rows = np.arange(len(points))
-        turned = np.einsum(
-            "ni,ni->n",
-            off.reshape(-1, NEIGHBOURS, 3)[rows, nearest],
-            self._normals[near[rows, nearest]],
-        )
-        is_at_surface = self._are(self._is_taken, points, elsewhere=False)
-        is_reached = self._are(self._is_reached, points, elsewhere=True)
-        is_outside = np.where(is_at_surface, turned > 0, is_reached)
-        return np.where(is_outside, away[rows, nearest], 0.0)
-
-    def farthest(self, points: Floats) -> tuple[float, Floats]:
-        """How far the farthest of points (n, 3) lies outside [m], and it (3,)."""
-        away = self.distances(points)
-        return float(away.max()), points[away.argmax()]
+        away = np.fmin(away, known[:, None])  # a triangle without area has no nearest place
+        nearest = away.min(axis=1)
+        turned = np.einsum("nki,nki->nk", off.reshape(-1, NEIGHBOURS, 3), self._normals[near])
+        # Where several meet, the one that looks most at the point, or away from it, tells its side.
+        turned[away > nearest[:, None] + ALIKE] = 0.0
+        side = turned[np.arange(len(points)), np.abs(turned).argmax(axis=1)]
+        return np.where(is_at_surface & (side <= 0), 0.0, nearest)
 
     def around(self, point: Floats, count: int) -> tuple[Floats, Floats]:
         """Points on the surface nearest to a point, (k, 3) [m], and its normals there (k, 3)."""

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.gjk import BALL, BOX, OTHER
+from workbench.planning.collision.distances.cores import BALL, BOX, OTHER
 
 
 @njit(cache=True)

@@ -12,7 +12,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes
-from workbench.planning.collision.gjk import Cores
+from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.sweeping.groups import Groups, groups_of
 from workbench.planning.collision.sweeping.look import IS_CLEAR, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
@@ -91,7 +91,10 @@ def no_edges(count: int) -> Edges:
     one, flat = np.zeros((1, 3)), np.zeros(0)
     tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), one, one, np.zeros(1))
     boxes = Boxes(whole, np.zeros((0, 3, 3)), none, none, flat)
-    cores = Cores(none, whole, whole, flat, flat, flat, np.zeros(0, np.bool_), whole)
+    known = np.zeros(0, np.bool_)
+    cores = Cores(
+        none, whole, whole, flat, flat, flat, known, whole, whole, whole, none, none, flat
+    )
     model = Model(tree, boxes, whole, whole, cores)
     scratch = scratch_for(whole, np.zeros(count), tree, boxes, cores)
     scratch = scratch._replace(pending=np.zeros((1, 3, count)), middle=np.zeros(count))

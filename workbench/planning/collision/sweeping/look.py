@@ -7,7 +7,8 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, Drift, lower_bound, nearing, out_of_box
-from workbench.planning.collision.gjk import BALL, CLEAR, TOUCHES, UNCLEAR, Cores, side_within
+from workbench.planning.collision.distances.cores import BALL, Cores
+from workbench.planning.collision.distances.gjk import CLEAR, TOUCHES, UNCLEAR, side_within
 from workbench.planning.collision.sweeping.balls import ball_gap, has_formula
 from workbench.planning.collision.sweeping.groups import Groups
 from workbench.planning.collision.sweeping.scratch import Scratch, place_body, place_joints

@@ -11,7 +11,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, joint_pose
-from workbench.planning.collision.gjk import BALL, Cores
+from workbench.planning.collision.distances.cores import BALL, Cores
 from workbench.planning.kinematics.robot import Tree
 
 MOST_PENDING = 512

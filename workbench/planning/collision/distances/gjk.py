@@ -5,99 +5,23 @@ objects in three-dimensional space" (1988), on the difference of two bodies.  Ev
 bound of the distance from below (a plane between the bodies) and from above (two points of
 them); the search ends as soon as these tell on which side of the two limits it lies.
 
-A body is a core, the corners of a convex polyhedron or an upright cylinder, swollen by a radius:
-so boxes, cylinders, capsules, balls and convex meshes are all the same to it.
+Where two bodies are not clear that only go around pieces, these are looked at.
 """
-
-from collections.abc import Mapping
-from functools import lru_cache
-from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import (
-    Bools,
-    Box,
-    Capsule,
-    Cylinder,
-    Floats,
-    Ints,
-    Mesh,
-    Shape,
-    Sphere,
-)
+from workbench.model.geometry import Floats
 from workbench.planning.collision.bounds import Drift, nearing
+from workbench.planning.collision.distances.cores import Cores
 
 TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
 
 MOST_STEPS = 48
 """Steps of the search; round bodies need some ten, polyhedra fewer."""
 
-OTHER, BALL, BOX, CYLINDER = 0, 1, 2, 3
-
 CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
-
-
-class Cores(NamedTuple):
-    """The cores of all bodies, one after the other.
-
-    `corners` (c, 3) [m] in the body's frame, from its centre; those of body g are `size[g]`
-    from `start[g]` on.  A cylinder has none but `radius[g]` and `length[g]` (half of it).
-    `swell` (b,) [m] grows every core.  `known` (b,) is False for bodies that are not convex;
-    `form` (b,) is `BALL`, `BOX` or `CYLINDER` for these, and `OTHER`.
-    """
-
-    corners: Floats
-    start: Ints
-    size: Ints
-    radius: Floats
-    length: Floats
-    swell: Floats
-    known: Bools
-    form: Ints
-
-
-def cores_of(shapes: list[Shape], centres: Floats) -> Cores:
-    """The cores of shapes, each seen from its centre (3,) [m] in its own frame."""
-    cores = [_core_of(shape) for shape in shapes]
-    corners = [points - centre for (points, *_), centre in zip(cores, centres, strict=True)]
-    count = np.array([len(points) for points in corners], dtype=np.int64)
-    numbers = np.array([rest for _, *rest in cores])
-    return Cores(
-        np.ascontiguousarray(np.vstack(corners)),
-        np.cumsum(count) - count,
-        count,
-        numbers[:, 0].copy(),
-        numbers[:, 1].copy(),
-        numbers[:, 2].copy(),
-        numbers[:, 3] > 0,
-        np.array([_FORMS.get(type(shape), OTHER) for shape in shapes]),
-    )
-
-
-_FORMS: Mapping[type, int] = {Sphere: BALL, Box: BOX, Cylinder: CYLINDER}
-
-
-@lru_cache(maxsize=4096)
-def _core_of(shape: Shape) -> tuple[Floats, float, float, float, float]:
-    """Corners, radius, half length, swell, and 1 when it is convex, of a shape in its frame."""
-    none = np.zeros((0, 3))
-    match shape:
-        case Box():
-            signs = np.array(list(product((-1.0, 1.0), repeat=3)))
-            return signs * np.asarray(shape.size) / 2, 0.0, 0.0, 0.0, 1.0
-        case Sphere():
-            return np.zeros((1, 3)), 0.0, 0.0, shape.radius, 1.0
-        case Capsule():
-            ends = np.array([[0, 0, -shape.length / 2], [0, 0, shape.length / 2]])
-            return ends, 0.0, 0.0, shape.radius, 1.0
-        case Cylinder():
-            return none, shape.radius, shape.length / 2, 0.0, 1.0
-        case Mesh():
-            return np.asarray(shape.points), 0.0, 0.0, 0.0, float(shape.is_convex)
 
 
 @njit(cache=True)
@@ -148,15 +72,73 @@ def side_within(
     That is `low` and by how much they can come nearer along the direction in which they are apart;
     `half` (b, 3) [m] are half the sizes of all bodies' boxes.
     """
-    low += cores.swell[a] + cores.swell[b]
+    answer = _side_of(a, a, b, b, R, c, half, cores, low, drift, W)
+    one, other = cores.pieces[a], cores.pieces[b]
+    if answer == CLEAR or one + other == 0:
+        return answer
+    answer, needed = CLEAR, low + drift.most
+    for m in range(max(one, 1)):
+        k = cores.first[a] + m if one else a
+        if one and _is_beyond(a, k, b, b, R, c, cores, needed):
+            continue
+        for n in range(max(other, 1)):
+            i = cores.first[b] + n if other else b
+            if _is_beyond(b, i, a, k, R, c, cores, needed):
+                continue
+            if one and other and _is_beyond(a, k, b, i, R, c, cores, needed):
+                continue
+            found = _side_of(a, k, b, i, R, c, half, cores, low, drift, W)
+            if found == TOUCHES:
+                return TOUCHES
+            if found == UNCLEAR:
+                answer = UNCLEAR
+    return answer
+
+
+@njit(cache=True)
+def _is_beyond(
+    a: int, k: int, b: int, i: int, R: Floats, c: Floats, cores: Cores, needed: float
+) -> bool:
+    """Whether the ball around core k of body a is `needed` [m] from the box around core i of b."""
+    square, away = 0.0, np.empty(3)
+    for m in range(3):
+        away[m] = c[a, m] - c[b, m]
+        for n in range(3):
+            away[m] += R[a, m, n] * cores.middle[k, n]
+    for m in range(3):
+        along = -cores.middle[i, m]
+        for n in range(3):
+            along += R[b, n, m] * away[n]
+        out = max(abs(along) - cores.halves[i, m], 0.0)
+        square += out * out
+    reach = cores.ball[k] + needed
+    return bool(reach < 0.0 or square >= reach * reach)
+
+
+@njit(cache=True)
+def _side_of(
+    a: int,
+    k: int,
+    b: int,
+    i: int,
+    R: Floats,
+    c: Floats,
+    half: Floats,
+    cores: Cores,
+    low: float,
+    drift: Drift,
+    W: Floats,
+) -> int:
+    """As `side_within`, of core k of body a and core i of body b."""
+    low += cores.swell[k] + cores.swell[i]
     x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
     if x * x + y * y + z * z < 1e-18:
         x = 1.0
     n = 0
     below = -1.0
     for _ in range(MOST_STEPS):
-        _support(a, R, c, cores, -x, -y, -z, 1.0, W, 4)
-        _support(b, R, c, cores, x, y, z, -1.0, W, 4)
+        _support(a, k, R, c, cores, -x, -y, -z, 1.0, W, 4)
+        _support(b, i, R, c, cores, x, y, z, -1.0, W, 4)
         norm = np.sqrt(x * x + y * y + z * z)
         plane = (x * W[4, 0] + y * W[4, 1] + z * W[4, 2]) / norm
         below = max(below, plane)
@@ -166,8 +148,8 @@ def side_within(
         # Nothing further in this direction: the point found before is the nearest.
         if n > 0 and (norm - below <= CLOSE_ENOUGH or _is_known(W, n)):
             break
-        for i in range(3):
-            W[n, i] = W[4, i]
+        for m in range(3):
+            W[n, m] = W[4, m]
         n = _nearest(W, n + 1)
         if n == 0:
             return TOUCHES  # the origin is inside: the cores meet
@@ -185,6 +167,7 @@ def side_within(
 @njit(cache=True)
 def _support(
     g: int,
+    n: int,
     R: Floats,
     c: Floats,
     cores: Cores,
@@ -195,20 +178,20 @@ def _support(
     W: Floats,
     row: int,
 ) -> None:
-    """Put the point of a core furthest along (x, y, z) into a row of W, or take it from it."""
+    """Put the point of core n of body g furthest along (x, y, z) in a row of W, or take it off."""
     u = R[g, 0, 0] * x + R[g, 1, 0] * y + R[g, 2, 0] * z
     v = R[g, 0, 1] * x + R[g, 1, 1] * y + R[g, 2, 1] * z
     w = R[g, 0, 2] * x + R[g, 1, 2] * y + R[g, 2, 2] * z
-    if cores.size[g] == 0:
+    if cores.size[n] == 0:
         flat = np.sqrt(u * u + v * v)
         if flat > 1e-12:
-            px, py = u / flat * cores.radius[g], v / flat * cores.radius[g]
+            px, py = u / flat * cores.radius[n], v / flat * cores.radius[n]
         else:
             px, py = 0.0, 0.0
-        pz = cores.length[g] if w >= 0 else -cores.length[g]
+        pz = cores.length[n] if w >= 0 else -cores.length[n]
     else:
-        best, at = -1e30, cores.start[g]
-        for k in range(cores.start[g], cores.start[g] + cores.size[g]):
+        best, at = -1e30, cores.start[n]
+        for k in range(cores.start[n], cores.start[n] + cores.size[n]):
             along = cores.corners[k, 0] * u + cores.corners[k, 1] * v + cores.corners[k, 2] * w
             if along > best:
                 best, at = along, k

@@ -1,0 +1,49 @@
+"""Refusals that may come of bodies that are larger than the part they stand for."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from workbench.app.picking.part_import import excess_of
+from workbench.model.candidate import Candidate, Verdict
+from workbench.model.cell import Cell
+from workbench.model.scan import Detection
+
+PART = re.compile(r"part-(\d+)")
+"""What a part that was found is called, with its number from 1."""
+
+
+def with_exactness(
+    cell: Cell, detections: Sequence[Detection], candidates: Sequence[Candidate]
+) -> tuple[Candidate, ...]:
+    """The candidates; a refusal says so where the mesh itself may keep the distance.
+
+    Args:
+        cell: with its parts and policy.
+        detections: the parts found.
+        candidates: with their verdicts.
+    """
+    return tuple(replace(one, verdict=_noted(cell, detections, one.verdict)) for one in candidates)
+
+
+def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:
+    if verdict.is_ok or verdict.pair is None or verdict.distance is None:
+        return verdict
+    excess = sum(
+        excess_of(cell.part(detections[number].part)) for number in _parts(verdict, detections)
+    )
+    needed = cell.policy.near_margin
+    if verdict.distance >= needed:
+        needed = cell.policy.margin
+    if verdict.distance + excess < needed or excess == 0:
+        return verdict
+    words = f"closer than the bodies are exact: {excess * 1000:.1f} mm"
+    return replace(verdict, note=f"{verdict.note}; {words}" if verdict.note else words)
+
+
+def _parts(verdict: Verdict, detections: Sequence[Detection]) -> Iterator[int]:
+    """The parts found that a verdict names, by their numbers from 0."""
+    for label in verdict.pair or ():
+        found = PART.fullmatch(label)
+        if found and int(found[1]) <= len(detections):
+            yield int(found[1]) - 1

@@ -1,0 +1,111 @@
+"""Hulls joined, two by two, as long as their common hull is close enough to the mesh."""
+
+import heapq
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from workbench.formats.meshes.pieces.hulls import area_of, outside, points_for, points_on, together
+from workbench.formats.meshes.pieces.surfaces import Surface
+from workbench.model.geometry import Floats
+
+APART = 1e-6
+"""[m] Hulls that are no further apart may touch, and a corner no further away lies on one."""
+
+FEW = 50
+"""Points that show most common hulls to be too large."""
+
+ENOUGH = 0.5
+"""Of the tolerance: distances below it need not be known closer."""
+
+
+@dataclass(order=True, slots=True)
+class _Pair:
+    """Two hulls by number, and by how much their common hull is too large [m].
+
+    At least so much, until it is measured.
+    """
+
+    excess: float
+    numbers: tuple[int, int]
+    both: ConvexHull = field(compare=False)
+    is_measured: bool = field(default=False, compare=False)
+
+
+def joined(
+    hulls: list[ConvexHull], surface: Surface, tolerance: float, most: int
+) -> list[ConvexHull]:
+    """The hulls, those in one whose common hull is close enough to the mesh.
+
+    Where they are more than `most`, also those whose common hull is the least too large.
+
+    Args:
+        hulls: together they cover the surface.
+        surface: of the mesh.
+        tolerance: [m] by which a common hull may be too large.
+        most: hulls that may be left.
+    """
+    left: dict[int, ConvexHull] = {}
+    queue: list[_Pair] = []
+    for number, hull in enumerate(hulls):
+        for pair in _pairs(left, number, hull):
+            heapq.heappush(queue, pair)
+        left[number] = hull
+    new = len(hulls)
+    while queue:
+        pair = heapq.heappop(queue)
+        if pair.excess > tolerance and len(left) <= most:
+            break
+        if not left.keys() >= set(pair.numbers):
+            continue
+        if not pair.is_measured:
+            faces = _new_faces(pair.both, [left[number] for number in pair.numbers])
+            pair.excess = max(pair.excess, _excess(faces, surface, tolerance))
+            pair.is_measured = True
+            heapq.heappush(queue, pair)
+            continue
+        for number in pair.numbers:
+            del left[number]
+        for other in _pairs(left, new, pair.both):
+            heapq.heappush(queue, other)
+        left[new] = pair.both
+        new += 1
+    return list(left.values())
+
+
+def _pairs(hulls: dict[int, ConvexHull], number: int, hull: ConvexHull) -> Iterable[_Pair]:
+    """A hull with each of those that it may touch."""
+    if not hulls:
+        return
+    numbers = list(hulls)
+    lows, highs = (
+        np.array([getattr(one, bound) for one in hulls.values()])
+        for bound in ("min_bound", "max_bound")
+    )
+    touch = (np.maximum(lows, hull.min_bound) <= np.minimum(highs, hull.max_bound) + APART).all(1)
+    for k in np.flatnonzero(touch).tolist():
+        other = hulls[numbers[k]]
+        both = together(hull, other)
+        gap = max(0.0, float((both.volume - hull.volume - other.volume) / both.area))
+        yield _Pair(gap, (numbers[k], number), both)
+
+
+def _new_faces(both: ConvexHull, parts: list[ConvexHull]) -> Floats:
+    """The faces (n, 3, 3) [m] of a common hull that no part has."""
+    is_new = np.ones(len(both.simplices), bool)
+    for part in parts:
+        is_on = outside(part, both.points) <= APART
+        is_new &= ~is_on[both.simplices].all(axis=1)
+    return both.points[both.simplices[is_new]]
+
+
+def _excess(faces: Floats, surface: Surface, tolerance: float) -> float:
+    """How far faces (n, 3, 3) [m] lie outside of a surface at most [m], or some of them too far."""
+    far = 0.0
+    for count in (FEW, points_for(area_of(faces), tolerance)) if len(faces) else ():
+        far = surface.farthest(points_on(faces, count)[0], ENOUGH * tolerance)[0]
+        if far > tolerance:
+            break
+    return far
