@@ -22,6 +22,7 @@ from workbench.model.geometry import (
     Shape,
     Solid,
     Sphere,
+    finest,
     frozen,
     put,
 )
@@ -140,7 +141,7 @@ def part_load(part: Part) -> Load:
     """
     if is_closed(part.mesh):
         return uniform_load((Solid(part.name, part.mesh, pin.SE3.Identity()),), part.mass)
-    return uniform_load(part.pieces, part.mass)
+    return uniform_load(finest(part.pieces), part.mass)
 
 
 def uniform_load(solids: Iterable[Solid], mass: float) -> Load:

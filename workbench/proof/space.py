@@ -111,7 +111,8 @@ class Space:
 
     def known(self, rows: Ints) -> Bools:
         """Whether a direction is known in which the two of pairs (r,) were once apart."""
-        return self.normals[self.table.first[rows], self.table.second[rows], 0].any(axis=1)
+        normals = self.normals[self.table.first[rows], self.table.second[rows], 0]
+        return np.asarray(normals.any(axis=1), dtype=np.bool_)
 
     def pose(self, number: int) -> pin.SE3:
         """`T_world_body` of a body at the configuration that is looked at."""

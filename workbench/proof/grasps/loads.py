@@ -10,10 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell, Tool
-from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
+from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere, finest
 from workbench.model.load import Load, is_closed
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
+from workbench.proof.tolerances import STATED
 
 ALIKE = 1e-6
 """[share] Of mass, distance and inertia, by which two computations may differ."""
@@ -37,20 +38,24 @@ def load_violations(cell: Cell, plan: Plan, one: ArmPlan) -> Iterator[Violation]
         yield Violation(f"the plan states no load, and the cell has that of {tool.name}", one.arm)
         return
     wanted = (
-        ("tool", one.loads.tool, _of_tool(tool)),
-        ("part", one.loads.part, (tool.T_flange_tcp * one.T_tcp_part).act(_of_part(part))),
+        ("tool", one.loads.tool, _of_tool(tool), 0.0),
+        ("part", one.loads.part, (tool.T_flange_tcp * one.T_tcp_part).act(_of_part(part)), STATED),
     )
-    for what, stated, meant in wanted:
-        if not _is_alike(stated, meant):
+    for what, stated, meant, off in wanted:
+        if not _is_alike(stated, meant, off):
             yield Violation(f"the load of the {what} is not that of the cell", one.arm)
 
 
-def _is_alike(stated: Load, meant: pin.Inertia) -> bool:
+def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:
+    """Whether loads are the same, of bodies that are stated up to `off` [m] from their place."""
     size = max(float(np.linalg.norm(meant.lever)), LEAST_SIZE)
+    # What is stated a little turned has its moments turned as little.
+    turned = float(np.abs(meant.inertia).max()) * off / LEAST_SIZE
+    moments = ALIKE * meant.mass * size**2 + turned
     return (
         abs(stated.mass - meant.mass) <= ALIKE * meant.mass
-        and float(np.abs(stated.centre - meant.lever).max()) <= ALIKE * size
-        and float(np.abs(stated.inertia - meant.inertia).max()) <= ALIKE * meant.mass * size**2
+        and float(np.abs(stated.centre - meant.lever).max()) <= ALIKE * size + off
+        and float(np.abs(stated.inertia - meant.inertia).max()) <= moments
     )
 
 
@@ -65,7 +70,7 @@ def _of_tool(tool: Tool) -> pin.Inertia:
 def _of_part(part: Part) -> pin.Inertia:
     if is_closed(part.mesh):
         return _even([Solid(part.name, part.mesh, pin.SE3.Identity())], part.mass)
-    return _even(part.pieces, part.mass)
+    return _even(finest(part.pieces), part.mass)
 
 
 def _even(solids: Sequence[Solid], mass: float) -> pin.Inertia:
