@@ -98,6 +98,7 @@ HOW: Mapping[type, str] = {
     bench.BenchShort: "measuring.short:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyModels: "measuring.models:study_models",
+    studies.StudyScans: "measuring.scans:study_scans",
     studies.StudyThreshold: "measuring.studies:study_threshold",
     studies.StudyEmptying: "measuring.emptying:emptying",
     studies.StudyPlacing: "measuring.placing:placing",

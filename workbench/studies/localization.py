@@ -19,6 +19,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection, ScaleCheck
 from workbench.perception.localization.pose_error import mssd, pose_error, squared_error
+from workbench.perception.parts.sizing import sized
 from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseModel
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize, visible_shares
@@ -192,7 +193,7 @@ def _kinds(names: str) -> tuple[Part, ...]:
 @lru_cache(maxsize=12)
 def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds = tuple(_scaled(_taught(part, models), cad_scale) for part in _kinds(parts))
+    kinds = tuple(sized(_taught(part, models), cad_scale) for part in _kinds(parts))
     deviation = BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
@@ -209,13 +210,6 @@ def _taught(part: Part, models: str) -> Part:
     return (
         replace(part, mesh=read_mesh(Path(models, f"{part.name}.ply"), 0.001)) if models else part
     )
-
-
-def _scaled(part: Part, factor: float) -> Part:
-    """The part with a mesh of another size, its symmetry being the same."""
-    fixed = np.array(part.symmetry.point)
-    points = fixed + factor * (part.mesh.points - fixed)
-    return part if factor == 1.0 else replace(part, mesh=replace(part.mesh, points=points))
 
 
 def compare(

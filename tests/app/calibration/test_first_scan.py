@@ -131,3 +131,22 @@ def test_a_real_table_is_no_bin():
     assert (seen.mount.unit, seen.mount.cloud_axes) == ("m", "z_back"), "it looks along -z"
     assert seen.found.T_scanner_bin is None
     assert seen.noise == pytest.approx(0.0014, abs=0.0004)
+
+
+def test_a_scanner_over_a_floor_without_a_rim_hangs_over_that_floor(cell, scan, tmp_path):
+    path = tmp_path / "scan.ply"
+    T_bin_scanner = cell.bin.T_world_bin.actInv(scan.T_world_scanner)
+    at = scan.points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+    floor = (np.abs(at[:, :2]) < 0.45 * cell.bin.size[:2]).all(axis=1)
+    write_cloud(path, Scan(scan.points[floor], scan.T_world_scanner, "no walls"), axes="z_back")
+    wrong = cell.scanner.T_world_scanner * pin.SE3(np.eye(3), np.array([0.02, 0.01, 0.4]))
+    mount = replace(cell.scanner, T_world_scanner=wrong, near=0.05, far=0.1, calibration=None)
+    seen = looked(path, replace(cell, scanner=mount))
+    assert seen.mount.near < T_bin_scanner.translation[2] < seen.mount.far, "the range is told, too"
+    assert any("near_mm" in one for one in seen.says)
+    assert any("over the floor" in one for one in seen.says)
+    T_seen = seen.mount.T_world_scanner
+    height = cell.bin.T_world_bin.actInv(T_seen).translation[2]
+    assert abs(height - T_bin_scanner.translation[2]) < 0.01
+    up = (T_seen.rotation @ cell.scanner.T_world_scanner.rotation.T)[2, 2]
+    assert up > np.cos(np.deg2rad(2.0))

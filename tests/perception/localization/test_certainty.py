@@ -15,7 +15,7 @@ from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.perception.localization.certainty import probability_of, shared
 from workbench.perception.localization.pose_error import squared_error
-from workbench.perception.localization.sightings import Sighting
+from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize

@@ -11,7 +11,7 @@ from workbench.model.scan import ALL_KINDS
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
 from workbench.perception.localization.judging import Sought, doubted_apart
-from workbench.perception.localization.sightings import Sighting
+from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import ROUGH
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize

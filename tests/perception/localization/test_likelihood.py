@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.perception.localization.likelihood import log_likelihood_ratio
-from workbench.perception.localization.sightings import Sighting
+from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE = 0.001
 SPREAD = 0.25 * TOLERANCE

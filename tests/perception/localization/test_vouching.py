@@ -10,7 +10,7 @@ from workbench.perception.localization import judging
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice, Rejection
 from workbench.perception.localization.judging import Judged, Sought, judged
-from workbench.perception.localization.sightings import Sighting
+from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE, SPREAD = 0.001, 0.00025
 
@@ -48,7 +48,7 @@ def judge(monkeypatch):
         ends: dict[int, int | None],
         rejected: list[Rejection] | None = None,
     ) -> Judged:
-        def ends_there(maps, surface, pose, tolerance, is_other) -> bool:
+        def ends_there(maps, surface, pose, tolerance, is_other, *, least) -> bool:
             number = int(pose[0, 3])
             beside = ends.get(number, number)
             if beside is None:

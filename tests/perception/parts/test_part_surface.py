@@ -14,7 +14,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, Solid, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.poses import distinct
+from workbench.perception.matching.poses import distinct
 from workbench.perception.parts.part_surface import DRAWN_OFF, VOTING, prepare
 from workbench.perception.parts.point_pairs import make_table, vote
 from workbench.perception.simulation.synthesize import synthesize

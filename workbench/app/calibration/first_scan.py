@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.formats.clouds.scans import CLOUD_AXES, points_of, turned_to_camera
 from workbench.formats.files.units import UNITS
@@ -15,6 +16,7 @@ from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import fit_bin
 from workbench.perception.scene.bin_search import FoundBin, find_bin
+from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.sensor import sensor_model
 
 FITTING = 0.5
@@ -22,6 +24,12 @@ FITTING = 0.5
 
 OFF, TURNED = 0.003, float(np.deg2rad(1.0))
 """[m, rad] By which the bin may be off; more is said."""
+
+NEAREST, FARTHEST, AROUND = 0.15, 3.0, 0.2
+"""[m] Where any scanner measures, and the share that is added around where one has measured."""
+
+LEAST_RIM = 0.3
+"""Of the bin's shorter side: what is narrower is no rim of any bin."""
 
 SQUARE = 0.05
 """A bin whose sides differ by less looks alike after a quarter turn."""
@@ -64,22 +72,28 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
     mount, points = cell.scanner, points_of(path, content)
     unit, axes, fitting = _guessed(points, mount)
     if fitting < FITTING:
+        mount, (unit, axes, fitting) = _anywhere(points, mount)
+    if fitting < FITTING:
         raise InputError(
-            f"{path}: {fitting:.0%} of its points lie where the scanner measures, {mount.near:g} "
-            f"to {mount.far:g} m (near_mm, far_mm in [scanner]), in any unit and with any axes: "
-            "is it a scan of this cell?"
+            f"{path}: {fitting:.0%} of its points lie where a scanner measures, {mount.near:g} "
+            f"to {mount.far:g} m before it, in any unit and with any axes: is it a scan of this "
+            "cell?"
         )
     scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
     noise = sensor_model(scan.points).noise
     found = find_bin(scan.points, cell.bin)
+    T_scanner_bin, floor = found.T_scanner_bin, None
+    if T_scanner_bin is None and not _is_over_floor(scan, cell.bin, noise):
+        floor = find_floor(scan.points)
+        T_scanner_bin = None if floor is None else _bin_on(*floor, cell.bin)
     T_world_scanner = mount.T_world_scanner
-    if found.T_scanner_bin is not None:
+    if T_scanner_bin is not None:
         length, width = cell.bin.size[:2]
         count = 4 if abs(length - width) < SQUARE * length else 2
         Ts = [
             cell.bin.T_world_bin
             * pose_from_rpy((0, 0, 0), (0, 0, 2 * np.pi * k / count))
-            * found.T_scanner_bin.inverse()
+            * T_scanner_bin.inverse()
             for k in range(count)
         ]
         T_world_scanner = min(Ts, key=lambda T: shift_and_turn(T.actInv(mount.T_world_scanner))[1])
@@ -88,7 +102,7 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
     if mount.calibration is None:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
     seen = replace(scan, T_world_scanner=T_world_scanner)
-    says = tuple(_says(mount, proposed, seen, cell.bin, found, shift, turn))
+    says = tuple(_says(cell.scanner, proposed, seen, cell.bin, found, floor, shift, turn))
     return FirstScan(proposed, fitting, noise, found, shift, turn, says)
 
 
@@ -105,15 +119,46 @@ def _guessed(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
     return best
 
 
+def _anywhere(points: Floats, mount: ScannerMount) -> tuple[ScannerMount, tuple[str, str, float]]:
+    """Unit and axes by which most points lie where any scanner measures, and a mount for these."""
+    unit, axes, fitting = _guessed(points, replace(mount, near=NEAREST, far=FARTHEST))
+    depth = points @ np.array(CLOUD_AXES[axes][2], dtype=float) * UNITS[unit]
+    before = depth[(depth > NEAREST) & (depth < FARTHEST)]
+    if fitting < FITTING:
+        return replace(mount, near=NEAREST, far=FARTHEST), (unit, axes, fitting)
+    near, far = np.percentile(before, (1, 99)) * (1 - AROUND, 1 + AROUND)
+    # To whole centimetres, as people write them.
+    near, far = np.floor(near * 100) / 100, np.ceil(far * 100) / 100
+    return replace(mount, near=float(near), far=float(far)), (unit, axes, fitting)
+
+
+def _is_over_floor(scan: Scan, bin: Bin, noise: float | None) -> bool:
+    """Whether the floor is seen where the cell has it."""
+    T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
+    return fit_bin(scan.points, T_bin_scanner, bin, noise=noise or 0.0).is_floor_seen
+
+
+def _bin_on(T_scanner_floor: pin.SE3, sides: Floats, bin: Bin) -> pin.SE3:
+    """The bin in the middle of what is seen over a floor, its longer side along the longer one."""
+    is_across = (sides[0] > sides[1]) != (bin.size[0] > bin.size[1])
+    return T_scanner_floor * pose_from_rpy((0, 0, 0), (0, 0, np.pi / 2 if is_across else 0.0))
+
+
 def _says(
     mount: ScannerMount,
     proposed: ScannerMount,
     scan: Scan,
     bin: Bin,
     found: FoundBin,
+    floor: tuple[pin.SE3, Floats] | None,
     shift: float,
     turn: float,
 ) -> Iterator[str]:
+    if proposed.near != mount.near or proposed.far != mount.far:
+        yield (
+            f"the cloud lies where the scanner does not measure: near_mm = "
+            f"{proposed.near * 1000:.0f}, far_mm = {proposed.far * 1000:.0f} in [scanner]"
+        )
     if proposed.unit != mount.unit:
         yield f'the cloud is in {proposed.unit}: unit = "{proposed.unit}" in [scanner]'
     if proposed.cloud_axes != mount.cloud_axes:
@@ -121,6 +166,13 @@ def _says(
             f"the cloud has other axes: cloud_axes = "
             f'"{proposed.cloud_axes}" in [scanner] instead of {mount.cloud_axes}'
         )
+    if floor is not None:
+        length, width = np.sort(floor[1])[::-1] * 1000
+        yield (
+            f"no rim of the cell's bin is seen, but a floor, and {length:.0f} x {width:.0f} mm of "
+            "what is on it: the scanner's pose is that over the floor"
+        )
+        return
     if not bin.has_walls:
         yield (
             "the cell's bin has no walls, so no rim says where the scanner hangs: calibrate it, "
@@ -128,8 +180,11 @@ def _says(
         )
         return
     if found.T_scanner_bin is None:
-        if found.rim is None:
-            yield "no bin is seen: is it in the picture, and its rim?"
+        if found.rim is None or min(found.rim) < LEAST_RIM * min(bin.size[:2]):
+            yield (
+                "no bin is seen: is it in the picture, and its rim? Without walls in the picture "
+                "walls = false and size_mm in [bin]"
+            )
             return
         length, width = (f"{value * 1000:.0f}" for value in found.rim)
         yield (

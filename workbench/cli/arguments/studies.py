@@ -261,6 +261,22 @@ class StudyBop:
 
 
 @dataclass(frozen=True, slots=True)
+class StudyScans:
+    """Find the parts in every scan of a folder: what is found, what is not taken, and the time."""
+
+    cell: Positional[CellName]
+    folder: Positional[Path]
+    """Folder with PLY or PCD files, as of the cell's scanner."""
+    scale: tuple[str, ...] = ()
+    """Parts that are larger or smaller than their CAD files, each PART=SIZE: pipe=0.92."""
+    overlays: Maybe[Path] = None
+    """Folder for a picture of each scan with what was found drawn over it."""
+    seed: int = 0
+    """Of the search."""
+    json: Json = False
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """Measure how well the cell does on many seeded piles."""
 
@@ -273,4 +289,5 @@ class Study:
         | Annotated[StudyPallets, subcommand("pallets")]
         | Annotated[StudyGrips, subcommand("grips")]
         | Annotated[StudyBop, subcommand("bop")]
+        | Annotated[StudyScans, subcommand("scans")]
     )

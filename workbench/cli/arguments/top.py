@@ -138,6 +138,10 @@ class Localize:
     """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
     """Parts with a lower score are left out, 0 to 1."""
+    scale: tuple[str, ...] = ()
+    """Parts that are larger or smaller than their CAD files, each PART=SIZE: pipe=0.92."""
+    overlay: Maybe[Path] = None
+    """PNG file to write: the scan as its scanner sees it, with what was found drawn over it."""
 
 
 @dataclass(frozen=True, slots=True)

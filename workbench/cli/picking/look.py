@@ -6,6 +6,7 @@ from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.work import find_parts
 from workbench.cli.arguments import top as arguments
+from workbench.cli.picking.overlays import with_sizes, write_overlay
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
@@ -42,7 +43,7 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     overrides = SearchOverrides(typed.detail, typed.least_score)
-    cell = read_cell(typed.cell)
+    cell = with_sizes(read_cell(typed.cell), typed.scale)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
@@ -50,6 +51,8 @@ def localize(typed: arguments.Localize) -> int:
         findings = find_parts(cell, given, report, cancelled=never)
     found = findings.detections
     write_poses(typed.out, found)
+    if typed.overlay is not None:
+        write_overlay(typed.overlay, cloud, cell, found)
     rows = (
         (
             str(number),
@@ -68,7 +71,10 @@ def localize(typed: arguments.Localize) -> int:
         print_table("Rejected", columns, [_rejected_words(one) for one in findings.rejected])
     for size in findings.scales:
         if size.is_off:
-            print(f"size: {size.words} (± {size.deviation * 100:.1f} %, by {size.count} parts)")
+            print(
+                f"size: {size.words} (± {size.deviation * 100:.1f} %, by {size.count} parts); "
+                f"with that size: --scale {size.part}={size.ratio:.2f}"
+            )
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")

@@ -14,7 +14,7 @@ from workbench.formats.cells.pose_edits import LOST, edit_pose, millimetres
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.tool_edits import all_as_written, as_written, edit_tools
 from workbench.formats.files.change_log import LOG, add_line, utc
-from workbench.formats.files.toml_documents import read_document, shorts
+from workbench.formats.files.toml_documents import read_document, short, shorts
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.parts.grasp_files import are_written_alike
 from workbench.model.cell import Arm, Cell, Policy
@@ -30,9 +30,9 @@ def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
-    calibration, unit and axes, sizes of the bin, homes, places and the tools of the arms, the TCPs
-    of tools, tools that are new or gone, and of the policy the lifts and the margin of straight
-    legs can be written; the file is left as it is when anything else differs.
+    calibration, unit, axes and range, sizes of the bin, homes, places and the tools of the arms,
+    TCPs of tools, tools that are new or gone, and of the policy the lifts and the margin of
+    straight legs can be written; the file is left as it is when anything else differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -175,6 +175,9 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)
+    for key in ("near", "far"):
+        if getattr(old.scanner, key) != getattr(new.scanner, key):
+            document["scanner"][f"{key}_mm"] = short(getattr(new.scanner, key) * 1000, 3)
     _edit_policy(document, old.policy, new.policy)
     record = new.scanner.calibration
     if record is None:

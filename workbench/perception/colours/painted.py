@@ -11,7 +11,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Scan
 from workbench.perception.colours.light import SPREAD, are_unlike
 from workbench.perception.localization.hypotheses import SAME_ANGLE
-from workbench.perception.localization.poses import distinct
+from workbench.perception.matching.poses import distinct
 from workbench.perception.parts.part_surface import STEPS, PartSurface
 from workbench.perception.views.srgb import linear
 

@@ -9,7 +9,7 @@ from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
 from workbench.perception.localization.assessment import FAR_BEHIND, is_better, rested
 from workbench.perception.localization.judging import Sought
-from workbench.perception.localization.sightings import closeness, tally
+from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
 
 

@@ -25,7 +25,7 @@ from workbench.perception.colours.rivals import Guess, Shape
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
 from workbench.perception.localization.judging import Sought, without
-from workbench.perception.localization.sightings import look
+from workbench.perception.matching.sightings import look
 from workbench.perception.views.srgb import linear
 
 FITS = 8.0

@@ -1,4 +1,4 @@
 """Parts found in a scan: hypotheses by votes, fits, a last look, and a choice.
 
-Imports `parts`, `scene` and `views`.
+Imports `matching`, `parts`, `scene` and `views`.
 """

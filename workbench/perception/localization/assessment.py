@@ -7,10 +7,10 @@ import numpy as np
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.localization.certainty import shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.poses import distinct
 from workbench.perception.localization.settling import is_held, roll_error, settled
-from workbench.perception.localization.sightings import (
+from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.poses import distinct
+from workbench.perception.matching.sightings import (
     EXPLAINED,
     Sighting,
     closeness,

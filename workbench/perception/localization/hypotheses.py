@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.poses import distinct
-from workbench.perception.localization.registration import quick_scores, refine
 from workbench.perception.localization.settling import settled
-from workbench.perception.localization.sightings import closeness, tally
+from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.poses import distinct
+from workbench.perception.matching.registration import quick_scores, refine
+from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.oriented import OrientedPoints
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.parts.point_pairs import vote

@@ -14,10 +14,10 @@ from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
-from workbench.perception.localization.likelihood import log_likelihood_ratio, looked_through
-from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.outline import ends_there
-from workbench.perception.localization.sightings import look
+from workbench.perception.localization.likelihood import MOST, log_likelihood_ratio, looked_through
+from workbench.perception.localization.outline import LEAST_ENDS, ends_there
+from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 
 DOUBTED = 0.1
@@ -32,7 +32,8 @@ class Sought:
 
     `maps` are those of the scan for this part, `glance` the same, coarser; `tolerance` [m] see
     `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
-    may be at all, (k,).
+    may be at all, (k,).  `least_ends` see `outline.ends_there`,
+    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`.
     """
 
     part: Part
@@ -43,6 +44,9 @@ class Sought:
     spread: float
     are_possible: Callable[[Floats], Bools]
     choice: Choice
+    least_ends: float = LEAST_ENDS
+    most: float = MOST
+    is_loose: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +79,7 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
                 brought[k].spread,
                 brought[k].tolerance,
                 is_all_known=True,
+                most=brought[k].most,
             )
             for k, i in names
             if (k, i) not in objections
@@ -92,6 +97,7 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
                 brought[k].choice.chosen[i].pose,
                 brought[k].tolerance,
                 others(k, i),
+                least=brought[k].least_ends,
             )
         }
         if not ending:

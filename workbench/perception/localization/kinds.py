@@ -41,7 +41,8 @@ from workbench.perception.localization.localize import (
     proposals,
     together,
 )
-from workbench.perception.localization.sightings import look
+from workbench.perception.localization.loosening import loosened
+from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.scene_model import scene_model
 from workbench.plugins.progress import Cancelled, Report
@@ -101,7 +102,13 @@ def all_kinds(
         step(f"prepare {part.name} and map the scan")
         brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
     found = [one for one in brought if isinstance(one, Sought)]
+    closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
+        if number == 1:
+            found = loosened(found, partial(compete, closely=closely))
+        elif number > 1 and any(one.is_loose for one in found):
+            # Little that is hidden can be told in such a scan, and this takes most of the time.
+            break
         # What is in doubt competes once more with what a greater effort finds in its place.
         apart = [doubted_apart(one) for one in found]
         found = [one for one, _ in apart]
@@ -111,7 +118,7 @@ def all_kinds(
             doubted + (proposals(one, number, pixels, seed=seed, step=step) if is_its_turn else [])
             for (one, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
-        compete(found, proposed, partial(look_closely, step))
+        compete(found, proposed, closely)
     told = iter(tell(scan, found))
     return merged(
         together(scan, [next(told) if isinstance(one, Sought) else one for one in brought])

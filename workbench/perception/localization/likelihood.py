@@ -9,7 +9,7 @@ closely in front of it is another part that was found, or no part stands there.
 import numpy as np
 
 from workbench.model.geometry import Bools
-from workbench.perception.localization.sightings import Sighting
+from workbench.perception.matching.sightings import Sighting
 
 SPREAD_OVER_NOISE, LEAST_SPREAD = 1.5, 0.2
 """Deviation of a part's points from its surface: over the noise that the scan shows, and over the
@@ -34,7 +34,13 @@ CLOSE = 4.0
 
 
 def log_likelihood_ratio(
-    sighting: Sighting, is_other: Bools, spread: float, tolerance: float, *, is_all_known: bool
+    sighting: Sighting,
+    is_other: Bools,
+    spread: float,
+    tolerance: float,
+    *,
+    is_all_known: bool,
+    most: float = MOST,
 ) -> float:
     """Mean log likelihood ratio [nat] of a pixel: of this part against something unknown.
 
@@ -44,6 +50,7 @@ def log_likelihood_ratio(
         spread: [m] deviation of a part's points from its surface.
         tolerance: [m] see `sightings.look`.
         is_all_known: whether `is_other` is of all parts; if not, what lies in front says nothing.
+        most: [nat] by which a pixel on the part may speak for it in the mean.
     """
     off = sighting.off[~is_other[sighting.explained]]
     if len(off) == 0:
@@ -57,7 +64,7 @@ def log_likelihood_ratio(
         far = int(np.count_nonzero(ahead > CLOSE * tolerance))
         odd = int(np.count_nonzero(ahead <= tolerance))
         against += CLOSE_AHEAD * close + AHEAD * far + ODD * odd
-    return min(fit, MOST) - against / len(off)
+    return min(fit, most) - against / len(off)
 
 
 def looked_through(sighting: Sighting) -> float:

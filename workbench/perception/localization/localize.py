@@ -11,10 +11,20 @@ from scipy.ndimage import binary_dilation
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Part
-from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
+from workbench.model.scan import (
+    Detection,
+    LocalizationResult,
+    Objection,
+    RejectedHypothesis,
+    Scan,
+)
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.cad_scale import scale_check
-from workbench.perception.localization.certainty import covariance, probability_of
+from workbench.perception.localization.certainty import (
+    covariance,
+    loose_probability_of,
+    probability_of,
+)
 from workbench.perception.localization.choice import (
     LEAST_PIXELS,
     Choice,
@@ -30,9 +40,9 @@ from workbench.perception.localization.hypotheses import (
 )
 from workbench.perception.localization.judging import Judged, Sought, judged
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
-from workbench.perception.localization.maps import DepthMap, make_map
-from workbench.perception.localization.poses import distinct
-from workbench.perception.localization.sightings import look
+from workbench.perception.matching.maps import DepthMap, make_map
+from workbench.perception.matching.poses import distinct
+from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
 from workbench.perception.scene.scene_model import SceneModel
 
@@ -229,6 +239,9 @@ def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
 def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -> Detection:
     sighting = assessed.sighting
     axes = np.kron(np.eye(2), scan.T_world_scanner.rotation)
+    chance = (
+        loose_probability_of(ratio, sighting.visible) if sought.is_loose else probability_of(ratio)
+    )
     known = covariance(sought.maps, sought.surface, assessed.pose, sighting, sought.tolerance)
     return Detection(
         part=sought.part.name,
@@ -239,7 +252,7 @@ def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -
         residual=float(np.sqrt(np.mean(sighting.off**2))),
         roll_known=assessed.roll_known,
         covariance=axes @ known @ axes.T,
-        probability=probability_of(ratio) * (1.0 if assessed.is_told else EITHER),
+        probability=chance * (1.0 if assessed.is_told else EITHER),
         roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
         by_colour=assessed.by_colour,
     )

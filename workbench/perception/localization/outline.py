@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats
-from workbench.perception.localization.maps import DepthMap
-from workbench.perception.localization.sightings import Drawing, drawing, predicted
+from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.sightings import Drawing, drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface
 
 BEYOND = 4
@@ -34,6 +34,8 @@ def ends_there(
     pose: Floats,
     tolerance: float,
     is_other: np.ndarray,
+    *,
+    least: float = LEAST_ENDS,
 ) -> bool:
     """Whether a part ends along its outline, as far as that is seen.
 
@@ -46,10 +48,11 @@ def ends_there(
         pose: (4, 4) [m] in the scanner's frame.
         tolerance: [m] see `sightings.look`.
         is_other: (pixels,) which of them other parts found explain.
+        least: share of the outline at which the part must end.
     """
     others = is_other.reshape(maps.depth.shape)
     ends, goes_on = _outline(drawing(maps, surface, tolerance), np.ascontiguousarray(pose), others)
-    return ends + goes_on < FEWEST or ends >= LEAST_ENDS * (ends + goes_on)
+    return ends + goes_on < FEWEST or ends >= least * (ends + goes_on)
 
 
 @njit(cache=True)

@@ -4,9 +4,9 @@ import numpy as np
 from numba import njit, prange
 
 from workbench.model.geometry import Floats, Ints
-from workbench.perception.localization.maps import DepthMap, Seen
-from workbench.perception.localization.registration import move, solved, transformed
-from workbench.perception.localization.sightings import (
+from workbench.perception.matching.maps import DepthMap, Seen
+from workbench.perception.matching.registration import move, solved, transformed
+from workbench.perception.matching.sightings import (
     AGAINST,
     EXPLAINED,
     HIDDEN,

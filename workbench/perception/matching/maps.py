@@ -28,6 +28,9 @@ POINTS_A_PIXEL = 2.0
 
 MOST_PIXELS = 600_000
 
+COUNTED = 8.0
+"""Points that the squares in which they are counted hold on average."""
+
 
 class Seen(NamedTuple):
     """A `DepthMap` as compiled code takes it.
@@ -124,7 +127,7 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     image = corners[:, :2] / corners[:, 2:]
     low, high = image.min(axis=0), image.max(axis=0)
     distance = float(np.linalg.norm(T_bin_scanner.translation))
-    density = len(points) / float(np.prod(high - low))
+    density = _density(points, low, high)
     widest = np.sqrt(float(np.prod(high - low)) / MOST_PIXELS)
     step = max(pitch / distance, np.sqrt(POINTS_A_PIXEL / density), widest)
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
@@ -144,6 +147,23 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
     if not foreground.any():
         return None
     return DepthMap(camera, rays, depth, normals, foreground, step * distance)
+
+
+def _density(points: Floats, low: Floats, high: Floats) -> float:
+    """Points over the area of the picture [1] where most of them are, not where nothing is seen.
+
+    Args:
+        points: (n, 3) [m] before the scanner.
+        low: (2,) corner of the picture, on the plane z = 1.
+        high: (2,) the opposite one.
+    """
+    side = np.sqrt(float(np.prod(high - low)) * COUNTED / len(points))
+    at = np.floor((points[:, :2] / points[:, 2:] - low) / side).astype(np.int64)
+    shape = np.ceil((high - low) / side).astype(np.int64) + 1
+    at = at[(at >= 0).all(axis=1) & (at < shape).all(axis=1)]
+    held = np.bincount(at[:, 0] * shape[1] + at[:, 1])
+    # Half of the points are in squares with more.
+    return float(np.median(held[at[:, 0] * shape[1] + at[:, 1]])) / side**2 if len(at) else 1.0
 
 
 def _corners(size: Floats, T_scanner_bin: pin.SE3) -> Floats:

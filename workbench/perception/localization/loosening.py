@@ -1,0 +1,98 @@
+"""A scan that is not as good as it seems, or a part that is not as its CAD file has it.
+
+How far the scan may be off a part is told by its noise.  Cameras that smooth over many pixels, and
+parts that are some per cent larger or smaller than their CAD file, are off by more.  Where what was
+found explains little of what lies in the bin, the same poses are held against the scan once more
+with several times the tolerance.  That counts if it then explains much of what lies there, and far
+more than before: wrong parts do not.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.model.geometry import Bools
+from workbench.perception.localization.choice import Choice, Hypothesis
+from workbench.perception.localization.judging import Sought, judged
+from workbench.perception.localization.settling import settled
+from workbench.perception.matching.sightings import look
+
+DOUBTFUL = 0.5
+"""Where parts explain less than this share of what lies in the bin, they are asked again."""
+
+LOOSE = 3.0
+"""The tolerance then, over what it was."""
+
+LOOSE_SPREAD, LOOSE_MOST = 0.15, 1.5
+"""Deviation of a part's points over that tolerance, as most of them still lie closely on it; and
+[nat] by which a pixel may speak for it in the mean."""
+
+LOOSE_ENDS = 0.75
+"""Share of its outline at which a part must end then: an outline that is off lies on the next."""
+
+EXPLAINED, TIMES = 0.4, 1.5
+"""They must explain this share then, and so many times what they did."""
+
+STEPS = (0.02, 0.01, 0.005)
+"""Lengths of the steps by which poses are brought to rest, over the diameter."""
+
+Compete = Callable[[Sequence[Sought], Sequence[list[Hypothesis]]], None]
+"""Takes the hypotheses of each kind that hold together."""
+
+
+def loosened(found: list[Sought], compete: Compete) -> list[Sought]:
+    """The searches with what they need to explain what lies in the bin; as they are if they do.
+
+    Args:
+        found: the searches of all kinds, after the first vote.
+        compete: see there.
+    """
+    strict = explained(found)
+    if strict >= DOUBTFUL:
+        return found
+    loose = [_loose(one) for one in found]
+    compete(loose, [_again(one, before) for one, before in zip(loose, found, strict=True)])
+    now = explained(loose)
+    return loose if now >= max(EXPLAINED, TIMES * strict) else found
+
+
+def explained(found: Sequence[Sought]) -> float:
+    """Share of what lies in the bin that the parts which stand explain, 0..1."""
+    if not found:
+        return 1.0
+    maps = found[0].maps
+    covered: Bools = np.zeros(maps.depth.size, np.bool_)
+    for one, standing in zip(found, judged(found), strict=True):
+        for part in standing.choice.chosen:
+            covered[look(maps, one.surface, part.pose, one.tolerance).explained] = True
+    lying = maps.foreground.ravel()
+    return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
+
+
+def _loose(one: Sought) -> Sought:
+    tolerance = LOOSE * one.tolerance
+    return replace(
+        one,
+        tolerance=tolerance,
+        spread=max(one.spread, LOOSE_SPREAD * tolerance),
+        least_ends=LOOSE_ENDS,
+        most=LOOSE_MOST,
+        is_loose=True,
+        choice=_nothing(one),
+    )
+
+
+def _nothing(one: Sought) -> Choice:
+    return Choice(np.full(one.maps.depth.size, -1), [], [])
+
+
+def _again(one: Sought, before: Sought) -> list[Hypothesis]:
+    """What was taken and what was rejected before, brought to rest anew."""
+    poses = [each.pose for each in (*before.choice.chosen, *before.choice.rejected)]
+    if not poses:
+        return []
+    steps = tuple(step * one.surface.diameter for step in STEPS)
+    rested = settled(one.glance, one.surface, np.array(poses), one.tolerance, steps)
+    rested = rested[one.are_possible(rested)]
+    return [Hypothesis(p, look(one.maps, one.surface, p, one.tolerance)) for p in rested]
