@@ -17,6 +17,7 @@ from waiting import wait_until
 
 from workbench.formats.meshes import simplifying
 from workbench.formats.meshes.cad_files import SeveralSolids, read_cad
+from workbench.formats.meshes.step_files import stated_unit
 from workbench.formats.parts import new_part
 from workbench.formats.parts.new_part import import_mesh, mass_of, write_part
 from workbench.formats.parts.reading import read_part
@@ -54,8 +55,25 @@ def test_a_step_file_carries_its_unit(prefix, scale, tmp_path):
     assert points.min(axis=0) == pytest.approx([-0.02, -0.012, 0.0], abs=1e-7)
     assert points.max(axis=0) == pytest.approx([0.02, 0.012, 0.015], abs=1e-7)
     assert imported.surface.volume == pytest.approx((40 * 6 + 6 * 18) * 15e-9, rel=1e-6)
-    with pytest.raises(FileError, match="says its unit itself"):
-        read_cad(path, "mm")
+    # Who knows better says so: then it is as large as its numbers are in that unit.
+    inches = np.ptp(read_cad(path, "inch").mesh.points, axis=0)
+    assert inches == pytest.approx(np.ptp(points, axis=0) * 0.0254 / scale)
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"),
+    [
+        ("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))", 0.001),
+        ("( NAMED_UNIT ( * ) SI_UNIT ( $, .METRE. ) LENGTH_UNIT ( ) )", 1.0),
+        ("(CONVERSION_BASED_UNIT('INCH',#9)LENGTH_UNIT()NAMED_UNIT(#8))", 0.0254),
+        ("(CONVERSION_BASED_UNIT('DEGREE',#9)NAMED_UNIT(#8)PLANE_ANGLE_UNIT())", 0.001),
+    ],
+)
+def test_the_unit_of_a_step_file_is_read(unit, metres, tmp_path):
+    path = tmp_path / "unit.step"
+    before = "#5=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n" if "INCH" in unit else ""
+    path.write_text(f"ISO-10303-21;\nDATA;\n{before}#7={unit};\nENDSEC;\n")
+    assert stated_unit(path) == metres
 
 
 def test_a_unit_is_assumed_only_when_no_other_is_likely(box, tmp_path):

@@ -111,7 +111,8 @@ def _kind_of(kinds: Sequence[Any], form: Any) -> Any:
     """Which of several dataclasses a form is of: its fields say so, one of them perhaps `kind`."""
     for one in kinds:
         fields = {field.name: field for field in dataclasses.fields(one)}
-        if set(fields) - {"digest"} == set(form) and (
+        later = {name for name, field in fields.items() if field.metadata.get("later")}
+        if set(fields) - {"digest"} - later <= set(form) <= set(fields) and (
             "kind" not in fields or fields["kind"].default == form["kind"]
         ):
             return one

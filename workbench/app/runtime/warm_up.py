@@ -21,6 +21,7 @@ from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
 from workbench.model.geometry import pose_from_rpy
+from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -48,10 +49,11 @@ def main(use: Use) -> int:
 
 
 def see() -> None:
-    """Find parts in a scan."""
+    """Find parts in a scan, and the floor under them."""
     cell = read_cell("yumi")
     scan = synthesize(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), seed=28)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
+    find_floor(scan.points)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scan.pcd"
         file.write_bytes(COMPRESSED)

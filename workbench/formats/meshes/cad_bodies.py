@@ -15,7 +15,7 @@ from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh
 from workbench.formats.meshes.repair import joined_corners, shells_of
-from workbench.formats.meshes.step_files import converted_step
+from workbench.formats.meshes.step_files import converted_step, stated_unit
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 
@@ -136,13 +136,22 @@ def read_bodies(path: Path) -> CadBodies:
         if kind not in SCENES:
             return CadBodies((_unnamed(path),), None, kind)
         if kind in STEP:
-            bodies, scale = _scene(converted_step(path, Path("converted.glb")), 1.0)
-            bodies = [solid for body in bodies for solid in _solids(body)]
+            bodies, _ = _scene(converted_step(path, Path("converted.glb")), 1.0)
+            # As in the file, so that a person who knows that it states a wrong unit can say so.
+            scale = stated_unit(path)
+            bodies = [solid for body in bodies for solid in _solids(_in_unit(body, scale))]
         else:
             bodies, scale = _scene(path, None)
     except FileError as error:
         raise FileError(path, error.problem) from None
     return CadBodies(tuple(bodies), scale, kind)
+
+
+def _in_unit(body: Body, unit: float) -> Body:
+    """A body in metres in a unit of so many metres."""
+    T = body.T.copy()
+    T[:3, 3] /= unit
+    return Body(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)
 
 
 def _unnamed(path: Path) -> Body:

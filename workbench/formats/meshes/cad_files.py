@@ -16,7 +16,6 @@ from workbench.formats.meshes.cad_bodies import (
     KINDS as BARE_KINDS,
 )
 from workbench.formats.meshes.cad_bodies import (
-    STEP,
     ZIPPED,
     Body,
     CadBodies,
@@ -90,7 +89,7 @@ def read_cad(
 
     Raises:
         FileError: not there, of another kind, too large, broken, without triangles, or it takes
-            too long or too much memory; the unit is needed, or is not the format's.
+            too long or too much memory; or the unit is needed.
         SeveralSolids: one has to be chosen.
     """
     kind = path.suffix.lower()
@@ -104,8 +103,6 @@ def read_cad(
     if unit is not None and unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
     found = read(path)
-    if found.kind in STEP and unit is not None:
-        raise FileError(path, f"says its unit itself, so it cannot be read in {unit}")
     raw, taken = _chosen(path, found, solid)
     is_assumed = unit is None and found.scale is None
     if is_assumed:

@@ -1,5 +1,6 @@
 """STEP files as meshes; one that is cut off is refused before its reader guesses."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,30 @@ FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
 
 STEP_ENDS = b"END-ISO-10303-21"
+
+LENGTH = re.compile(rb"=\s*\(((?:[^;()]|\([^;()]*\))*LENGTH_UNIT(?:[^;()]|\([^;()]*\))*)\)\s*;")
+"""An entity that is a unit of length."""
+CONVERTED = re.compile(rb"CONVERSION_BASED_UNIT\s*\(\s*'([A-Za-z]*)'")
+PREFIXED = re.compile(rb"SI_UNIT\s*\(\s*(?:\.([A-Z]+)\.|\$)\s*,\s*\.METRE\.")
+
+NAMED = {b"INCH": 0.0254, b"FOOT": 0.3048, b"MILLIMETRE": 0.001, b"MM": 0.001, b"METRE": 1.0}
+PREFIXES = {b"MILLI": 0.001, b"CENTI": 0.01, b"DECI": 0.1, b"MICRO": 1e-6, b"": 1.0}
+
+USUAL = 0.001
+"""[m] The unit of a STEP file in which none is found, or several."""
+
+
+def stated_unit(path: Path) -> float:
+    """How many metres the unit of length of a STEP file has."""
+    found: set[float] = set()
+    for entity in LENGTH.findall(read_whole(path, LARGEST_MESH)):
+        named, prefixed = CONVERTED.search(entity), PREFIXED.search(entity)
+        if named is not None:
+            # The unit that it is converted from is an entity of its own, and used by nothing else.
+            return NAMED.get(named[1].upper(), USUAL)
+        if prefixed is not None:
+            found.add(PREFIXES.get(prefixed[1] or b"", USUAL))
+    return found.pop() if len(found) == 1 else USUAL
 
 
 def converted_step(path: Path, target: Path) -> Path:
