@@ -4,6 +4,7 @@ import numpy as np
 
 from workbench.app.records.forms import restored
 from workbench.model.digest import canonical
+from workbench.model.geometry import Mesh, Shape
 from workbench.model.plan import Proof, Violation
 
 DIGEST = "bbcced36e5953f26a40aae20872f6f3f08e010aaf561cdde875cda1e049cdb70"
@@ -23,3 +24,12 @@ def test_what_a_proof_objected_to_is_on_record_by_its_first_name():
     assert [str(one) for one in again.violations] == [
         "arm right leg home after waypoint 0: is not straight"
     ]
+
+
+def test_a_mesh_on_record_from_before_it_had_pieces_is_one():
+    tip = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]], is_convex=True)
+    form = canonical(tip)
+    assert "pieces" not in form
+    again = restored(Shape, form, read=lambda digest: b"")
+    assert isinstance(again, Mesh) and again.is_convex and again.pieces == ()
+    assert canonical(again) == form
