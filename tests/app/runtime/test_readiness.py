@@ -67,7 +67,7 @@ def test_other_sources_are_not_ready(folder, monkeypatch, tmp_path):
     assert not is_ready("planning")
     compiled_code.mark_ready("planning")
     assert is_ready("planning")
-    with (copy / "planning" / "collision" / "gjk.py").open("a") as file:
+    with (copy / "planning" / "collision" / "distances" / "gjk.py").open("a") as file:
         file.write("# changed\n")
     assert not is_ready("planning")
 

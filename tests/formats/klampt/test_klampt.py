@@ -50,7 +50,7 @@ def test_tool_and_held_part_hang_on_the_flange(cell: Cell, snapshot: Snapshot) -
     fingers = robot.link("right_tool").collision[-2:]
     inner = [finger.T_owner_shape.translation[0] for finger in fingers]
     closed = [finger.solid.T_owner_shape.translation[0] for finger in tool.fingers]
-    assert np.subtract(inner, closed).tolist() == pytest.approx([0.015, -0.015])
+    assert np.subtract(inner, closed).tolist() == pytest.approx([-0.015, 0.015])
 
 
 def test_what_cannot_meet_is_disabled(cell: Cell, snapshot: Snapshot) -> None:
