@@ -54,8 +54,14 @@ class Load:
     @property
     def words(self) -> str:
         """For people: `0.23 kg, centre of gravity 0, 0, 62 mm from the flange`."""
-        where = ", ".join(f"{1000 * value + 0.0:.0f}" for value in self.centre)
-        return f"{self.mass:.3g} kg, centre of gravity {where} mm from the flange"
+        mass, x, y, z = self.figures
+        return f"{mass} kg, centre of gravity {x}, {y}, {z} mm from the flange"
+
+    @property
+    def figures(self) -> tuple[str, str, str, str]:
+        """Mass in kg and centre in mm, for people."""
+        x, y, z = (f"{1000 * value + 0.0:.0f}" for value in self.centre)
+        return f"{self.mass:.3g}", x, y, z
 
     def seen_from(self, T_flange_owner: pin.SE3) -> "Load":
         """The same body in the flange frame, where this one is in the frame of its owner."""
@@ -78,7 +84,12 @@ class Loads:
     @property
     def words(self) -> str:
         """For people."""
-        return f"tool {self.tool.words}; with the part {self.carried(True).words}"
+        m, x, y, z = self.tool.figures
+        both, a, b, c = self.carried(True).figures
+        return (
+            f"tool {m} kg, centre of gravity {x}, {y}, {z} mm from the flange; with the part "
+            f"{both} kg, centre of gravity {a}, {b}, {c} mm from the flange"
+        )
 
 
 def load_problem(mass: float, centre: Floats, inertia: Floats) -> str:
