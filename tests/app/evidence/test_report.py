@@ -53,21 +53,21 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
         "Log",
     ]
     told = {row[0]: row[1] for row in tables[3].rows}
-    assert "holds" in told["proof"] and "8.6 mm" in told["proof"]
+    assert "holds" in told["proof"] and "5.8 mm" in told["proof"]
     assert "told by a program" in told["shown"]
     assert "by demo (engineer)" in told["approved"]
     assert "no page has shown it" in told["approval"]
-    assert told["messages"].startswith("36 in ")
-    assert "1 of 1 part reported placed" in told["the robot said"]
-    (report,) = tables[4].rows
+    assert told["messages"].startswith("72 in ")
+    assert "2 of 2 parts reported placed" in told["the robot said"]
+    report, _ = tables[4].rows
     assert report[2:4] == ("Ada", "ReportPick")
-    assert len(tables[5].rows) == 47 - 36
+    assert len(tables[5].rows) == 84 - 72
     assert [row[3] for row in tables[5].rows if row[3].startswith("JobEnded")] == [
         "JobEnded (scan)",
         "JobEnded (parts)",
         "JobEnded (plan)",
     ]
-    assert told["plan"].endswith(": 1 part, strategy left, one-at-a-time")
+    assert told["plan"].endswith(": 2 parts, strategy alternated, one-at-a-time")
     load = "tool 0.23 kg, centre of gravity 8, 12, 52 mm from the flange; with the part 0.35 kg, "
     assert told["load, left arm"].startswith(load)
 

@@ -95,7 +95,7 @@ def test_a_scan_is_its_points_in_the_world(session, messages):
 def test_parts_and_verdicts_and_plan_are_told_when_they_were_made(session, messages):
     entries, _, _ = session
     state = entries[-1][1]
-    assert [len(content["poses"]) for _, _, content in messages["/parts"]] == [0, 1]
+    assert [len(content["poses"]) for _, _, content in messages["/parts"]] == [0, 2]
     pose = messages["/parts"][-1][2]["poses"][0]
     found = posed(pose["position"], pose["orientation"])
     assert found.isApprox(state.detections[0].T_world_part, 1e-9)
