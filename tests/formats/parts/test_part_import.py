@@ -324,3 +324,14 @@ def test_the_reader_ends_with_the_process_that_started_it(tmp_path):
     assert int(began.read_text()) != parent.pid
     status = Path(f"/proc/{began.read_text()}/status")
     wait_until(lambda: not status.exists() or "State:\tZ" in status.read_text())
+
+
+@pytest.mark.parametrize("is_open", [False, True])
+def test_a_flat_surface_is_refused_by_its_own_name(tmp_path, is_open):
+    sheet = trimesh.Trimesh(
+        [(0, 0, 0), (40, 0, 0), (40, 30, 0), (0, 30, 0), (20, 15, 0)],
+        [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)],
+    )
+    sheet.export(tmp_path / "sheet.stl")
+    with pytest.raises(FileError, match=r"sheet\.stl: is flat: all its points lie in one plane"):
+        import_mesh(tmp_path / "sheet.stl", "mm", is_open=is_open)

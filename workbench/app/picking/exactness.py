@@ -1,6 +1,5 @@
 """Refusals that may come of bodies that are larger than the part they stand for."""
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -8,9 +7,7 @@ from workbench.app.picking.part_import import excess_of
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection
-
-PART = re.compile(r"part-(\d+)")
-"""What a part that was found is called, with its number from 1."""
+from workbench.planning.collision.bodies import part_label
 
 
 def with_exactness(
@@ -43,7 +40,7 @@ def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Ver
 
 def _parts(verdict: Verdict, detections: Sequence[Detection]) -> Iterator[int]:
     """The parts found that a verdict names, by their numbers from 0."""
+    numbers = {part_label(number): number for number in range(len(detections))}
     for label in verdict.pair or ():
-        found = PART.fullmatch(label)
-        if found and int(found[1]) <= len(detections):
-            yield int(found[1]) - 1
+        if label in numbers:
+            yield numbers[label]

@@ -164,7 +164,7 @@ def _taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
 
 def convex_hull(mesh: Mesh) -> Mesh | None:
     """The convex hull as a solid convex mesh; None when all points lie in one plane."""
-    if _is_flat(np.asarray(mesh.points)):
+    if is_flat(np.asarray(mesh.points)):
         return None
     import trimesh
     from scipy.spatial import QhullError
@@ -176,7 +176,8 @@ def convex_hull(mesh: Mesh) -> Mesh | None:
     return Mesh(hull.vertices, hull.faces, is_convex=True)
 
 
-def _is_flat(points: Floats) -> bool:
+def is_flat(points: Floats) -> bool:
+    """Whether points (n, 3) [m] lie in one plane."""
     if len(points) < 4:
         return True
     off = points - points.mean(axis=0)
@@ -223,7 +224,7 @@ def as_convex(path: Path, mesh: Mesh) -> Mesh:
     surface, corners = examined(mesh), len(np.unique(mesh.triangles))
     is_whole = surface.is_watertight and surface.components == 1 and corners == len(mesh.points)
     solid = Mesh(mesh.points, mesh.triangles, is_convex=True) if is_whole else convex_hull(mesh)
-    if solid is None or _is_flat(np.asarray(mesh.points)):
+    if solid is None or is_flat(np.asarray(mesh.points)):
         raise FileError(path, "is called convex, but lies in one plane")
     if most_neighbours(solid) > MOST_NEIGHBOURS:
         raise FileError(

@@ -14,6 +14,7 @@ import numpy as np
 from workbench.formats.files.toml_documents import numbers
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.meshes.cad_files import PLASTIC, CadMesh, mass_words, read_cad
+from workbench.formats.meshes.reading import is_flat
 from workbench.formats.meshes.repair import (
     Surface,
     examined,
@@ -95,12 +96,14 @@ def import_mesh(
     mesh, done = joined_corners(cad.mesh)
     if len(mesh.triangles) < 4:
         raise FileError(path, f"has {len(mesh.triangles)} triangles, a body has four at least")
+    if is_flat(np.asarray(mesh.points)):
+        raise FileError(path, "is flat: all its points lie in one plane")
     surface = examined(mesh)
     if surface.is_inside_out:
         mesh, turned = outside_out(mesh)
         done, surface = (*done, *turned), examined(mesh)
-    is_flat = surface.is_watertight and _encloses_nothing(surface)
-    if (surface.problems or is_flat) and repair:
+    is_hollow = surface.is_watertight and _encloses_nothing(surface)
+    if (surface.problems or is_hollow) and repair:
         report(0.6, "mending")
         mesh, mended = repaired(mesh)
         done, surface = (*done, *mended), examined(mesh)
