@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 
 from workbench.app.filling.advice import advice
 from workbench.app.filling.choosing import choose
-from workbench.app.filling.clearing import COVERED, Stays, cleared
+from workbench.app.filling.clearing import Stays, cleared
 from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, kept
 from workbench.app.filling.naming import named
+from workbench.model.candidate import Reason
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.part import Entry, GraspPattern, Part
@@ -54,10 +55,10 @@ class Filled:
     """What came of a filling.
 
     `entries` are new, those that take most first, and `adds` the share of all parts that each takes
-    beyond those before it.  Of `parts` that lay in piles `taken` came out.  `stays` says by
-    reason how many no grip of the tools takes as they lie; `looked` of these were looked at, and
-    `helps` are changes of tool or bin by which a hand would hold some.  `seconds` [s] of processor
-    time.
+    beyond those before it.  Of `parts` that lay in piles `taken` came out.  `stays` says by reason
+    how many no grip of the tools takes as they lie, and `lifts` how many kinds of lifts there were.
+    `looked` of those at which no hand fits were looked at, and `helps` are changes of tool or bin
+    by which a hand would hold some.  `seconds` [s] of processor time.
     """
 
     entries: tuple[Entry, ...]
@@ -65,6 +66,7 @@ class Filled:
     parts: int
     taken: int
     stays: tuple[tuple[str, int], ...]
+    lifts: int
     looked: int
     helps: tuple[tuple[str, int], ...]
     seconds: float
@@ -122,7 +124,7 @@ def filled(
         out, why = cleared(cell, hands, pile, seed, lambda: is_over(CLEARING))
         taken, parts = taken + out, parts + out + len(why)
         stays.update(one.reason for one in why)
-        stuck += [one for one in why if one.reason != COVERED]
+        stuck += [one for one in why if one.reason == str(Reason.TOOL_COLLISION)]
     helps, looked = advice(cell, stuck, seed, is_over)
     worth = kept(part, hands, known, seed)
     return Filled(
@@ -131,6 +133,7 @@ def filled(
         parts,
         taken,
         tuple(stays.most_common()),
+        len(cell.policy.lifts),
         looked,
         helps,
         processor_time() - began,

@@ -1,6 +1,7 @@
 """What came of filling a library, in sentences."""
 
 from workbench.app.filling.fill import Filled
+from workbench.model.candidate import Reason
 
 
 def filled_words(found: Filled) -> list[str]:
@@ -12,9 +13,16 @@ def filled_words(found: Filled) -> list[str]:
     if found.stays:
         why = ", ".join(f"{count} {reason}" for reason, count in found.stays)
         words.append(f"no grip of the tools takes the others as they lie: {why}")
+    if found.lifts == 1 and dict(found.stays).get(str(Reason.EXTRACT_BLOCKED)):
+        words.append('more lifts may take what cannot be lifted: emptying = "thorough" in [policy]')
     if found.looked and found.helps:
-        helps = ", ".join(f"{change}: {count}" for change, count in found.helps)
-        words.append(f"of {found.looked} of these a hand would fit at, with {helps}")
+        helps = ", ".join(f"{count} with {change}" for change, count in found.helps)
+        words.append(
+            f"no hand fits at {found.looked} parts that were looked at; it would at {helps}"
+        )
     elif found.looked:
-        words.append("neither thinner fingers, lower walls nor a small cup would take them")
+        words.append(
+            f"no hand fits at {found.looked} parts that were looked at, also with thinner fingers, "
+            "lower walls or a cup of 8 mm"
+        )
     return words
