@@ -31,6 +31,9 @@ ROW = 0.008
 
 MOST_IN_ROW = 5
 
+FAMILY = 100
+"""Grasps of a family, at most, those counted that the part's symmetry makes."""
+
 COPIES = 40
 """Of a pattern that are looked at: more of them are alike."""
 
@@ -147,7 +150,7 @@ class Grower:
         offsets = self._offsets(grasp, row) if self.checker.pads is not None else (0.0,)
         if len(offsets) == 1:
             return grasp
-        return GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3))
+        return self._thinned(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
 
     def _tilt(self, grasp: Grasp) -> float:
         """How far [rad] the hand may be tilted about the way of its fingers and still holds."""
@@ -194,7 +197,20 @@ class Grower:
             some = rng.permutation(len(copies))[:each].tolist()
             if offset == 0.0 or all(self.checker.check(copies[k]).is_ok for k in some):
                 offsets.append(offset)
-        return replace(pattern, offsets=tuple(offsets))
+        return self._thinned(replace(pattern, offsets=tuple(offsets)))
+
+    def _thinned(self, pattern: GraspPattern) -> GraspPattern:
+        """The pattern with every other place, and then every other turn, until it is small."""
+        while (
+            len(multiplied(GraspLibrary((pattern,)), self.part.symmetry)) > FAMILY
+            and pattern.count > 1
+        ):
+            if len(pattern.offsets) > 1:
+                middle = pattern.offsets.index(0.0) % 2
+                pattern = replace(pattern, offsets=pattern.offsets[middle::2])
+            else:
+                pattern = replace(pattern, angles=pattern.angles[::2])
+        return pattern
 
 
 def _nice(T: pin.SE3, axes: Floats) -> pin.SE3 | None:

@@ -17,7 +17,7 @@ TAKEN, FITTING = 0.95, 0.5
 CASES = 80
 """Parts that were taken by which families are weighed."""
 
-GRASPS = 260
+GRASPS = 170
 """Grasps of all families, at most, those counted that the part's symmetry makes."""
 
 ADDS = 0.004
