@@ -20,7 +20,9 @@ from workbench.model.candidate import Reason
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+ARCHITECTURE = "".join(
+    (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("architecture.md", "inside.md")
+)
 PAGES = [
     *sorted(ROOT.glob("*.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
