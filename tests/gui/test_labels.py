@@ -9,7 +9,15 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-MANUALS = ("operator.md", "new_part.md", "access.md", "integrator.md")
+MANUALS = (
+    "operator.md",
+    "new_part.md",
+    "access.md",
+    "integrator.md",
+    "scanners.md",
+    "calibration.md",
+    "robot_links.md",
+)
 """What they set in bold, and end without a full stop, is a label."""
 
 NUMBER, UNIT = re.compile(r"\d+ · "), re.compile(r" \[\w+\]$")
