@@ -19,7 +19,7 @@ from workbench.cli.main import parse
 from workbench.model.candidate import Reason
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 ARCHITECTURE = "".join(
     (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("architecture.md", "inside.md")
 )
@@ -177,11 +177,11 @@ def test_every_command_phase_and_verdict_is_listed():
         assert reason.name in ARCHITECTURE
 
 
-def test_every_typed_command_stands_in_the_readme():
+def test_every_typed_command_stands_on_the_page_of_commands():
     verbs = [typing.get_args(one)[1].name for one in typing.get_args(arguments.Arguments)]
     assert len(verbs) == 30
     for verb in verbs:
-        assert f"workbench {verb}" in README
+        assert f"workbench {verb}" in COMMANDS
 
 
 @every_page
