@@ -1,4 +1,4 @@
-"""Checks how the documents are written, by the rules in `prose.toml`: short sentences, plain words."""
+"""Checks the documents by the rules in `prose.toml`: short sentences, plain words."""
 
 import re
 import sys
