@@ -48,7 +48,7 @@ help:
 	@echo "make test-fast run those that take little, while you work"
 	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make foreign   bring what others publish through the documented commands (../shared/data/foreign)"
-	@echo "make lint      check style, types and imports"
+	@echo "make lint      check style, types, imports and the documents' prose"
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
@@ -88,6 +88,7 @@ lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 	PYTHONPATH=$(CURDIR) $(BIN)/python setup/licences.py
+	$(BIN)/python setup/prose.py
 
 # Examples are run for it, so what is compiled has to be there.
 docs: $(VENV)/.docs $(VENV)/.compiled

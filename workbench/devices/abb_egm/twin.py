@@ -9,6 +9,7 @@ Faster than in real time it waits a little for each answer, so that nobody has t
 
 import json
 import math
+import secrets
 import select
 import socket
 import threading
@@ -38,6 +39,9 @@ for one arm is answered for the other alone, to which this must be no silence.""
 
 STATES = 25
 """[reports] Of which one goes to the port for states: the controller streams there more slowly."""
+
+FREE_PORTS = range(20_000, 32_000)
+"""Ports that no system gives to a socket by itself, and few programs listen on."""
 
 INTO = 10
 """[reports] A fault comes so long after its leg began."""
@@ -222,14 +226,16 @@ def socket_beside(host: str, ports: Collection[int]) -> socket.socket:
 def free_ports(host: str, count: int) -> int:
     """A UDP port that is free, and so are the next ones, `count` in all.
 
+    They lie below the ports that systems give to sockets without a number (RFC 6335: from 49152,
+    Linux: from 32768), so that no socket that is opened meanwhile takes one of them.
+
     Raises:
         InputError: there are none.
     """
     for _ in range(1000):
-        with _socket(host) as first:
-            port = int(first.getsockname()[1])
-        with suppress(InputError, OverflowError):
-            for k in range(1, count):
+        port = FREE_PORTS.start + secrets.randbelow(len(FREE_PORTS))
+        with suppress(InputError):
+            for k in range(count):
                 _socket(host, port + k).close()
             return port
     raise InputError(f"{host} has no {count} free ports")
