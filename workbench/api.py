@@ -17,6 +17,7 @@ from workbench.app.calibration.calibration import with_calibration
 from workbench.app.core import rules
 from workbench.app.core.commands import Entry
 from workbench.app.core.state import State
+from workbench.app.filling.fill import Filled, filled
 from workbench.app.picking.pipeline import judge
 from workbench.app.picking.proving import prove
 from workbench.app.picking.row import plan_row
@@ -69,6 +70,7 @@ __all__ = [
     "Detection",
     "Entry",
     "FileError",
+    "Filled",
     "Fix",
     "Grasp",
     "GraspLibrary",
@@ -93,6 +95,7 @@ __all__ = [
     "calibrate",
     "corner_errors",
     "drop_parts",
+    "filled",
     "judge",
     "localize",
     "nearest_fix",
