@@ -1,4 +1,4 @@
-"""`workbench evidence`: a session as one file, the key that signs it, the script that verifies it."""
+"""`workbench evidence`: a session as one signed file, its key, and the script that verifies it."""
 
 import time
 from contextlib import closing
