@@ -45,7 +45,7 @@ def test_regions_and_solids_of_every_shape_fit():
 
 @pytest.mark.parametrize(
     ("key", "default"),
-    [("margin_mm", 5.0), ("approvers", 1), ("lifts", ["leaning"]), ("least_air_mm", None)],
+    [("margin_mm", 5.0), ("approvers", 1), ("planner", "rrtconnect"), ("least_air_mm", None)],
 )
 def test_a_default_is_what_the_reader_takes(key, default):
     assert cell_schema()["properties"]["policy"]["properties"][key].get("default") == default

@@ -88,8 +88,8 @@ GRASPS = {
 
 DEPENDS = frozenset(
     ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
-    + ("controller.state_port", "policy.least_air_mm", "tool[].force_n")
-    + ("tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
+    + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
+    + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
     + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")
     + ("friction", "tolerance_mm", "arm[].place[].part_position_mm", "grasp[].retreat")
 )
