@@ -28,7 +28,7 @@ GATHERED = (
     "docs/**/*.md",
     "docs/pictures/*",
     "docs/site.css",
-    "robots/*/rapid/README.md",
+    "robots/*/rapid*/README.md",
     "sessions/README.md",
 )
 """What is taken over as it is; a link to anything else fails the build."""

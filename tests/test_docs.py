@@ -27,7 +27,7 @@ PAGES = [
     *sorted(ROOT.glob("*.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
     ROOT / "sessions" / "README.md",
-    ROOT / "robots" / "yumi" / "rapid" / "README.md",
+    *(ROOT / "robots" / "yumi" / name / "README.md" for name in ("rapid", "rapid_egm")),
 ]
 PICTURES = ROOT / "docs" / "pictures"
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

@@ -8,12 +8,14 @@ import sys
 import zipfile
 from contextlib import closing
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
 from workbench.app.core.reports import Started
 from workbench.app.provenance.gathering import inventory
+from workbench.app.records.approvals import ApprovalRecord
 from workbench.app.records.certified import certificates
 from workbench.app.records.record import command_form
 from workbench.formats.cells.reading import read_cell
@@ -42,6 +44,24 @@ def test_a_key_is_made_a_session_signed_and_verified_by_the_script_inside(say, e
     words = [sys.executable, "-I", "-S", "verify.py", "bundle.zip", "--key", public]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
+
+
+def test_an_auditor_gets_the_script_without_a_bundle(say, example, tmp_path):
+    out, script = tmp_path / "bundle.zip", tmp_path / "verify.py"
+    say("evidence", example, "--out", out)
+    said = say("evidence", "script", "--out", script).out
+    assert sha256(script.read_bytes()).hexdigest() in said
+    with zipfile.ZipFile(out) as archive:
+        assert archive.read("verify.py") == script.read_bytes()
+    assert say("evidence", "script", "--out", script).code == 2
+
+
+def test_the_record_of_the_command_line_is_verified_and_is_no_session(say, tmp_path):
+    record = tmp_path / "approvals"
+    ApprovalRecord(record).show("0" * 64, "Ada", 1e9, {"Plan": "0" * 64})
+    assert "unchanged" in say("session", "verify", record).out
+    refused = say("evidence", record, "--out", tmp_path / "bundle.zip")
+    assert refused.code != 0 and "is no session" in refused.err
 
 
 def test_a_certificate_in_a_bundle_is_one_that_can_be_checked(say, example, tmp_path):

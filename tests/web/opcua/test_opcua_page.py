@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from workbench.app.core.state import Phase
 from workbench.web.opcua.methods import METHODS
 from workbench.web.opcua.values import VARIABLES
 
@@ -22,4 +23,15 @@ def methods() -> list[str]:
 
 def test_every_variable_and_method_stands_there():
     stands = [line for line in PAGE.splitlines() if line.startswith("| `")]
-    assert stands == [*variables(), *methods()]
+    told = [*variables(), *methods()]
+    assert [line[: len(row)] for line, row in zip(stands, told, strict=True)] == told
+
+
+def test_every_variable_has_a_meaning():
+    rows = [line for line in PAGE.splitlines() if line.startswith(tuple(variables()))]
+    assert all(len(row.strip("| ").split(" | ")) == 3 for row in rows)
+
+
+def test_every_phase_stands_at_its_variable():
+    (row,) = (line for line in PAGE.splitlines() if line.startswith("| `Phase`"))
+    assert {f"`{phase}`" for phase in Phase} <= set(row.replace(",", "").split())

@@ -70,7 +70,7 @@ def write_bundle(
         key: signs; None leaves the bundle without a signature.
 
     Raises:
-        JournalError: the journal cannot be read, or was changed after it was written.
+        JournalError: the journal cannot be read, was changed, or is none of a session.
         FileError: the zip file cannot be written.
     """
     if problems := journal.verify():
@@ -83,6 +83,7 @@ def write_bundle(
             derived = verify.derived(entries)
         except verify.Problem as problem:
             raise JournalError(f"{journal.folder}: {problem}") from problem
+        _check_session(journal, entries)
         content: dict[str, Path | bytes] = {verify.JOURNAL: copy}
         for digest in sorted({digest for entry in entries for digest in entry.files}):
             name = f"{verify.FILES}/{digest[:2]}/{digest}"
@@ -145,6 +146,14 @@ def _moments(journal: Journal, count: int) -> tuple[list[Moment], str]:
     except JournalError as error:
         return moments, str(error)
     return moments, ""
+
+
+def _check_session(journal: Journal, entries: list[verify.Entry]) -> None:
+    if "cell" not in json.loads(entries[0].body):
+        raise JournalError(
+            f"{journal.folder}: is no session, but perhaps the record of `workbench send`; "
+            "`workbench session verify` verifies that"
+        )
 
 
 def _head(journal: Journal, entries: list[verify.Entry], at: float) -> Mapping[str, str]:

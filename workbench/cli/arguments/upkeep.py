@@ -21,17 +21,18 @@ class Statistics:
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """Write a session with all that happened into one signed zip file, or make the key that signs.
+    """Write a session with all that happened into one signed zip file; make its key or verify.py.
 
     `workbench evidence SESSION --out FILE --sign KEY` writes journal, files, certificates, wire, a
     report as HTML and PDF, a manifest with its signature, and verify.py, which needs Python alone.
-    `workbench evidence key --out KEY` makes a key and prints the public one (docs/evidence.md).
+    `workbench evidence key --out KEY` makes a key and prints the public one; `workbench evidence
+    script --out verify.py` writes verify.py of this version (docs/evidence.md).
     """
 
     session: Positional[str]
-    """Folder of the session, or the word `key`."""
+    """Folder of the session, or the word `key` or `script`."""
     out: Maybe[Path] = None
-    """File to write: evidence.zip, or evidence.key, which must not be there yet."""
+    """File to write: evidence.zip; or evidence.key or verify.py, which must not be there yet."""
     sign: Maybe[Path] = None
     """PEM file of the Ed25519 key to sign with."""
     stamp: bool = False

@@ -1,10 +1,11 @@
-"""`workbench evidence`: a session as one file that others can verify, and the key that signs it."""
+"""`workbench evidence`: a session as one signed file, its key, and the script that verifies it."""
 
 import time
 from contextlib import closing
+from hashlib import sha256
 from pathlib import Path
 
-from workbench.app.evidence.bundle import write_bundle
+from workbench.app.evidence.bundle import verify_script, write_bundle
 from workbench.app.evidence.packing import signed_message
 from workbench.app.evidence.signing import make_key, read_key, time_stamp_request
 from workbench.app.records.session_archive import opened
@@ -14,14 +15,16 @@ from workbench.cli.terminal import progress
 from workbench.formats.files.whole_files import write_whole
 from workbench.model.errors import InputError
 
-KEY = "key"
-"""What is typed in a session's place to have a key made."""
+KEY, SCRIPT = "key", "script"
+"""What is typed in a session's place to have a key made, or verify.py written."""
 
 
 def evidence(typed: Evidence) -> int:
     """Write the bundle, or a key."""
     if typed.session == KEY:
         return _key(typed)
+    if typed.session == SCRIPT:
+        return _script(typed)
     out = typed.out or Path("evidence.zip")
     key = None if typed.sign is None else read_key(typed.sign)
     with closing(opened(Path(typed.session))) as journal:
@@ -52,4 +55,16 @@ def _key(typed: Evidence) -> int:
     path = typed.out or Path("evidence.key")
     print(f"{path}: keep it where no one else can read it")
     print(f"public key, for those who verify: {make_key(path)}")
+    return SUCCESS
+
+
+def _script(typed: Evidence) -> int:
+    if typed.sign is not None or typed.stamp:
+        raise InputError("verify.py is not signed: leave --sign and --stamp out")
+    path = typed.out or Path("verify.py")
+    if path.exists():
+        raise InputError(f"{path}: is there already; nothing is overwritten")
+    content = verify_script()
+    write_whole(path, content)
+    print(f"{path}: verifies bundles; SHA-256 {sha256(content).hexdigest()}")
     return SUCCESS

@@ -37,7 +37,7 @@ class RealsenseOptions:
     """The keys of `realsense` under `[scanner.options]`."""
 
     serial: str = option("", says="serial number; empty: the only camera that is there")
-    file: str = option("", says="absolute path of a recording that is played in place of a camera")
+    file: str = option("", says="absolute path of a recording that is played instead of a camera")
     columns: int = option(0, low=0, high=4096, says="of the depth image; 0: as the camera is set")
     rows: int = option(0, low=0, high=4096, says="of the depth image, with columns")
     exposure_us: float = option(0.0, low=0, high=1e6, says="0: the camera finds it by itself")

@@ -178,7 +178,7 @@ class UrRtdeServo(UrRtde):
         """Keys in `[controller.options]`."""
 
         lookahead_s: float = option(
-            0.03, low=0.03, high=0.2, says="lookahead_time of servoj: so far the arm lags [s]"
+            0.03, low=0.03, high=0.2, says="lookahead_time of servoj, by which the arm lags [s]"
         )
         gain: int = option(2000, low=100, high=2000, says="gain of servoj")
 

@@ -73,7 +73,7 @@ def read_cell(name: str | Path) -> Cell:
         robot=robot,
         T_world_robot=T_world_robot,
         arms=arms,
-        bin=_bin(table.table("bin")),
+        bin=read_bin(table.table("bin")),
         scanner=read_scanner(table.table("scanner")),
         controller=read_controller(table.table("controller"))
         if table.has("controller")
@@ -178,7 +178,8 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
     return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
 
 
-def _bin(table: Table) -> Bin:
+def read_bin(table: Table) -> Bin:
+    """The table `[bin]` with its regions."""
     found = Bin(
         read_pose(table),
         table.numbers("size_mm", 3, low=10, high=5000) / 1000,
@@ -244,11 +245,11 @@ def _lifts(table: Table, usual: tuple[LiftName, ...]) -> tuple[LiftName, ...]:
 def _policy(table: Table) -> tuple[Policy, int]:
     """The policy, and how many people have to approve."""
     usual = POLICIES[table.text("emptying", "quick", among=tuple(POLICIES))]
-    has_air = table.has("least_air_mm")
 
     def length(key: str, default: float, high: float) -> float:
         return table.number(key, default * 1000, low=0, high=high) / 1000
 
+    air = length("least_air_mm", 0.0, 1000)
     policy = Policy(
         margin=length("margin_mm", usual.margin, 1000),
         near_margin=length("near_margin_mm", usual.near_margin, 1000),
@@ -275,7 +276,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         ),
         lifts=_lifts(table, usual.lifts),
         pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
-        least_air=length("least_air_mm", 0.0, 1000) if has_air else usual.least_air,
+        least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
     )
     if problem := picks_problem(policy):

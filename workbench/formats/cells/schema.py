@@ -1,28 +1,38 @@
 """The JSON Schema of cell files, for editors: made from what the reader asks of the shipped cells.
 
-So it says what the reader says: keys, kinds, ranges and choices.  What depends on other keys (a
-capsule has a length, a ball has none) is left to the reader.
+So it says what the reader says: keys, kinds, ranges, choices and defaults.  What depends on other
+keys (a capsule has a length, a ball has none) is left to the reader.  `key_meanings.toml` has what
+each key means.  The schemas of part and grasp files are for the page of keys in the documents.
 """
 
 import json
+import tomllib
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_stations
-from workbench.formats.cells.reading import read_cell, read_poses_folder
+from workbench.formats.cells.reading import read_bin, read_cell, read_poses_folder
 from workbench.formats.cells.tools import LOAD_KEYS
+from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
+from workbench.formats.meshes.solids import read_solid
+from workbench.formats.parts.reading import library_of, read_part
 from workbench.formats.robots.dh import read_dh
 from workbench.plugins.found import Group, load, names
 from workbench.plugins.options import schema_of
 
 NOT_ALWAYS = frozenset(
-    ("urdf", "srdf", "dh", "controller", "policy", "size_mm", "radius_mm", "length_mm", "file")
-    + ("unit", "range_deg", "speed_deg", "range_mm", "speed_mm")
+    ("urdf", "srdf", "dh", "controller", "policy", "covariance", "symmetry", "pattern")
+    + ("range_deg", "speed_deg", "range_mm", "speed_mm")
 )
 """Keys that only some kinds of a table have, or that are read only when they are given."""
+
+BY_SHAPE = frozenset({"size_mm", "radius_mm", "length_mm", "file"})
+"""Keys that only solids of some shapes have."""
 
 BY_AXES = frozenset({"axes", "signs", "home_deg"})
 """Lists with a number for each axis of the arm."""
@@ -49,22 +59,56 @@ A_RECORD = {
 
 A_STATION = {"name": "table", "size_mm": [100, 100]}
 
+A_BIN = {"size_mm": [100, 100, 50], "region": [{"name": "left", "size_mm": [50, 100, 50]}]}
+
+SOLIDS = (
+    {"name": "box", "shape": "box", "size_mm": [1, 1, 1]},
+    {"name": "rod", "shape": "cylinder", "radius_mm": 1, "length_mm": 1},
+    {"name": "palm", "shape": "mesh", "file": "meshes/palm.convex.obj", "unit": "m"},
+)
+"""A solid of each kind that has keys of its own; the file is of the shipped YuMi."""
+
+SOLID_TABLES = ("tool[].body[].", "tool[].finger[].", "fixture[].solid[].", "piece[].")
+
+A_GRASP = {
+    "name": "top",
+    "position_mm": [0, 0, 0],
+    "points_along": [0, 0, 1],
+    "closes_along": [0, 1, 0],
+    "opening_mm": 1,
+    "grip_mm": 1,
+    "retreat": [0, 0, 1],
+    "pattern": {},
+}
+
+GRASPS = {
+    "grasp": [A_GRASP, A_GRASP | {"name": "side", "pattern": {"offsets_mm": [1]}}],
+    "pair": [{"first": "top", "second": "side"}],
+}
+
+DEPENDS = frozenset(
+    ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
+    + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
+    + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
+    + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")
+    + ("friction", "tolerance_mm", "arm[].place[].part_position_mm", "grasp[].retreat")
+)
+"""Keys without which something else counts than a value: their meaning says what."""
+
 
 def cell_schema() -> dict[str, Any]:
     """The schema, draft 2020-12."""
-    notes: Notes = {}
-    token = NOTES.set(notes)
-    try:
+    with _noted() as notes:
         for name in ("yumi", "tx2_90"):
             read_cell(name)
+        _read_solids()
         file = Path("cell.toml")
+        read_bin(Table(file, A_BIN, "bin."))
         read_dh(Table(file, A_TABLE, "robot.dh."), "robot")
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
         read_stations(Table(file, {"station": [A_STATION]}), ())
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))
-    finally:
-        NOTES.reset(token)
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
     for place in ("robot.dh", "scanner.calibration", "detections", "localizer"):
         notes[place] = {"type": "object", "required": False}
@@ -75,6 +119,51 @@ def cell_schema() -> dict[str, Any]:
     }
     _add_options(schema)
     return schema
+
+
+def part_schema() -> dict[str, Any]:
+    """The schema of `part.toml`."""
+    with _noted() as notes:
+        for name in ("keyed_cylinder", "puck"):
+            read_part(name)
+        _read_solids()
+    mine = ("grasp", "pair", "tool", "fixture")
+    return _object({place: form for place, form in notes.items() if _top(place) not in mine}, "")
+
+
+def grasp_schema() -> dict[str, Any]:
+    """The schema of `grasps.toml`."""
+    with _noted() as notes:
+        library_of(Table(Path("grasps.toml"), GRASPS))
+    for key in ("pair[].first", "pair[].second"):
+        del notes[key]["enum"]  # the names of this library's grasps
+    return _object(notes, "")
+
+
+@contextmanager
+def _noted() -> Generator[Notes]:
+    """What tables are asked meanwhile."""
+    notes: Notes = {}
+    token = NOTES.set(notes)
+    try:
+        yield notes
+    finally:
+        NOTES.reset(token)
+
+
+def _read_solids() -> None:
+    file = find("robots", "yumi") / "cell.toml"
+    for place in SOLID_TABLES:
+        for solid in SOLIDS:
+            read_solid(Table(file, solid, place))
+
+
+def _meanings() -> dict[str, str]:
+    """What each key means, by its place, or by `*.` and its own name."""
+    return tomllib.loads(MEANINGS.read_text(encoding="utf-8"))
+
+
+MEANINGS = Path(__file__).with_name("key_meanings.toml")
 
 
 def _add_options(schema: dict[str, Any]) -> None:
@@ -95,8 +184,8 @@ def _add_options(schema: dict[str, Any]) -> None:
         {
             "type": "object",
             "properties": {
-                "name": {"type": "string"},
-                "kind": {"const": name},
+                "name": explicit["properties"]["name"],
+                "kind": {"const": name, "description": _meanings()["tool[].kind"]},
                 "options": schema_of(load("workbench.tools", name).Options),
                 **loads,
             },
@@ -123,8 +212,11 @@ def schema_text() -> str:
 
 def _is_foreign(place: str) -> bool:
     """Whether a key is of a part's files, which are read with a cell."""
-    top = place.partition(".")[0].partition("[")[0]
-    return top not in TOP
+    return _top(place) not in TOP
+
+
+def _top(place: str) -> str:
+    return place.partition(".")[0].partition("[")[0]
 
 
 TOP = (
@@ -146,6 +238,7 @@ TOP = (
 
 def _object(notes: Notes, place: str) -> dict[str, Any]:
     """The schema of the table at a place, with those in it."""
+    meanings = _meanings()
     properties: dict[str, Any] = {}
     required: list[str] = []
     for full, form in notes.items():
@@ -153,13 +246,17 @@ def _object(notes: Notes, place: str) -> dict[str, Any]:
             continue
         key = full[len(place) :]
         hidden = {"required", "minItems", "maxItems"} if key in BY_AXES else {"required"}
+        hidden |= {"default"} if full in DEPENDS else set[str]()
         shown = {name: value for name, value in form.items() if name not in hidden}
         if form["type"] == "object":
             shown = _object(notes, f"{full}.")
         elif form["type"] == "array" and form["items"] == {"type": "object"}:
             shown = {"type": "array", "items": _object(notes, f"{full}[].")}
+        if meaning := meanings.get(full, meanings.get(f"*.{key}", "")):
+            shown["description"] = meaning
         properties[key] = shown
-        if form["required"] and key not in NOT_ALWAYS:
+        optional = NOT_ALWAYS | BY_SHAPE if f"{place}shape" in notes else NOT_ALWAYS
+        if form["required"] and key not in optional:
             required.append(key)
     return {
         "type": "object",

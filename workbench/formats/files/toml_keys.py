@@ -245,7 +245,8 @@ class Table:
     def _note(self, key: str, default: Any, form: dict[str, Any]) -> None:
         if self._notes is not None:
             place = re.sub(r"\[\d+\]", "[]", f"{self.place}{key}")
-            known = self._notes.setdefault(place, {**form, "required": True})
+            usual = _plain_default(default)
+            known = self._notes.setdefault(place, {**form, **usual, "required": True})
             # A key that only some kinds of a table have is not required of all.
             known["required"] = known["required"] and default is MISSING
 
@@ -299,6 +300,16 @@ class Table:
         if not low <= number <= high:
             raise self.error(key, f"{number:g} is not between {low:g} and {high:g}")
         return number
+
+
+def _plain_default(default: Any) -> dict[str, Any]:
+    """What a key is when it is not given, in a schema; nothing where it has to be given."""
+    if default is MISSING or default is None:
+        return {}
+    plain = default.tolist() if isinstance(default, np.ndarray) else default
+    if isinstance(plain, float):
+        plain = float(f"{plain:.12g}")  # no digits that come from another unit
+    return {"default": list(plain) if isinstance(plain, tuple) else plain}
 
 
 def _counted(count: int | tuple[int, int] | None) -> dict[str, int]:

@@ -1,0 +1,141 @@
+"""The page of all keys of cell, part and grasp files, `cell_file.md`, made from their schemas.
+
+`python docs/make_cell_file.py` writes it anew; a test says when that is due.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from workbench.formats.cells.schema import cell_schema, grasp_schema, part_schema
+
+PAGE = Path(__file__).with_name("cell_file.md")
+
+HEAD = """# Keys of cell, part and grasp files
+
+`python docs/make_cell_file.py` makes this page from the schemas of the readers.
+`workbench cell schema` prints that of cell files for editors. A key with the default *needed* has
+to be given; the others may be left out. Poses are `position_mm` and `rpy_deg`.
+
+Examples: `robots/yumi/cell.toml`, `parts/keyed_cylinder`. How to: [a new robot](new_robot.md),
+[a new part](new_part.md), [scanners](scanners.md), [robot links](robot_links.md).
+"""
+
+SOLIDS = """## Solids
+
+Each table of a solid (`[[tool.body]]`, `[[tool.finger]]`, `[[fixture.solid]]`, `[[piece]]`) has
+these keys.
+"""
+
+KINDS = "A `[[tool]]` with a `kind` has `name`, the keys of its load, and these options."
+
+UNITS = {
+    "acceleration_deg": "deg/s2",
+    "jerk_deg": "deg/s3",
+    "speed_deg": "deg/s",
+    "speed_mm": "mm/s",
+    "approval_minutes": "min",
+    "calibration_days": "days",
+    "packet_bytes": "bytes",
+    "seconds": "s",
+    "inertia_kgm2": "kg m2",
+}
+ENDINGS = {"mm": "mm", "deg": "deg", "g": "g", "n": "N", "s": "s", "ms": "ms", "us": "us"}
+ENDINGS |= {"px": "pixels"}
+
+NUMBERS = {"number": "number", "integer": "whole number", "boolean": "true or false"}
+
+TABLE = ["", "| key | type | unit | default | meaning |", "|---|---|---|---|---|"]
+
+PLUGINS = (("scanner", "source"), ("controller", "protocol"), ("localizer", "name"))
+
+Schema = Mapping[str, Any]
+
+
+def page() -> str:
+    """The whole page."""
+    cell, part = cell_schema(), part_schema()
+    solid = part["properties"].pop("piece")
+    tool, *kinds = cell["properties"]["tool"]["items"]["anyOf"]
+    cell["properties"]["tool"]["items"] = tool
+    lines = [HEAD, "## cell.toml", *_table(cell)]
+    lines += ["", KINDS]
+    for kind in kinds:
+        keys = kind["properties"]
+        name = keys["kind"]["const"]
+        lines += ["", f'### `[tool.options]` with `kind = "{name}"`', *_rows(keys["options"])]
+    for table, key in PLUGINS:
+        for case in cell["properties"][table]["allOf"]:
+            name = case["if"]["properties"][key]["const"]
+            options = case["then"]["properties"]["options"]
+            if options["properties"]:
+                lines += ["", f'### `[{table}.options]` with `{key} = "{name}"`', *_rows(options)]
+    part["properties"]["piece"] = {"type": "array", "description": solid["description"]}
+    lines += ["", "## part.toml", *_table(part), "", SOLIDS.rstrip(), *_rows(solid["items"])]
+    return "\n".join([*lines, "", "## grasps.toml", *_table(grasp_schema())]) + "\n"
+
+
+def _table(schema: Schema, place: str = "", is_array: bool = False) -> Iterator[str]:
+    """The rows of a table and, below their headings, of those in it; solids stand elsewhere."""
+    if place:
+        meaning = schema["description"]
+        name = f"[[{place}]]" if is_array else f"[{place}]"
+        yield from ("", f"### `{name}`", "", f"{meaning[0].upper()}{meaning[1:]}.")
+    inner = schema.get("items", schema)
+    yield from _rows(inner)
+    for key, form in inner["properties"].items():
+        full = f"{place}.{key}".lstrip(".")
+        if "properties" in form or "properties" in form.get("items", {}):
+            keys = form.get("items", form)["properties"]
+            if "shape" not in keys and keys.keys() != {"position_mm", "rpy_deg"}:
+                yield from _table(form, full, form["type"] == "array")
+
+
+def _rows(schema: Schema) -> Iterator[str]:
+    """A line for each key."""
+    yield from TABLE if schema["properties"] else ()
+    for key, form in schema["properties"].items():
+        if form.get("type") == "object" and key == "options":
+            continue
+        meaning = form.get("description", "").replace("|", "\\|")
+        usual = "needed" if key in schema["required"] else _usual(form)
+        yield f"| `{key}` | {_type(form)} | {_unit(key)} | {usual} | {meaning} |"
+
+
+def _usual(form: Schema) -> str:
+    usual = form.get("default", [])
+    text = re.sub(r"(\d)\.0\b", r"\1", json.dumps(usual))
+    return "" if usual in ([], "") else f"`{text}`"
+
+
+def _type(form: Schema) -> str:
+    if "enum" in form:
+        return ", ".join(f"`{choice}`" for choice in form["enum"])
+    match form.get("type"):
+        case "string":
+            return "text"
+        case "object":
+            return "table"
+        case "array" if "items" not in form or form["items"].get("type") == "object":
+            return "tables"
+        case "array":
+            low, high = form.get("minItems"), form.get("maxItems")
+            count = "" if low is None else f"{low} " if low == high else f"{low} or {high} "
+            return f"{count}{'texts' if form['items']['type'] == 'string' else 'numbers'}"
+        case kind:
+            return NUMBERS[str(kind)] + _range(form)
+
+
+def _range(form: Schema) -> str:
+    low, high = form.get("minimum"), form.get("maximum")
+    return "" if low is None or high is None else f", {low:.10g} to {high:.10g}"
+
+
+def _unit(key: str) -> str:
+    return UNITS.get(key, ENDINGS.get(key.rpartition("_")[2], "") if "_" in key else "")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
