@@ -16,12 +16,21 @@ from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
+from workbench.model.messages.message import FoundPart, Message, found_part, plain
+from workbench.model.messages.plans import (
+    GuaranteeText,
+    LegText,
+    MotionText,
+    PlanNote,
+    StrategyText,
+)
+from workbench.model.messages.proofs import ViolationText
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
 
-UNSIGNED = frozenset({"seconds", "digest"})
-"""Fields outside a plan's digest: how long the computer took does not change what moves."""
+UNSIGNED = frozenset({"seconds", "notes", "digest"})
+"""Fields outside a plan's digest: computing times and remarks do not change what moves."""
 
 LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
@@ -66,7 +75,24 @@ class Strategy(str):
     @property
     def words(self) -> str:
         """For people: `right arm only`."""
-        return f"{self} arm only" if self.arm else str(self)
+        return str(strategy_message(self))
+
+
+def strategy_message(strategy: str) -> Message:
+    """A strategy, or what a request can ask for instead of one, for people."""
+    if strategy in STRATEGY_WORDS:
+        return StrategyText[strategy.upper()]()
+    return StrategyText.ONE_ARM(arm=str(strategy))
+
+
+def leg_message(leg: str) -> Message:
+    """The name of a leg for people; one that no plan has is shown as it is."""
+    return LegText[leg.upper()]() if leg in LEG_NAMES else plain(leg)
+
+
+def motion_message(motion: str) -> Message:
+    """How a leg moves, for people."""
+    return MotionText[motion.upper()]()
 
 
 Strategy.ALTERNATED = Strategy("alternated")
@@ -79,6 +105,11 @@ class Guarantee(enum.StrEnum):
     ONE_AT_A_TIME = "one-at-a-time"
     TIME_INDEPENDENT = "time-independent"
     SYNCHRONISED = "synchronised"
+
+
+def guarantee_message(guarantee: Guarantee) -> Message:
+    """A guarantee for people."""
+    return GuaranteeText[guarantee.name]()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,7 +198,8 @@ class Plan(Told):
     `detections` are all parts known in the bin: those taken and those that are obstacles;
     `obstacles` is what the scan shows beside them.
     `scan_digest` is that of the scan, or of the detections when they came from a file.
-    `seconds` (stage -> computing time) is not part of the digest.
+    `note` is a remark of whoever wrote the plan elsewhere, or of an older version.
+    `seconds` (stage -> computing time) and the planner's `notes` are not part of the digest.
     """
 
     cell: str
@@ -182,10 +214,21 @@ class Plan(Told):
     note: str = ""
     obstacles: tuple[Obstacle, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[Message, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         put(self, seconds=dict(self.seconds), digest=digest_of(self, without=UNSIGNED))
+
+    @property
+    def remarks(self) -> tuple[Message, ...]:
+        """All that people should know of it: its note, and those of the planner."""
+        return (plain(self.note), *self.notes) if self.note else self.notes
+
+    @property
+    def goes_unseen(self) -> bool:
+        """Whether it may meet something that was not found, where the scan does not show it."""
+        return any(one.text is PlanNote.GOES_UNSEEN for one in self.notes)
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -219,9 +262,14 @@ class Plan(Told):
         )
 
 
+def floored(bound: float) -> float:
+    """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
+    return math.floor(bound * 1e4 + 1e-6) / 1e4
+
+
 def at_least(bound: float) -> str:
-    """A distance [m] from below, for people: rounded down, so that no more is said than holds."""
-    return f"at least {math.floor(bound * 1e4 + 1e-6) / 10:.1f} mm"
+    """A distance [m] from below, for people; see `floored`."""
+    return f"at least {floored(bound) * 1e3:.1f} mm"
 
 
 def cycle_words(seconds: float, bound: float) -> str:
@@ -237,7 +285,7 @@ class Violation:
     (`Proof.nearest`) is told alike.
     """
 
-    problem: str
+    problem: Message
     arm: str = ""
     leg: str = ""
     waypoint: int | None = None
@@ -248,22 +296,28 @@ class Violation:
     def __post_init__(self) -> None:
         put(self, q=None if self.q is None else frozen(self.q))
 
-    def __str__(self) -> str:
-        where = " ".join(
-            word
-            for word in (
-                f"arm {self.arm}" if self.arm else "",
-                f"leg {self.leg}" if self.leg else "",
-                f"after waypoint {self.waypoint}" if self.waypoint is not None else "",
-            )
-            if word
-        )
-        text = f"{where}: {self.problem}" if where else self.problem
+    @property
+    def message(self) -> Message:
+        """The violation in one sentence."""
+        return self._with_place(self.problem)
+
+    def _with_place(self, said: Message) -> Message:
+        if self.leg and self.waypoint is not None:
+            leg = leg_message(self.leg)
+            said = ViolationText.AFTER(arm=self.arm, leg=leg, waypoint=self.waypoint, problem=said)
+        elif self.leg:
+            said = ViolationText.ON_LEG(arm=self.arm, leg=leg_message(self.leg), problem=said)
+        elif self.arm:
+            said = ViolationText.BY_ARM(arm=self.arm, problem=said)
         if self.pair is not None:
-            text += f": {self.pair[0]} and {self.pair[1]}"
+            one, other = map(found_part, self.pair)
+            said = ViolationText.PAIR(violation=said, one=one, other=other)
         if self.distance is not None:
-            text += f", clearance {self.distance * 1000:.1f} mm"
-        return text
+            said = ViolationText.CLEARANCE(violation=said, far=self.distance)
+        return said
+
+    def __str__(self) -> str:
+        return str(self.message)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -349,17 +403,21 @@ def count_taken(plans: Sequence[Plan]) -> int:
     return len({number for plan in plans for number in parts_taken(plans[0], plan)})
 
 
-def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
-    """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
+def renumbered(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
+    """A message about a later plan, of its own `detections`, by the numbers of the row's first."""
+    return message.renumbered(lambda index: _index_in(first, detections, index))
 
-    def by_first(found: re.Match[str]) -> str:
-        number = int(found[1]) - 1
-        if not 0 <= number < len(detections):
-            # A grasp may be called anything.
-            return found[0]
-        return f"part-{number_in(first, detections[number]) + 1}"
 
-    return re.sub(r"\bpart-(\d+)", by_first, words)
+def label_in(label: str, first: Plan, detections: Sequence[Detection]) -> str:
+    """What a body of a later plan, of its own `detections`, is called in the row's first."""
+    part = found_part(label)
+    if isinstance(part, str):
+        return label
+    return str(FoundPart(_index_in(first, detections, part.index)))
+
+
+def _index_in(first: Plan, detections: Sequence[Detection], index: int) -> int:
+    return number_in(first, detections[index]) if index < len(detections) else index
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -369,7 +427,7 @@ class PlanResult(Told):
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
     0 where it was not asked.  `beside` is what the other strategy brought, where both were asked
     for.  `row` are plans to be carried out after the plan, one after the other, each proven in the
-    scene that those before leave; `row_ends` says why there are no more, empty where as many were
+    scene that those before leave; `row_ends` says why there are no more, None where as many were
     found as were asked for.
     """
 
@@ -383,7 +441,7 @@ class PlanResult(Told):
     beside: "tuple[PlanResult, ...]" = ()
     bound: float = field(default_factory=float, metadata=LATER)
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
-    row_ends: str = field(default_factory=str, metadata=LATER)
+    row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def facts(self) -> Mapping[str, object]:

@@ -141,14 +141,14 @@ def test_a_refused_plan_leaves_candidates_and_verdict_for_the_page(planned, samp
     assert state.phase is Phase.LOCALIZED
     assert state.candidates == refused.candidates
     assert (state.verdict, state.plan, state.proof) == (refused.verdict, None, None)
-    assert state.message == "no plan: in collision: link and bin_floor, -2.0 mm"
+    assert str(state.message) == "no plan: in collision: link and bin_floor, penetration 2.0 mm"
 
 
 def test_a_plan_whose_proof_does_not_hold_stays_visible_and_cannot_be_approved(planned, samples):
     planned.do(MakePlan(seed=1))
     state = planned.ended(samples.planned(planned.state.scene_digest, holds=False))
     assert state.phase is Phase.PLANNED
-    assert "its proof does not hold: arm right leg reach" in state.message
+    assert "its proof does not hold: arm right leg reach" in str(state.message)
     with pytest.raises(CommandRefused, match="does not hold"):
         planned.do(Approve(state.plan.digest))
 

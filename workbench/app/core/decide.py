@@ -74,6 +74,7 @@ from workbench.app.core.state import (
 )
 from workbench.model.cell import Tool
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import all_of, as_message, plain
 from workbench.model.part import Part
 from workbench.model.release import Vote, manner_words
 
@@ -214,7 +215,8 @@ def _waiting_for(before: State, after: State) -> Outcome:
     job = after.job
     if job is None or job.then is None or after.control == before.control:
         return after, ()
-    message = f"{after.message}; after this task nothing goes on by itself"
+    words = plain("after this task nothing goes on by itself")
+    message = all_of((as_message(after.message), words))
     return replace(after, job=replace(job, then=None), message=message), ()
 
 
