@@ -16,15 +16,9 @@ from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
-from workbench.model.messages.message import FoundPart, Message, found_part, plain
-from workbench.model.messages.plans import (
-    GuaranteeText,
-    LegText,
-    MotionText,
-    PlanNote,
-    StrategyText,
-)
-from workbench.model.messages.proofs import ViolationText
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.plans import PlanNote, strategy_message
+from workbench.model.messages.proofs import violation_message
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
@@ -78,23 +72,6 @@ class Strategy(str):
         return str(strategy_message(self))
 
 
-def strategy_message(strategy: str) -> Message:
-    """A strategy, or what a request can ask for instead of one, for people."""
-    if strategy in STRATEGY_WORDS:
-        return StrategyText[strategy.upper()]()
-    return StrategyText.ONE_ARM(arm=str(strategy))
-
-
-def leg_message(leg: str) -> Message:
-    """The name of a leg for people; one that no plan has is shown as it is."""
-    return LegText[leg.upper()]() if leg in LEG_NAMES else plain(leg)
-
-
-def motion_message(motion: str) -> Message:
-    """How a leg moves, for people."""
-    return MotionText[motion.upper()]()
-
-
 Strategy.ALTERNATED = Strategy("alternated")
 Strategy.COORDINATED = Strategy("coordinated")
 
@@ -105,11 +82,6 @@ class Guarantee(enum.StrEnum):
     ONE_AT_A_TIME = "one-at-a-time"
     TIME_INDEPENDENT = "time-independent"
     SYNCHRONISED = "synchronised"
-
-
-def guarantee_message(guarantee: Guarantee) -> Message:
-    """A guarantee for people."""
-    return GuaranteeText[guarantee.name]()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -299,22 +271,8 @@ class Violation:
     @property
     def message(self) -> Message:
         """The violation in one sentence."""
-        return self._with_place(self.problem)
-
-    def _with_place(self, said: Message) -> Message:
-        if self.leg and self.waypoint is not None:
-            leg = leg_message(self.leg)
-            said = ViolationText.AFTER(arm=self.arm, leg=leg, waypoint=self.waypoint, problem=said)
-        elif self.leg:
-            said = ViolationText.ON_LEG(arm=self.arm, leg=leg_message(self.leg), problem=said)
-        elif self.arm:
-            said = ViolationText.BY_ARM(arm=self.arm, problem=said)
-        if self.pair is not None:
-            one, other = map(found_part, self.pair)
-            said = ViolationText.PAIR(violation=said, one=one, other=other)
-        if self.distance is not None:
-            said = ViolationText.CLEARANCE(violation=said, far=self.distance)
-        return said
+        place = self.arm, self.leg, self.waypoint
+        return violation_message(self.problem, *place, self.pair, self.distance)
 
     def __str__(self) -> str:
         return str(self.message)
@@ -401,23 +359,6 @@ def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
 def count_taken(plans: Sequence[Plan]) -> int:
     """How many parts plans in a row take; one that goes over a station counts once."""
     return len({number for plan in plans for number in parts_taken(plans[0], plan)})
-
-
-def renumbered(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
-    """A message about a later plan, of its own `detections`, by the numbers of the row's first."""
-    return message.renumbered(lambda index: _index_in(first, detections, index))
-
-
-def label_in(label: str, first: Plan, detections: Sequence[Detection]) -> str:
-    """What a body of a later plan, of its own `detections`, is called in the row's first."""
-    part = found_part(label)
-    if isinstance(part, str):
-        return label
-    return str(FoundPart(_index_in(first, detections, part.index)))
-
-
-def _index_in(first: Plan, detections: Sequence[Detection], index: int) -> int:
-    return number_in(first, detections[index]) if index < len(detections) else index
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -6,6 +6,12 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.plans import (
+    guarantee_message,
+    leg_message,
+    motion_message,
+    strategy_message,
+)
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import (
     LEG_NAMES,
@@ -16,10 +22,6 @@ from workbench.model.plan import (
     Plan,
     Strategy,
     Violation,
-    guarantee_message,
-    leg_message,
-    motion_message,
-    strategy_message,
 )
 from workbench.model.scan import Detection, Obstacle, Scene
 

@@ -9,8 +9,9 @@ import numpy as np
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.model.messages.message import Message
+from workbench.model.messages.plans import leg_message
 from workbench.model.messages.proofs import ProofText
-from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step, leg_message
+from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.grasps.straight import part_reach, straight_violations
 from workbench.proof.motion import Sets, moved

@@ -26,6 +26,7 @@ from workbench.app.core.state import Phase
 from workbench.model.cell import PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
+from workbench.model.messages.states import StateText
 from workbench.model.release import Receipt
 from workbench.model.scan import SearchOverrides
 
@@ -129,7 +130,7 @@ def test_no_part_found_leaves_the_scan_and_says_so(line, samples):
     line.do(UseScan(samples.scan()))
     line.do(FindParts())
     state = line.ended(())
-    assert (state.phase, state.message) == (Phase.SCANNED, "0 parts found")
+    assert (state.phase, state.message) == (Phase.SCANNED, StateText.NOTHING_FOUND())
     with pytest.raises(CommandRefused, match="find the parts first"):
         line.do(MakePlan())
 
@@ -175,16 +176,16 @@ def test_a_failed_or_cancelled_job_leaves_what_was_there_and_a_sentence(planned)
     planned.do(MakePlan())
     state = planned.ended(InputError("coordinated plans are not available"))
     assert state.plan is plan
-    assert state.message == "task 'plan' failed: coordinated plans are not available"
+    assert str(state.message) == "the planning failed: coordinated plans are not available"
     planned.do(MakePlan())
-    assert planned.ended(JobCancelled("")).message == "task 'plan' was cancelled"
+    assert str(planned.ended(JobCancelled("")).message) == "the planning was cancelled"
 
 
 def test_a_job_that_brings_the_wrong_thing_has_failed(line, samples):
     line.do(TakeScan())
     state = line.ended(samples.detections())
     assert (state.phase, state.job) == (Phase.IDLE, None)
-    assert state.message == "task 'scan' failed: it brought a tuple"
+    assert str(state.message) == "the scan failed: it brought a tuple"
 
 
 def test_a_stop_is_passed_on_and_the_end_of_the_link_decides_the_phase(sending):

@@ -75,7 +75,7 @@ def test_nothing_found_is_told_and_nothing_is_planned(done, samples):
     done.ended(samples.scan())
     state = done.ended(())
     assert (state.job, state.phase) == (None, Phase.SCANNED)
-    assert str(state.message) == "0 parts found; going on ends here"
+    assert str(state.message) == "no part found; going on ends here"
 
 
 def test_no_plan_is_told(done, samples):

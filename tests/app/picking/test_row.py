@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import workbench.app.picking.row as row_module
+from workbench.app.picking.numbers import label_in, renumbered
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
     check_picks,
@@ -23,7 +24,7 @@ from workbench.model.messages.message import FoundPart, all_of
 from workbench.model.messages.plans import RowEnd
 from workbench.model.messages.proofs import ProofText
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import PlanResult, label_in, parts_taken, renumbered
+from workbench.model.plan import PlanResult, parts_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics

@@ -199,7 +199,7 @@ def test_a_stop_between_two_plans_lets_no_other_begin(bench, planned, monkeypatc
     wait_until(lambda: waits)
     made.do(Stop(), "bob")
     state = made.wait(lambda state: state.phase in (Phase.DONE, Phase.FAULT), PATIENCE)
-    assert state.phase is Phase.DONE and "stopped by bob" in state.message
+    assert state.phase is Phase.DONE and "stopped by bob" in str(state.message)
     sent = [row.kind for row in rows_of(made)]
     assert sent.count("LinkEnded") == 1
     time.sleep(0.2)

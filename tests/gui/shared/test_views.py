@@ -7,27 +7,25 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
+from workbench.app.core.state import Avoided, Job, Outcome, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
-from workbench.gui.plan.views import outlines_html, plan_html
+from workbench.gui.plan.views import plan_html
 from workbench.gui.shared import link_views, views
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
-from workbench.model.messages.states import StateText
 from workbench.model.part import Grasp
 from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.scan import Objection, RejectedHypothesis
-from workbench.proof.stages import STRAIGHT
 
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
@@ -387,19 +385,3 @@ def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
     assert "session x" in text and "numpy 1 is 2 now" in text and "Eve" in text
     # Who may come in is no software.
     assert "software" not in text
-
-
-def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
-    """A single smallest clearance was contradicted by the curve of the straight ways."""
-    proof = states.planned.proof
-    ready = StateText.PLAN_READY(strategy="alternated", cycle=9.0, clearance=proof.clearance)
-    state = replace(states.planned, message=ready)
-    free, straight = state.proof.clearance, views.straight_bound(state.proof)
-    least = min(bounds.min() for _, leg, bounds in state.proof.clearances if leg in STRAIGHT)
-    assert straight == least
-    free, straight = (at_least(one).removeprefix("at least ") for one in (free, straight))
-    words = f"minimum clearance {free} (free motion), {straight} (linear motion)"
-    for told in (views.status_html(view_of(state)), views.plan_line(state)):
-        assert words in told and told.count("minimum clearance") == told.count(words)
-    outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
-    assert "Free ways" in outlines_html(outlines, "", ("1", "2"))

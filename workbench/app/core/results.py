@@ -1,6 +1,5 @@
 """Tasks of the worker, and what they and people have brought: parts found, a plan, or why not."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -26,18 +25,21 @@ from workbench.model.calibration import PlateObservation
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
 from workbench.model.messages.message import Message, all_of, as_message, plain
-from workbench.model.messages.states import StateText
-from workbench.model.plan import PlanResult, Proven, count_taken, strategy_message
+from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.states import StateText, task_message
+from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Scan, Search
 
-FAILURE = re.compile(
-    r"task '\w+' failed: |0 parts found\b"
-    r"|poses from outside cannot be used\b|the cell file cannot be used\b"
+FAILURES = (
+    StateText.TASK_FAILED,
+    StateText.NOTHING_FOUND,
+    StateText.POSES_REFUSED,
+    StateText.CELL_REFUSED,
+    StateText.NO_PLAN,
+    StateText.NOT_PROVEN,
+    StateText.NO_PROOF,
 )
-"""How messages of a state without an id begin that tell of something that has failed."""
-
-FAILURES = (StateText.NO_PLAN, StateText.NOT_PROVEN, StateText.NO_PROOF)
 """Messages of a state that tell of something that has failed."""
 
 Begun = tuple[State, tuple[StartJob, ...]]
@@ -52,9 +54,7 @@ MOST_OUTLINES = 20
 
 def is_failure(message: Message | str) -> bool:
     """Whether a message of a state tells of something that has failed."""
-    if isinstance(message, Message) and any(map(message.mentions, FAILURES)):
-        return True
-    return FAILURE.match(str(message)) is not None
+    return isinstance(message, Message) and any(map(message.mentions, FAILURES))
 
 
 def compared(state: State, search: Search) -> State:
@@ -76,7 +76,7 @@ def with_detections(state: State, search: Search) -> State:
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
         stale=stale_by(state, "parts were looked for again"),
-        message=f"{counted(len(detections), 'part')} found",
+        message=StateText.FOUND(count=len(detections)) if detections else StateText.NOTHING_FOUND(),
     )
 
 
@@ -307,7 +307,7 @@ def gone_on(before: State, after: State, entry: Entry) -> Begun:
             return make_plan(after, entry, job.then.plan)
         case "scan" | "localize", _:
             return replace(
-                after, message=all_of((as_message(after.message), plain("going on ends here")))
+                after, message=all_of((as_message(after.message), StateText.ENDS_HERE()))
             ), ()
         case _:
             return after, ()
@@ -321,9 +321,9 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
     state = replace(state, job=None)
     match (job.name, result):
         case (_, JobCancelled()):
-            return replace(state, message=f"task {job.name!r} was cancelled")
+            return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
         case (_, WorkbenchError()):
-            return replace(state, message=f"task {job.name!r} failed: {result}")
+            return replace(state, message=_failed(job, str(result)))
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
@@ -339,7 +339,11 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
             return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
-            return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
+            return replace(state, message=_failed(job, f"it brought a {wrong}"))
+
+
+def _failed(job: Job, why: str) -> Message:
+    return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
+from workbench.app.picking.numbers import renumbered
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import regrasped
@@ -13,7 +14,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote, RowEnd
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import Plan, PlanResult, Proven, renumbered
+from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH

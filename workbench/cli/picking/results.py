@@ -4,10 +4,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from workbench.app.picking.numbers import renumbered
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.messages.message import FoundPart, Message
-from workbench.model.plan import Plan, Proof, Violation, cycle_words, parts_taken, renumbered
+from workbench.model.plan import Plan, Proof, Violation, cycle_words, parts_taken
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:

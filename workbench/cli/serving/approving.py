@@ -5,12 +5,13 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import moved_away
+from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
-from workbench.model.plan import Plan, Proof, Proven, at_least, label_in, parts_taken
+from workbench.model.plan import Plan, Proof, Proven, at_least, parts_taken
 from workbench.plugins.robot_link import states
 
 REPORTS = 2.0

@@ -4,21 +4,14 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
+from workbench.app.picking.numbers import renumbered
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
 from workbench.model.messages.message import Message
+from workbench.model.messages.plans import guarantee_message, strategy_message
 from workbench.model.motion import MotionModel
-from workbench.model.plan import (
-    Guarantee,
-    Plan,
-    at_least,
-    cycle_words,
-    guarantee_message,
-    parts_taken,
-    renumbered,
-    strategy_message,
-)
+from workbench.model.plan import Guarantee, Plan, at_least, cycle_words, parts_taken
 from workbench.model.release import manner_words
 from workbench.words.words import IN_ENGLISH, Words
 

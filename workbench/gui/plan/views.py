@@ -4,19 +4,12 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import Outline, State, counted
+from workbench.app.picking.numbers import renumbered
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
-from workbench.model.plan import (
-    Plan,
-    Strategy,
-    count_taken,
-    floored,
-    guarantee_message,
-    parts_taken,
-    renumbered,
-    strategy_message,
-)
+from workbench.model.messages.plans import guarantee_message, strategy_message
+from workbench.model.plan import Plan, Strategy, count_taken, floored, parts_taken
 from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {

@@ -19,7 +19,7 @@ class RecordedPanel:
     def __init__(self, visitor: Visitor, history: History):
         """Add the controls."""
         self._history = history
-        self._events = events_of(history.moments)
+        self._events = events_of(history.moments, visitor.words)
         gui, self._visitor = visitor.gui, visitor
         self._entry = gui.add_slider(
             "Entry",

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import nearest_of, nearest_place
+from workbench.app.picking.numbers import label_in
 from workbench.formats.plans.certificates import certificate_bytes
 from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
@@ -18,13 +19,7 @@ from workbench.gui.shared.views import line, mm, short, straight_bound, table_ht
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message
-from workbench.model.plan import (
-    Plan,
-    Proof,
-    Proven,
-    at_least,
-    label_in,
-)
+from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.proof.spot import Spot
 from workbench.proof.stages import STRAIGHT
 

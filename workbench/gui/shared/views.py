@@ -5,14 +5,13 @@ Everything that comes from outside (names of parts and people, messages of machi
 """
 
 import math
-import re
 import time
 from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
 from workbench.app.core.results import is_failure
-from workbench.app.core.rights import JOBS, what_is_missing
+from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.model.calibration import BinCheck
@@ -85,11 +84,8 @@ def zone(at: float) -> str:
 
 
 def said(message: Message | str, words: Words = IN_ENGLISH) -> str:
-    """What is on record of a moment, with the words that people have for tasks."""
-    if isinstance(message, Message):
-        return sentence(words.render(message))
-    text = re.sub(r"task '(\w+)'", lambda found: JOBS.get(found[1], found[0]), message)
-    return sentence(text.replace(" cancelled by ", " was cancelled by "))
+    """What is on record of a moment."""
+    return sentence(words.render(message))
 
 
 def short(digest: str) -> str:

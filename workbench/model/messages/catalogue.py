@@ -14,7 +14,7 @@ from workbench.model.messages.plans import (
     StrategyText,
 )
 from workbench.model.messages.proofs import ProofText, ViolationText
-from workbench.model.messages.states import ClearanceText, LeftText, StateText
+from workbench.model.messages.states import ClearanceText, LeftText, StateText, TaskText
 from workbench.model.messages.verdicts import (
     ReasonText,
     StageText,
@@ -38,6 +38,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     RowEnd,
     ViolationText,
     ProofText,
+    TaskText,
     StateText,
     ClearanceText,
     LeftText,

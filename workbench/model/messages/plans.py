@@ -1,6 +1,6 @@
 """What plans say: words for legs and strategies, remarks of the planner, and why a row ends."""
 
-from workbench.model.messages.message import Text
+from workbench.model.messages.message import Message, Text, plain
 
 
 class LegText(Text, subject="leg"):
@@ -60,3 +60,27 @@ class RowEnd(Text, subject="row"):
     NO_PLAN = "no plan after that: {verdict}"
     REFUSED = "the proof of the next plan does not hold: {violation}"
     MOST = "a row has at most {count} plans"
+
+
+def strategy_message(strategy: str) -> Message:
+    """A strategy, or what a request can ask for instead of one, for people."""
+    known = StrategyText.__members__.get(strategy.upper())
+    if known is None or known is StrategyText.ONE_ARM:
+        return StrategyText.ONE_ARM(arm=str(strategy))
+    return known()
+
+
+def guarantee_message(guarantee: str) -> Message:
+    """A guarantee for people."""
+    return GuaranteeText[guarantee.upper().replace("-", "_")]()
+
+
+def leg_message(leg: str) -> Message:
+    """The name of a leg for people; one that no plan has is shown as it is."""
+    known = LegText.__members__.get(leg.upper())
+    return plain(leg) if known is None else known()
+
+
+def motion_message(motion: str) -> Message:
+    """How a leg moves, for people."""
+    return MotionText[motion.upper()]()

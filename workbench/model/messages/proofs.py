@@ -1,6 +1,7 @@
 """What proofs object to."""
 
-from workbench.model.messages.message import Text
+from workbench.model.messages.message import Message, Text, found_part
+from workbench.model.messages.plans import leg_message
 
 
 class ViolationText(Text, subject="violation"):
@@ -125,3 +126,27 @@ class ProofText(Text, subject="proof"):
     MARGIN = "within the safety margin of {margin:mm}"
     MARGIN_BESIDE = "within the safety margin of {margin:mm} while arm {arm} is on its leg {leg}"
     MAY_MOVE = "{stays} may move when {taken} is picked"
+
+
+def violation_message(
+    problem: Message,
+    arm: str,
+    leg: str,
+    waypoint: int | None,
+    pair: tuple[str, str] | None,
+    distance: float | None,
+) -> Message:
+    """A problem with where it is, which bodies it has, and how close they come [m]."""
+    said = problem
+    if leg and waypoint is not None:
+        said = ViolationText.AFTER(
+            arm=arm, leg=leg_message(leg), waypoint=waypoint, problem=problem
+        )
+    elif leg:
+        said = ViolationText.ON_LEG(arm=arm, leg=leg_message(leg), problem=problem)
+    elif arm:
+        said = ViolationText.BY_ARM(arm=arm, problem=problem)
+    if pair is not None:
+        one, other = map(found_part, pair)
+        said = ViolationText.PAIR(violation=said, one=one, other=other)
+    return said if distance is None else ViolationText.CLEARANCE(violation=said, far=distance)

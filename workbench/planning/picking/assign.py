@@ -9,9 +9,9 @@ import numpy as np
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import FoundPart, Message
-from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.plans import PlanNote, strategy_message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import Plan, Strategy, strategy_message
+from workbench.model.plan import Plan, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of

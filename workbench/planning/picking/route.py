@@ -11,18 +11,9 @@ from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.model.load import loads_of
 from workbench.model.messages.message import Message
+from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import (
-    LEG_NAMES,
-    ArmPlan,
-    Guarantee,
-    Leg,
-    LegName,
-    Plan,
-    Step,
-    Strategy,
-    leg_message,
-)
+from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
