@@ -40,15 +40,16 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-fast test-portable foreign lint docs everything installed packages bench pictures words bundle constraints clean
+.PHONY: help run test test-all test-fast test-portable foreign lint docs everything installed packages bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
 	@echo "make test      run all tests"
 	@echo "make test-fast run those that take little, while you work"
+	@echo "make test-all  run all tests with coverage, then as if on another make of processor"
 	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make foreign   bring what others publish through the documented commands (../shared/data/foreign)"
-	@echo "make lint      check style, types and imports"
+	@echo "make lint      check style, types, imports and the documents' prose"
 	@echo "make docs      make the documents a site in build/site, without a network"
 	@echo "make bench     measure what the README promises"
 	@echo "make pictures  make the pictures of the documents anew"
@@ -64,6 +65,11 @@ run: $(VENV)/.compiled
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER) $(STAND_INS)
 	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
+
+# Watching which lines run makes Python a third slower.
+test-all:
+	@$(MAKE) test ARGS="--cov $(ARGS)"
+	@$(MAKE) test-portable
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python -m pytest $(WORKERS) $(SLOW:%=--ignore=tests/%) $(ARGS)
@@ -88,6 +94,7 @@ lint: $(VENV)/.lint $(VENV)/.test
 	$(BIN)/pyright
 	$(BIN)/lint-imports
 	PYTHONPATH=$(CURDIR) $(BIN)/python setup/licences.py
+	$(BIN)/python setup/prose.py
 
 # Examples are run for it, so what is compiled has to be there.
 docs: $(VENV)/.docs $(VENV)/.compiled

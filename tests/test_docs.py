@@ -19,8 +19,10 @@ from workbench.cli.main import parse
 from workbench.model.candidate import Reason
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-ARCHITECTURE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+ARCHITECTURE = "".join(
+    (ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("architecture.md", "inside.md")
+)
 PAGES = [
     *sorted(ROOT.glob("*.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
@@ -156,6 +158,76 @@ def test_every_file_that_is_named_exists():
         assert (ROOT / "workbench" / name).exists() or (ROOT / name).exists(), name
 
 
+def spans_of(page: Path) -> list[str]:
+    """Code in sentences and tables."""
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return re.findall(r"`([^`\n]+)`", text)
+
+
+def classes() -> dict[str, set[str]]:
+    """Every class of the code and its tests, with its members and those of its bases."""
+    found: dict[str, set[str]] = {}
+    bases: dict[str, set[str]] = {}
+    for file in (*(ROOT / "workbench").rglob("*.py"), *(ROOT / "tests").rglob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                members = found.setdefault(node.name, set())
+                bases.setdefault(node.name, set()).update(map(ast.unparse, node.bases))
+                for one in ast.walk(node):
+                    if isinstance(one, ast.FunctionDef):
+                        members.add(one.name)
+                    elif isinstance(one, ast.AnnAssign | ast.Assign):
+                        targets = [one.target] if isinstance(one, ast.AnnAssign) else one.targets
+                        members |= {target.id for target in targets if isinstance(target, ast.Name)}
+
+    def all_of(name: str) -> set[str]:
+        return found.get(name, set()).union(*map(all_of, bases.get(name, ())))
+
+    return {name: all_of(name) for name in found}
+
+
+def test_every_module_that_is_named_exists_also_without_its_folder():
+    files = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if not hidden(path)}
+    known = {
+        "/".join(parts[start:])
+        for file in files
+        if (parts := file.split("/"))
+        for start in range(len(parts))
+    }
+    for page in PAGES:
+        made = {
+            name.split("/")[-1] for name in re.findall(r"^`([\w/.]+)`:$", page.read_text(), re.M)
+        }
+        for span in spans_of(page):
+            for name in re.findall(r"(?<![\w/.*-])((?:[\w-]+/)*\w+\.py)\b", span):
+                assert name in known or name in made, f"{page.name}: {name}"
+
+
+def hidden(path: Path) -> bool:
+    return any(part.startswith(".") or part == "build" for part in path.relative_to(ROOT).parts)
+
+
+ELSEWHERE = {"Settings.load", "RAPIDtoRobot.dnum", "RAPIDfromRobot.dnum"}
+"""Members of what others have made."""
+
+
+def test_every_member_of_a_class_that_is_named_exists():
+    known, count = classes(), 0
+    for page in PAGES:
+        if page.name == "CHANGELOG.md":
+            continue
+        for span in spans_of(page):
+            for name, member in re.findall(r"(?<![\w./])([A-Z][A-Za-z]+)\.([a-z_]+)\b", span):
+                if f"{name}.{member}" not in ELSEWHERE and member not in FILES:
+                    assert member in known.get(name, set()), f"{page.name}: {name}.{member}"
+                    count += 1
+    assert count > 10
+
+
+FILES = {"md", "ply", "cfg", "mod", "zip", "toml"}
+"""What ends the name of a file and is no member."""
+
+
 def test_every_name_after_a_colon_is_in_its_file():
     named = re.findall(r"`((?:[a-z_]+/)+[a-z_]+\.py):([A-Za-z_]+)", ARCHITECTURE)
     assert named
@@ -175,17 +247,17 @@ def test_every_command_phase_and_verdict_is_listed():
         assert reason.name in ARCHITECTURE
 
 
-def test_every_typed_command_stands_in_the_readme():
+def test_every_typed_command_stands_on_the_page_of_commands():
     verbs = [typing.get_args(one)[1].name for one in typing.get_args(arguments.Arguments)]
     assert len(verbs) == 30
     for verb in verbs:
-        assert f"workbench {verb}" in README
+        assert f"workbench {verb}" in COMMANDS
 
 
 @every_page
 def test_every_make_target_exists(page):
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    text = page.read_text(encoding="utf-8")
-    for target in re.findall(r"(?:^|`)make ([a-z]+)", text, re.MULTILINE):
+    code = "\n".join([*spans_of(page), *(block for _, block in blocks_of(page))])
+    for target in re.findall(r"^make ([a-z]+)", code, re.MULTILINE):
         assert re.search(rf"^{target}:", makefile, re.MULTILINE), target
         assert f"make {target}" in makefile or target == "constraints", "it stands in `make help`"

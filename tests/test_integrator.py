@@ -1,4 +1,4 @@
-"""The page for integrators: its sources are those there are, its files are read."""
+"""The pages for integrators: their sources are those there are, their files are read."""
 
 import re
 import tomllib
@@ -13,11 +13,15 @@ from workbench.formats.cells.reading import read_cell
 from workbench.plugins.found import names
 from workbench.plugins.options import options_of
 
-PAGE = (Path(__file__).resolve().parents[1] / "docs" / "integrator.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+PAGE = "\n".join(
+    (DOCS / name).read_text(encoding="utf-8")
+    for name in ("integrator.md", "scanners.md", "calibration.md", "robot_links.md")
+)
 
 
 def example_with(key):
-    """The only file on the page with this line."""
+    """The only file on these pages with this line."""
     (found,) = (one for one in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if key in one)
     return found
 

@@ -262,6 +262,14 @@ class Policy:
     picks: int = field(default_factory=lambda: 1, metadata=LATER)
 
 
+POLICIES: Mapping[str, Policy] = {
+    "thorough": Policy(lifts=LIFT_NAMES, least_air=0.0015, pair_gap=0.01),
+    "quick": Policy(),
+}
+"""Policies by how bins are emptied: with all lifts, and fingers as open as there is room, or with
+the usual lift and each grasp as it is stated."""
+
+
 def picks_problem(policy: Policy) -> str:
     """Why a policy cannot ask for so many plans after one scan; empty when it can."""
     if not 1 <= policy.picks <= MOST_PICKS:

@@ -128,7 +128,8 @@ class EmptiedPile:
     that may be taken while the robot still moves how long that goes on [s] from when the scanner
     sees, and how long finding and planning took for it [s].  `warned_picks` are those of plans that
     say that the hand goes where something not found may go on unseen, `warned_touches` the touches
-    among these.
+    among these.  `holdable` of those left some hand fits at and holds as they lie, None when nobody
+    asked.
     """
 
     task: PileTask
@@ -150,6 +151,7 @@ class EmptiedPile:
     beside: tuple[tuple[float, float], ...] = field(default_factory=tuple, metadata=LATER)
     warned_picks: int = field(default_factory=int, metadata=LATER)
     warned_touches: int = field(default_factory=int, metadata=LATER)
+    holdable: int | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

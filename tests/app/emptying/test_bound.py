@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from workbench.app.emptying.bound import any_grasp, bound_of
+from workbench.app.emptying.bound import any_grasp, bound_of, holdable
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
@@ -20,6 +20,7 @@ def test_a_part_that_lies_free_is_taken_by_some_grasp_whatever_its_library_holds
     found = any_grasp(bare, (lying(bare, 0.0),), 0, seed=0)
     assert found.pick is not None and 0 < found.holds <= found.fits < found.tried
     assert "not in the library" in str(found)
+    assert holdable(bare, (lying(bare, 0.0),), seed=0) == 1
     told, taken = bound_of(bare, (lying(bare, 0.0),), settles=False, seed=0)
     assert taken == 1 and told[0].pick is not None
 
@@ -27,6 +28,7 @@ def test_a_part_that_lies_free_is_taken_by_some_grasp_whatever_its_library_holds
 def test_no_grasp_takes_a_part_that_lies_within_another():
     cell = read_cell("yumi")
     pile = (lying(cell, 0.0), lying(cell, 0.004))
+    assert holdable(cell, pile, seed=0) == 0
     told, taken = bound_of(cell, pile, settles=False, seed=0)
     assert taken == 0 and all(one.pick is None for one in told)
     assert all(str(one).startswith("no grasp was found that takes it (of ") for one in told)

@@ -41,6 +41,13 @@ def test_what_slipped_is_told_where_grips_are_weighed():
     assert found["scenes"][1]["failed_by_kind"] == {"missed": 0, "crooked": 1, "turned": 0}
 
 
+def test_what_hands_could_hold_is_told_where_all_piles_were_looked_at():
+    looked = replace(scene(0, 3, 5), holdable=2)
+    seconds = {"scan_seconds": 0.0, "approval_seconds": 0.0}
+    assert summary([looked], **seconds)["estimate_share"] == pytest.approx(5 / 8)
+    assert summary([looked, scene(1, 3, 5)], **seconds)["estimate_share"] is None
+
+
 def test_no_piles_have_no_shares():
     found = summary([], scan_seconds=1.0, approval_seconds=0.0)
     assert found["taken_share"] is None and found["planning_ms"] is None

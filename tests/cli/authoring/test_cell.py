@@ -1,9 +1,11 @@
 """`workbench cell`: what a cell is made of, and whether it can work."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from workbench.formats.files.shipped import find
@@ -126,3 +128,28 @@ def test_a_load_that_cannot_be_is_bad_input(say, changed, new, why):
     said = say("cell", "check", path)
     assert said.code == 2, said.out
     assert "cell.toml" in said.problem and why in said.problem
+
+
+def test_a_picture_shows_each_tool_on_its_flange(say, tmp_path):
+    path = tmp_path / "tool.html"
+    said = say("cell", "check", "yumi", "--picture", path)
+    assert said.code == 0, said.out
+    text = path.read_text()
+    for arm in ("right", "left"):
+        assert f"{arm} arm: smart_gripper on {arm}_flange" in text
+    drawn = json.loads(re.search(r'Plotly.newPlot\(\s*"[^"]*",\s*(\[.*?\]),\s*\{', text, re.S)[1])
+    axes = {trace["name"]: trace for trace in drawn if trace["scene"] == "scene"}
+    ends = {name: along_of(axes[name]) for name in ("last joint axis", "z of the flange")}
+    assert ends["z of the flange"] @ ends["last joint axis"] == pytest.approx(1.0, abs=1e-6)
+
+
+def along_of(trace):
+    """The direction (3,) of a drawn line."""
+    along = np.array([trace[axis][1] - trace[axis][0] for axis in "xyz"])
+    return along / np.linalg.norm(along)
+
+
+def test_a_picture_where_none_can_be_written_is_refused(say, tmp_path):
+    said = say("cell", "check", "yumi", "--picture", tmp_path / "nowhere" / "tool.html")
+    assert said.code == 2
+    assert "nowhere/tool.html" in said.err

@@ -13,7 +13,7 @@ from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import write_package
 from workbench.formats.robots.xacro_files import expanded, is_xacro
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.cell import Fixture
+from workbench.model.cell import POLICIES, Fixture
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh, Solid, pose_from_rpy
@@ -91,6 +91,18 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
     assert digest_of(again.scanner) == digest_of(scanner)
     assert again.policy == policy
     assert digest_of(again.poses_folder) == digest_of(folder)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [{}, {"lifts": ("up",)}, {"least_air": None}, {"pair_gap": 0.0}, {"lifts": ("up", "back")}],
+)
+def test_a_cell_that_empties_bins_thoroughly_says_so_and_what_differs(tmp_path, other):
+    policy = replace(POLICIES["thorough"], **other)
+    assert written(tmp_path, replace(read_cell("yumi"), policy=policy)).policy == policy
+    texts = [path.read_text() for path in tmp_path.rglob("cell.toml")]
+    says = sum('emptying = "thorough"' in text for text in texts)
+    assert says == (0 if "least_air" in other or other.get("lifts") == ("up",) else 1)
 
 
 def test_solids_keep_their_names_and_flat_ones_stay_flat(tmp_path):

@@ -10,6 +10,7 @@ from mutations import mutated, only_file_errors
 
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
+from workbench.model.cell import LIFT_NAMES
 from workbench.model.errors import FileError
 
 SHIPPED = find("robots", "yumi")
@@ -224,6 +225,20 @@ def test_lifts_and_the_least_air_are_read(folder: Path) -> None:
     cell = read_cell(with_policy(folder, 'lifts = ["up", "around"]\nleast_air_mm = 1.5'))
     assert cell.policy.lifts == ("up", "around")
     assert cell.policy.least_air == pytest.approx(0.0015)
+
+
+def test_a_cell_says_how_it_empties_bins_by_one_word_and_its_own_keys_come_first(
+    folder: Path,
+) -> None:
+    digest = read_cell(folder).digest
+    assert read_cell(with_policy(folder, 'emptying = "quick"')).digest == digest
+    with_change(folder, 'emptying = "quick"\n', "")
+    policy = read_cell(with_policy(folder, 'emptying = "thorough"')).policy
+    assert (policy.lifts, policy.least_air, policy.pair_gap) == (LIFT_NAMES, 0.0015, 0.01)
+    own = with_change(folder, '"thorough"', '"thorough"\nlifts = ["up"]')
+    assert (read_cell(own).policy.lifts, read_cell(own).policy.least_air) == (("up",), 0.0015)
+    with pytest.raises(FileError, match="quick"):
+        read_cell(with_change(folder, '"thorough"', '"slow"'))
 
 
 def test_a_cell_that_names_no_other_lift_has_the_digest_of_before(folder: Path) -> None:

@@ -254,6 +254,14 @@ def test_a_cube_of_a_metre_is_asked_about_by_its_mass(tmp_path):
     assert import_mesh(path, "inch").surface.size == pytest.approx([0.0254] * 3)
 
 
+def test_a_part_of_less_than_a_hundredth_of_a_gram_is_asked_about_by_its_mass(tmp_path):
+    path = tmp_path / "crumb.stl"
+    trimesh.creation.box((1, 1, 1)).export(path)
+    with pytest.raises(FileError, match=r"would be 1 x 1 x 1 mm and weigh 0.0012 g: give another"):
+        mass_of(import_mesh(path, "mm"), 1200, None)
+    assert mass_of(import_mesh(path, "mm"), 1200, 1e-6) == 1e-6
+
+
 def test_an_open_part_is_taken_as_it_is_when_somebody_says_so(tmp_path):
     ball = trimesh.creation.icosphere(2, 10)
     half = ball.faces[np.asarray(ball.triangles_center)[:, 2] > 0]

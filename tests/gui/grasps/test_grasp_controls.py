@@ -9,8 +9,10 @@ import pytest
 
 import workbench.gui.grasps.coverage
 import workbench.gui.shared.visitor
-from workbench.app.core.commands import ChangeCell
+from workbench.app.core.commands import ChangeCell, UndoCell
 from workbench.app.core.people import Role
+from workbench.app.filling import fill
+from workbench.app.filling.fill import Filled
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import save_grasps
@@ -19,12 +21,14 @@ from workbench.formats.parts.saves import Version, versions, write_draft
 from workbench.gui.grasps.coverage import CoverageControls, axis_words
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
+from workbench.gui.grasps.filling import FillControls
 from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.grasps.views import check_line, refused_text, versions_html
-from workbench.model.errors import InputError
+from workbench.model.digest import digest_of
+from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPair
 from workbench.model.part_edits import grasp_of
@@ -138,6 +142,46 @@ def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visit
     controls._work()
     controls.show(editing.part, problem="")
     assert "Not looked at since" in controls._line.content
+
+
+def found_by_filling(*entries):
+    """What a filling comes to."""
+    return Filled(entries, (0.5,) * len(entries), 8, 6, (("tool collision", 2),), 1, 0, (), 1.0)
+
+
+def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor, monkeypatch):
+    before = bench.state.cell.part(PART).library
+    new = (replace(HAND, name="across"), replace(HAND, name="end"))
+    monkeypatch.setattr(fill, "filled", lambda cell, part, **_: found_by_filling(*new))
+    controls = FillControls(visitor, Editing(visitor))
+    controls._work()
+    names = [entry.name for entry in bench.state.cell.part(PART).library.entries]
+    assert names[-2:] == ["across", "end"] and "6 of 8 parts" in controls._line.content
+    bench.do(UndoCell(), "Ada", Role.ENGINEER)
+    assert digest_of(bench.state.cell.part(PART).library) == digest_of(before)
+
+
+def test_a_filling_that_is_stopped_adds_nothing(bench, visitor, monkeypatch):
+    def stopped(cell, part, *, cancelled, **_):
+        controls._cancelled.set()
+        assert cancelled()
+        raise JobCancelled("it was cancelled")
+
+    before = bench.state.cell.digest
+    monkeypatch.setattr(fill, "filled", stopped)
+    controls = FillControls(visitor, Editing(visitor))
+    controls._work()
+    assert bench.state.cell.digest == before and "nothing was added" in controls._line.content
+
+
+def test_what_cannot_be_filled_is_said_in_a_sentence(visitor, monkeypatch):
+    def refused(cell, part, **_):
+        raise InputError("part plate is too large for the bin")
+
+    monkeypatch.setattr(fill, "filled", refused)
+    controls = FillControls(visitor, Editing(visitor))
+    controls._work()
+    assert "part plate is too large for the bin" in controls._line.content
 
 
 def test_nobody_goes_on_looking_for_who_has_gone(visitor):

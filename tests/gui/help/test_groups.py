@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from workbench.gui.help.groups import HELP, help_html
+from workbench.web.page.manual import FILES
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -35,7 +36,7 @@ def test_every_group_has_help_and_there_is_none_for_others():
 def test_help_is_three_sentences_or_four_and_leads_to_a_section_of_the_manual(name):
     text, section = HELP[name]
     assert len(re.findall(r"[.](?: |$)", text)) in (3, 4)
-    manual = (ROOT / "docs" / "operator.md").read_text(encoding="utf-8")
+    manual = "".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in FILES)
     headings = re.findall(r"^## (.*)$", manual, re.MULTILINE)
     assert section in [
         re.sub(r"[^a-z0-9 -]", "", one.lower()).replace(" ", "-") for one in headings

@@ -1,4 +1,4 @@
-"""The rule of what is clearly seen (docs/integrator.md), judged by counting points anew.
+"""The rule of what is clearly seen (docs/scanners.md), judged by counting points anew.
 
 Within `max(4 mm, 2 pixels)` of a point at least five points, which together stand for 6 mm2, are
 more than 6 mm from all that is known, and see what their neighbours see: then all of them are in a

@@ -21,6 +21,12 @@ def test_what_does_not_come_along_stays_as_text():
     assert "<img" not in made and "webp" not in made
 
 
+def test_both_of_its_documents_are_one_page():
+    made = manual_html("[There](setting_up.md#backup), [here](operator.md#scan).\n")
+    assert '<a href="#backup">There</a>' in made and '<a href="#scan">here</a>' in made
+    assert '<h2 id="scan">' in read_manual() and '<h2 id="backup">' in read_manual()
+
+
 def test_html_in_it_is_text():
     assert "<script>" not in manual_html("<script>alert(1)</script>\n\na <b>b</b>")
 

@@ -17,11 +17,16 @@ from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_grip import grips_of
 from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.picking.lifts import free_lifts
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
 MOST = 200
 """Grips that fit and hold whose arm is looked at, spread over all of them."""
+
+
+HELD = 20
+"""Grips that fit at a part and are looked at whether they hold, for an estimate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,6 +80,35 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
                 return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), result)
             refused[str(result.reason)] += 1
     return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), None)
+
+
+def holdable(cell: Cell, lying: Sequence[Detection], *, seed: int) -> int:
+    """How many parts some hand fits at and holds as they lie, and that can be lifted alone.
+
+    An estimate of what a search by the arms, too, would find (`bound_of`), in a fraction of its
+    time: whether an arm gets there is not asked, nor what comes free when others are gone.
+    """
+    world = World(cell, tuple(lying))
+    rng = np.random.default_rng(seed)
+    return sum(_is_holdable(world, number, rng) for number in range(len(lying)))
+
+
+def _is_holdable(world: World, number: int, rng: np.random.Generator) -> bool:
+    part = world.cell.part(world.detections[number].part)
+    seen: set[str] = set()
+    for arm in world.cell.arms:
+        if arm.tool.name in seen:
+            continue
+        seen.add(arm.tool.name)
+        grips = grips_of(part, arm)
+        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
+        for k in rng.permutation(free)[:HELD].tolist():
+            grasp = grips.grasp(k)
+            if grasp is not None:
+                candidate = candidate_of(world, number, grasp, arm)
+                if free_lifts(world, candidate, candidate.T_world_tcp)[1] is None:
+                    return True
+    return False
 
 
 def bound_of(

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
-from workbench.app.emptying.bound import bound_of
+from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.left import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
@@ -69,6 +69,7 @@ def emptied(
     report: Report = silent,
     cancelled: Cancelled = never,
     film: Callable[[Shot], None] = unseen,
+    estimates: bool = False,
 ) -> EmptiedPile:
     """Take the parts of a pile out until nothing can be taken, or pick after pick fails.
 
@@ -83,6 +84,7 @@ def emptied(
         report: is told how much is taken.
         cancelled: asked now and then; True ends it.
         film: is shown every plan that is carried out.
+        estimates: whether it is looked what hands could hold of what stays.
 
     Raises:
         JobCancelled: `cancelled` said so.
@@ -140,8 +142,8 @@ def emptied(
         fixes=not task.change,
     )
     more = None
+    rest = [one for _, one in lying]
     if task.bounds:
-        rest = [one for _, one in lying]
         told, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
         left = tuple(
             replace(one, any_grasp=str(found)) for one, found in zip(left, told, strict=True)
@@ -166,6 +168,7 @@ def emptied(
         tuple(tally.beside),
         tally.warned_picks,
         tally.warned_touches,
+        holdable(cell, rest, seed=task.seed) if estimates else None,
     )
 
 

@@ -50,6 +50,7 @@ def summary(
         "taken": taken,
         "taken_share": taken / parts if parts else None,
         "taken_rolled": sum(one.rolled for one in scenes),
+        "estimate_share": _estimate(scenes, taken, parts),
         "bound_share": _bound(scenes, taken, parts),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
@@ -88,6 +89,12 @@ def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
 def _bound(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
     """The share that any grasps of the tool take, None when nobody asked."""
     more = [one.more for one in scenes if one.more is not None]
+    return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
+
+
+def _estimate(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
+    """The share that was taken, or that some hand could hold as it stays; None where unknown."""
+    more = [one.holdable for one in scenes if one.holdable is not None]
     return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
 
 

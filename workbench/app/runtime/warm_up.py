@@ -20,6 +20,7 @@ from workbench.app.runtime.readiness import end_with_input
 from workbench.app.runtime.work import find_parts
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
+from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.unexplained import unexplained
@@ -81,6 +82,7 @@ def plan() -> None:
     lying = pose_from_rpy((0.0, 0.0, 0.03), (0.0, math.pi / 2, 0.0))
     trial, grasps = Trial(cell, part), part.grasps[:1]
     nearest_points(part.mesh, np.zeros((1, 3)))
+    Surface(part.mesh.points[part.mesh.triangles], spacing=0.001).farthest(np.zeros((1, 3)))
     trial.works([cell.bin.T_world_bin * lying], grasps, trial.usable(grasps))
 
 

@@ -23,6 +23,8 @@ class CellCheck:
 
     cell: Positional[CellName]
     json: Json = False
+    picture: Maybe[Path] = None
+    """HTML file to write: how each tool stands on its arm, with the axes of the flange."""
 
 
 @dataclass(frozen=True, slots=True)

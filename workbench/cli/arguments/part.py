@@ -115,4 +115,7 @@ class Grasps:
     """Seed of the samples on the surface."""
     add: bool = False
     """Write them into the part's grasps.toml, behind what stands there."""
+    fill: bool = False
+    """Make the whole library with which the cell's bin is emptied, and write it behind what stands
+    there: families of grasps, chosen by what they add in simulated piles.  Takes about a minute."""
     json: Json = False

@@ -149,7 +149,7 @@ class Calibrate:
     """Find out where the scanner hangs, from scans of a three-ball plate that the robot holds.
 
     The folder holds scans and calibration.toml, which says where the arm stood for each; see
-    docs/integrator.md. Poses that do not agree with the others are named and left out.
+    docs/calibration.md. Poses that do not agree with the others are named and left out.
     """
 
     cell: Positional[CellName]

@@ -14,6 +14,7 @@ from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Arm, Cell
 from workbench.model.load import Load, tool_load
+from workbench.studies.layout.flange_picture import draw_flanges
 from workbench.studies.layout.flanges import lean_of
 from workbench.studies.reach import PlacedPart, Reach, reach_of
 from workbench.studies.targets import Target
@@ -31,6 +32,8 @@ SKEW = np.deg2rad(5.0)
 def check_cell(typed: CellCheck) -> int:
     """Print what was found; the exit code is 0 only when nothing speaks against the cell."""
     cell = read_cell(typed.cell)
+    if typed.picture is not None:
+        draw_flanges(typed.picture, cell)
     reaches: list[Reach] = []
     with progress("check") as report:
         make_ready(report, ("planning",))

@@ -6,10 +6,10 @@ import numpy as np
 
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import Grasps
+from workbench.cli.authoring.fill import fill, grasps_file
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import add_grasps
 from workbench.formats.parts.reading import read_part
 from workbench.planning.grasps.grasp_check import GraspCheck
@@ -22,6 +22,8 @@ def grasps(typed: Grasps) -> int:
     check_whole("--most", typed.most, 1, 200)
     check_whole("--seed", typed.seed, 0, 2**32 - 1)
     part, cell = read_part(typed.part), read_cell(typed.cell)
+    if typed.fill:
+        return fill(typed, part, cell)
     arm = cell.arms[0] if typed.arm is None else cell.arm(typed.arm)
     with progress("grasps") as report:
         make_ready(report, ("planning",))
@@ -36,8 +38,7 @@ def grasps(typed: Grasps) -> int:
             refused=refused.append,
         )
     names = [one.grasp.name for one in found]
-    place = find("parts", typed.part)
-    file = (place if place.is_dir() else place.parent) / "grasps.toml"
+    file = grasps_file(typed.part)
     if typed.add and found:
         names = list(add_grasps(file, (one.grasp for one in found)))
     if typed.json:

@@ -25,7 +25,7 @@ from workbench.formats.klampt.world_reader import (
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
 from workbench.formats.robots.urdf_package import simplified
-from workbench.model.cell import Arm, Cell, ScannerMount
+from workbench.model.cell import POLICIES, Arm, Cell, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin
@@ -227,6 +227,7 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
         scanner=ScannerMount(pose_from_rpy((0, 0, 1))),
         controller=controller_by(usual_link()),
         parts=(part,),
+        policy=POLICIES["thorough"],
     )
 
 

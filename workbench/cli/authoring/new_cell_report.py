@@ -57,5 +57,5 @@ def tell(made: Made, *, as_json: bool) -> None:
     print("To decide, where it is not as chosen here:")
     for number, decision in enumerate(made.decisions, start=1):
         print(f"{number}. {decision}")
-    folder = made.path.parent
-    print(f"{made.path}: written; look at it, then: workbench cell check {folder}")
+    check = f"workbench cell check {made.path.parent} --picture tool.html"
+    print(f"{made.path}: written. Check it, and see how the tool stands: {check}")

@@ -174,6 +174,11 @@ def _print(found: dict[str, Any], title: str) -> None:
             f"planning: {found['planning_ms']['median']:.0f} ms median, "
             f"{found['planning_ms']['p95']:.0f} ms at 95 %; in the mean {stages}"
         )
+    if found["estimate_share"] is not None and found["bound_share"] is None:
+        share = found["estimate_share"]
+        print(
+            f"taken, or a hand of the tools could hold it as it stays: {share:.1%} (--bound: exact)"
+        )
     if found["bound_share"] is not None:
         print(f"by all grasps of the tool, in the library or not: {found['bound_share']:.1%}")
     if found["parts_per_hour"] is not None:

@@ -20,6 +20,7 @@ from workbench.model.cell import (
     LIFT_NAMES,
     MOST_PICKS,
     ORDER_NAMES,
+    POLICIES,
     Arm,
     Cell,
     Fixture,
@@ -242,7 +243,8 @@ def _lifts(table: Table, usual: tuple[LiftName, ...]) -> tuple[LiftName, ...]:
 
 def _policy(table: Table) -> tuple[Policy, int]:
     """The policy, and how many people have to approve."""
-    usual = Policy()
+    usual = POLICIES[table.text("emptying", "quick", among=tuple(POLICIES))]
+    has_air = table.has("least_air_mm")
 
     def length(key: str, default: float, high: float) -> float:
         return table.number(key, default * 1000, low=0, high=high) / 1000
@@ -273,7 +275,7 @@ def _policy(table: Table) -> tuple[Policy, int]:
         ),
         lifts=_lifts(table, usual.lifts),
         pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
-        least_air=length("least_air_mm", 0.0, 1000) if table.has("least_air_mm") else None,
+        least_air=length("least_air_mm", 0.0, 1000) if has_air else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
     )
     if problem := picks_problem(policy):

@@ -17,7 +17,7 @@ from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
-from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.cell import POLICIES, Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
 from workbench.plugins.options import Options
@@ -119,7 +119,9 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"planner = {text(policy.planner)}"
     yield f"iterations = {policy.iterations}"
     yield f"order = {text(policy.order)}"
-    usual = Policy()
+    usual = _base(policy)
+    if usual != Policy():
+        yield 'emptying = "thorough"  # all lifts, fingers as open as there is room; or "quick"'
     for key in ("sink", "release"):
         if getattr(policy, key) != getattr(usual, key):
             yield f"{key}_mm = {number(getattr(policy, key) * 1000)}"
@@ -130,11 +132,18 @@ def _policy(cell: Cell) -> Iterator[str]:
         yield f"lifts = [{', '.join(map(text, policy.lifts))}]"
     if policy.pair_gap != usual.pair_gap:
         yield f"pair_gap_mm = {number(policy.pair_gap * 1000)}"
-    if policy.least_air is not None:
+    if policy.least_air is not None and policy.least_air != usual.least_air:
         yield f"least_air_mm = {number(policy.least_air * 1000)}"
     if policy.picks != usual.picks:
         yield f"picks = {policy.picks}"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
+
+
+def _base(policy: Policy) -> Policy:
+    """The named policy that one is made from."""
+    thorough = POLICIES["thorough"]
+    # What is written as nothing at all cannot be said on top of it.
+    return Policy() if policy.least_air is None or len(policy.lifts) == 1 else thorough
 
 
 def _scanner(cell: Cell) -> Iterator[str]:

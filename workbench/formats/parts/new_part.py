@@ -36,6 +36,9 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,59}")
 HEAVIEST = 1000.0
 """[kg] Of what is picked; what is heavier has another unit."""
 
+LIGHTEST = 1e-5
+"""[kg] Nothing lighter is picked; its unit is another, or nobody can hold it."""
+
 THINNEST = 1e-4
 """The share of its box that a body must fill; a surface around less encloses nothing."""
 
@@ -136,7 +139,7 @@ def mass_of(imported: Imported, density: float, mass: float | None) -> float:
     if imported.surface.problems:
         raise FileError(imported.source, "is open, so its mass is not known: give it (--mass-g)")
     weighs = imported.surface.volume * density
-    if weighs > HEAVIEST:
+    if not LIGHTEST <= weighs <= HEAVIEST:
         size = " x ".join(f"{length * 1000:.4g}" for length in imported.surface.size)
         would = f"would be {size} mm and weigh {mass_words(weighs)}"
         give = "give another unit (--unit) or its mass (--mass-g)"

@@ -14,6 +14,7 @@ from workbench.gui.grasps.copies import GraspCopies
 from workbench.gui.grasps.coverage import CoverageControls
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
+from workbench.gui.grasps.filling import FillControls
 from workbench.gui.grasps.ideas import Suggestions, SymmetryControls
 from workbench.gui.grasps.library import LibraryControls, PairControls
 from workbench.gui.grasps.offset import GraspOffset
@@ -94,6 +95,7 @@ class GraspsPanel:
             self._copies = GraspCopies(visitor, editing)
         with group(gui, "Suggestions", expand_by_default=False):
             self._suggestions = Suggestions(visitor, editing, self._preview)
+            self._filling = FillControls(visitor, editing)
         with group(gui, "How the part can lie", expand_by_default=False):
             self._coverage = CoverageControls(visitor, editing, self._stage)
         with group(gui, "Symmetry of the part", expand_by_default=False):
@@ -183,6 +185,7 @@ class GraspsPanel:
         self._fields.show(entry, problem=cannot)
         self._copies.show(entry, problem=cannot)
         self._suggestions.show(part)
+        self._filling.show()
         self._coverage.show(part, problem=cannot)
         self._symmetry.show(part, problem=cannot)
         self._pairs.show(part, problem=cannot)

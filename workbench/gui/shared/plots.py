@@ -1,7 +1,7 @@
 """Curves as HTML: over the time of a plan with a cursor in all, where a click goes to its time.
 
 viser's plots cannot do either, and stay blank when the colours of the page change while they are
-out of sight (decision 26).  These are as wide as there is room, and take their colours from the
+out of sight (decision 2).  These are as wide as there is room, and take their colours from the
 style sheet.
 """
 

@@ -46,7 +46,7 @@ def emptied(task: PileTask) -> EmptiedPile:
     """Drop a pile and empty it; see `app.emptying.empty`."""
     cell = _warm(task.cell, task.part, task.seen, task.change)
     pile = empty.fallen(cell_of(task.cell, task.part), cell, task)
-    return empty.emptied(cell, task, pile)
+    return empty.emptied(cell, task, pile, estimates=not task.change)
 
 
 @lru_cache(maxsize=4)

@@ -135,6 +135,7 @@ EMPTYING = record(
     taken=WHOLE,
     taken_share=or_none(NUMBER),
     taken_rolled=WHOLE,
+    estimate_share=or_none(NUMBER),
     bound_share=or_none(NUMBER),
     picks=WHOLE,
     failed_picks=WHOLE,

@@ -1,4 +1,4 @@
-"""The manual for people at the cell as a page: `docs/operator.md`, without a network.
+"""The manual as a page, without a network: `docs/operator.md` and `docs/setting_up.md`.
 
 Pictures and the other documents do not come along, so what leads to them stays as text.
 """
@@ -10,6 +10,9 @@ from markdown_it import MarkdownIt
 
 from workbench.formats.files.shipped import find
 
+FILES = ("operator.md", "setting_up.md")
+"""For people at the cell, and for engineers: one page here."""
+
 
 def read_manual() -> str:
     """The manual as HTML, its headings named as links have them.
@@ -17,7 +20,7 @@ def read_manual() -> str:
     Raises:
         FileError: it is missing.
     """
-    return manual_html(find("docs", "operator.md").read_text(encoding="utf-8"))
+    return manual_html("\n".join(find("docs", name).read_text(encoding="utf-8") for name in FILES))
 
 
 def manual_html(text: str) -> str:
@@ -27,6 +30,7 @@ def manual_html(text: str) -> str:
         text: of the document.
     """
     text = re.sub(r"^!\[[^\]]*\]\([^)]*\)\n*", "", text, flags=re.MULTILINE)
+    text = re.sub(rf"\]\((?:{'|'.join(map(re.escape, FILES))})#", "](#", text)
     text = re.sub(r"\[([^\]]*)\]\((?!#)[^)]*\)", r"\1", text)
     made = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = made.parse(text)

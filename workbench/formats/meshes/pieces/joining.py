@@ -14,8 +14,11 @@ from workbench.model.geometry import Floats
 APART = 1e-6
 """[m] Hulls that are no further apart may touch, and a corner no further away lies on one."""
 
-FEW = 50
+FEW = 100
 """Points that show most common hulls to be too large."""
+
+LOOKS = 2
+"""A pair is measured at few points, and closely only when no other pair seems better."""
 
 ENOUGH = 0.5
 """Of the tolerance: distances below it need not be known closer."""
@@ -25,13 +28,13 @@ ENOUGH = 0.5
 class _Pair:
     """Two hulls by number, and by how much their common hull is too large [m].
 
-    At least so much, until it is measured.
+    At least so much, until it has had all its `looks`.
     """
 
     excess: float
     numbers: tuple[int, int]
     both: ConvexHull = field(compare=False)
-    is_measured: bool = field(default=False, compare=False)
+    looks: int = field(default=0, compare=False)
 
 
 def joined(
@@ -60,10 +63,11 @@ def joined(
             break
         if not left.keys() >= set(pair.numbers):
             continue
-        if not pair.is_measured:
+        if pair.looks < LOOKS:
             faces = _new_faces(pair.both, [left[number] for number in pair.numbers])
-            pair.excess = max(pair.excess, _excess(faces, surface, tolerance))
-            pair.is_measured = True
+            too_far = tolerance if len(left) <= most else np.inf
+            far = _excess(faces, surface, tolerance, too_far, pair.looks)
+            pair.excess, pair.looks = max(pair.excess, far), pair.looks + 1
             heapq.heappush(queue, pair)
             continue
         for number in pair.numbers:
@@ -101,11 +105,9 @@ def _new_faces(both: ConvexHull, parts: list[ConvexHull]) -> Floats:
     return both.points[both.simplices[is_new]]
 
 
-def _excess(faces: Floats, surface: Surface, tolerance: float) -> float:
-    """How far faces (n, 3, 3) [m] lie outside of a surface at most [m], or some of them too far."""
-    far = 0.0
-    for count in (FEW, points_for(area_of(faces), tolerance)) if len(faces) else ():
-        far = surface.farthest(points_on(faces, count)[0], ENOUGH * tolerance)[0]
-        if far > tolerance:
-            break
-    return far
+def _excess(faces: Floats, surface: Surface, tolerance: float, too_far: float, look: int) -> float:
+    """How far faces (n, 3, 3) [m] lie outside of a surface at most [m], the last look closest."""
+    if not len(faces):
+        return 0.0
+    count = FEW if look < LOOKS - 1 else points_for(area_of(faces), tolerance)
+    return surface.farthest(points_on(faces, count)[0], ENOUGH * tolerance, too_far)[0]

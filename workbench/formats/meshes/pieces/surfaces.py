@@ -1,10 +1,10 @@
 """How far points lie outside of triangles, whichever way these are turned."""
 
 import numpy as np
-import trimesh
 from scipy.ndimage import binary_dilation, distance_transform_edt, label
 from scipy.spatial import KDTree
 
+from workbench.formats.meshes.pieces.nearest import farthest, tree_of
 from workbench.model.geometry import Bools, Floats, Ints
 
 MOST_POINTS = 150_000
@@ -12,21 +12,6 @@ MOST_POINTS = 150_000
 
 CELL = 2.0
 """Side of a cell of space, in distances between points: so no way leads through the surface."""
-
-NEIGHBOURS = 6
-"""Points on the surface in whose triangles the nearest place may be."""
-
-ALIKE = 1e-7
-"""[m] Triangles whose distance differs by no more meet at the nearest place."""
-
-ALMOST = 0.95
-"""Points that are by this share as far as the farthest are about as far."""
-
-ROUGHLY = 0.1
-"""Share by which a distance may be too large before it is found exactly."""
-
-CHUNK, CHUNKS = 64, (100, 400, 0)
-"""Points whose distances are found at a time, and of which the nearest point is, the last all."""
 
 
 class Surface:
@@ -48,6 +33,7 @@ class Surface:
         spacing = max(spacing, float(np.sqrt(length.sum() / MOST_POINTS)))
         self._points, self._of = _spread(triangles, spacing)
         self._tree = KDTree(self._points)
+        self._boxes = tree_of(triangles, self._normals)
         self._cell = CELL * spacing
         self._low = self._points.min(axis=0) - 1.5 * self._cell
         shape = np.ceil((self._points.max(axis=0) - self._low) / self._cell).astype(int) + 2
@@ -67,55 +53,21 @@ class Surface:
         is_outer[self._of[self._are(near, self._points, elsewhere=True)]] = True
         return self.triangles[is_outer]
 
-    def farthest(self, points: Floats, enough: float = 0.0) -> tuple[float, int]:
+    def farthest(
+        self, points: Floats, enough: float = 0.0, too_far: float = np.inf
+    ) -> tuple[float, int]:
         """How far the farthest of points (n, 3) lies outside at most [m], and which it is, nearly.
 
         Args:
-            points: [m] of those that are about as far the first is told.
+            points: [m] within the box around the surface; of those about as far the first counts.
             enough: [m] what surely is no farther is not looked at closer.
+            too_far: [m] the search ends at a point that is farther.
         """
         is_at_surface = self._are(self._is_taken, points, elsewhere=False)
         counts = is_at_surface | self._are(self._is_reached, points, elsewhere=True)
         cells = self._cells(points).clip(0, np.array(self._away.shape) - 1)
         most = np.where(counts, self._away[tuple(cells.T)], 0.0)
-        order, last = np.argsort(-most, kind="stable"), 0
-        farthest, told, at = 0.0, 0.0, int(order[0])
-        for size in CHUNKS:
-            some = order[last : last + size] if size else order[last:]
-            last += len(some)
-            some = some[most[some] > max(farthest, enough)]
-            if not len(some):
-                break
-            known = np.asarray(self._tree.query(points[some], eps=ROUGHLY)[0])
-            most[some] = known
-            nearer = np.argsort(-known, kind="stable")
-            some, known = some[nearer], known[nearer]
-            for first in range(0, len(some), CHUNK):
-                part = slice(first, first + CHUNK)
-                if known[first] <= max(farthest, enough):
-                    break
-                which = some[part]
-                away = self._distances(points[which], known[part], is_at_surface[which])
-                most[which] = 0.0
-                farthest = max(farthest, float(away.max()))
-                if farthest > told / ALMOST:
-                    first_far = which[away >= ALMOST * farthest]
-                    told, at = farthest, int(first_far.min())
-        return max(farthest, min(enough, float(most.max()))), at
-
-    def _distances(self, points: Floats, known: Floats, is_at_surface: Bools) -> Floats:
-        """How far points (n, 3) lie outside [m], (n,); 0 inside, which counts `is_at_surface`."""
-        near = self._of[self._tree.query(points, k=NEIGHBOURS)[1]]
-        each = np.repeat(points, NEIGHBOURS, axis=0)
-        off = each - trimesh.triangles.closest_point(self.triangles[near.ravel()], each)
-        away = np.linalg.norm(off, axis=1).reshape(-1, NEIGHBOURS)
-        away = np.fmin(away, known[:, None])  # a triangle without area has no nearest place
-        nearest = away.min(axis=1)
-        turned = np.einsum("nki,nki->nk", off.reshape(-1, NEIGHBOURS, 3), self._normals[near])
-        # Where several meet, the one that looks most at the point, or away from it, tells its side.
-        turned[away > nearest[:, None] + ALIKE] = 0.0
-        side = turned[np.arange(len(points)), np.abs(turned).argmax(axis=1)]
-        return np.where(is_at_surface & (side <= 0), 0.0, nearest)
+        return farthest(self._boxes, points, most, is_at_surface, enough, too_far)
 
     def around(self, point: Floats, count: int) -> tuple[Floats, Floats]:
         """Points on the surface nearest to a point, (k, 3) [m], and its normals there (k, 3)."""

@@ -1,0 +1,96 @@
+"""What other tool or bin would take the parts that no grip of the tools takes."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.emptying.changes import changes_of
+from workbench.app.filling.clearing import Stays
+from workbench.app.filling.hand import hands_for
+from workbench.model.cell import Cell, Tool
+from workbench.model.geometry import Cylinder, Solid
+from workbench.model.part import GraspLibrary
+from workbench.model.scan import Detection
+from workbench.planning.collision.world import World
+
+KINDS = ("fingers", "bin")
+"""Kinds of changes of the cell that are tried."""
+
+LOOKED = 6
+"""Parts that are looked at, at most."""
+
+HOLDING = 12
+"""Grips that fit and are looked at whether they hold."""
+
+CUP, REACH = 0.008, 0.06
+"""[m] How wide the cup is that is tried in place of fingers, and how long."""
+
+TOLD = 3
+"""Changes that are named."""
+
+
+def advice(
+    cell: Cell, stuck: Sequence[Stays], seed: int, is_over: Callable[[], bool]
+) -> tuple[tuple[tuple[str, int], ...], int]:
+    """The changes that let a hand hold most of some parts, the best first, and how many they hold.
+
+    Args:
+        cell: that the parts lie in; it picks them alone.
+        stuck: the parts.
+        seed: of what is left to chance.
+        is_over: asked now and then; True ends it with what is known.
+
+    Returns:
+        Changes in words with how many of the parts a hand would hold, and of how many.
+    """
+    if not stuck:
+        return (), 0
+    part = replace(cell.parts[0], library=GraspLibrary())
+    chosen = np.random.default_rng(seed).permutation(len(stuck))[:LOOKED].tolist()
+    found: list[tuple[str, int]] = []
+    for words, other in _others(cell):
+        other = replace(other, parts=(part,))
+        hands = hands_for(other, part, seed)
+        count = 0
+        for k in chosen:
+            if is_over():
+                return _best(found), len(chosen)
+            world = World(other, _in_bin(cell, other, stuck[k].pile))
+            for hand in hands:
+                free = np.flatnonzero(hand.free(world, stuck[k].number))
+                some = np.random.default_rng(seed).permutation(free)[:HOLDING].tolist()
+                if any(hand.grip(n) is not None for n in some):
+                    count += 1
+                    break
+        if count:
+            found.append((words, count))
+    return _best(found), len(chosen)
+
+
+def _best(found: list[tuple[str, int]]) -> tuple[tuple[str, int], ...]:
+    return tuple(sorted(found, key=lambda one: -one[1])[:TOLD])
+
+
+def _others(cell: Cell) -> Iterator[tuple[str, Cell]]:
+    """Other cells, with what is other in words; those that fit the most kinds of parts first."""
+    if any(arm.tool.fingers for arm in cell.arms):
+        arms = tuple(replace(arm, tool=_cup(arm.tool)) for arm in cell.arms)
+        yield f"a cup of {CUP * 1e3:.0f} mm", replace(cell, arms=arms)
+    for change in changes_of(cell):
+        other = change.made(cell) if change.kind in KINDS and "mm" in change.words else None
+        if other is not None and ("thinner" in change.words or "lower" in change.words):
+            yield change.words, other
+
+
+def _cup(tool: Tool) -> Tool:
+    """A slim cup where the fingers of a tool end."""
+    back = pin.SE3(np.eye(3), np.array([0.0, 0.0, -REACH / 2]))
+    body = Solid("cup", Cylinder(CUP / 2, REACH), tool.T_flange_tcp * back)
+    return replace(tool, name=f"{tool.name}-cup", fingers=(), body=(body,), stroke=(0.0, 0.0))
+
+
+def _in_bin(cell: Cell, other: Cell, pile: Sequence[Detection]) -> tuple[Detection, ...]:
+    step = other.bin.T_world_bin * cell.bin.T_world_bin.inverse()
+    return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)

@@ -1,0 +1,112 @@
+"""The families that together fit at most of the parts of some piles, as they fell."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.app.filling.families import Family, family_of
+from workbench.app.filling.hand import Hand
+from workbench.model.geometry import Bools, Floats
+from workbench.planning.collision.world import World
+from workbench.planning.picking.lifts import free_lifts
+from workbench.planning.picking.propose import candidate_of
+
+WORTH = 0.5
+"""What a part counts for, times itself for each family that fits it already."""
+
+LEAST = 0.03
+"""Share of all parts that a family has to add."""
+
+MOST = 10
+"""Families, at most."""
+
+LOOKED, GROWN = 16, 3
+"""Grips that are looked at in each round, and those that become families to be compared."""
+
+AMONG = 12
+"""Times as many of the grips that add most: which of them are looked at is left to chance."""
+
+
+@dataclass(slots=True)
+class _Case:
+    """A part as it lies in a pile, and which grips (n,) of the raster fit there."""
+
+    world: World
+    number: int
+    free: Bools
+
+
+def choose(hand: Hand, worlds: Sequence[World], seed: int, is_over: Callable[[], bool]) -> None:
+    """Add families to a hand, each the one that adds most to those before it.
+
+    Args:
+        hand: whose families grow.
+        worlds: piles as they fell.
+        seed: of what is left to chance.
+        is_over: asked now and then; True ends it.
+    """
+    cases = list(_cases(hand, worlds, is_over))
+    if not cases:
+        return
+    rng = np.random.default_rng(seed)
+    free = np.array([one.free for one in cases], np.float32)
+    worth = np.array(
+        [WORTH ** sum(f.fits(c.world, hand.arm, c.number) for f in hand.families) for c in cases]
+    )
+    for _ in range(MOST):
+        if is_over():
+            return
+        best = _best(hand, cases, worth, np.asarray(worth @ free, np.float64), rng)
+        if best is None:
+            return
+        family, fits = best
+        if float(worth @ fits) < LEAST * len(cases):
+            return
+        hand.families.append(family)
+        worth = np.where(fits, WORTH * worth, worth)
+
+
+def _cases(hand: Hand, worlds: Sequence[World], is_over: Callable[[], bool]) -> list[_Case]:
+    """Parts that some grip fits and that could be lifted."""
+    found: list[_Case] = []
+    for world in worlds:
+        for number in range(len(world.detections)):
+            if is_over():
+                return found
+            free = hand.free(world, number)
+            if free.any() and not _is_covered(hand, world, number, int(np.argmax(free))):
+                found.append(_Case(world, number, free))
+    return found
+
+
+def _is_covered(hand: Hand, world: World, number: int, k: int) -> bool:
+    """Whether no lift leads out, whoever holds it: others lie on it."""
+    grasp = hand.raw(k)
+    candidate = candidate_of(world, number, grasp, hand.arm)
+    return free_lifts(world, candidate, candidate.T_world_tcp)[1] is not None
+
+
+def _best(
+    hand: Hand, cases: Sequence[_Case], worth: Floats, gains: Floats, rng: np.random.Generator
+) -> tuple[Family, Bools] | None:
+    """The family that adds most, of a few, and at which of the cases it fits."""
+    gains[list(hand.useless)] = 0.0
+    first = np.argsort(-gains, kind="stable")[: LOOKED * AMONG]
+    looked: list[tuple[float, int]] = []
+    grips = {}
+    for k in rng.permutation(first).tolist():
+        if gains[k] <= 0.0 or len(looked) == LOOKED:
+            continue
+        found = hand.grip(k)
+        if found is not None:
+            grips[k] = found[0]
+            looked.append((float(gains[k]) * (0.5 + 0.5 * hand.goodness(*found)), k))
+    best: tuple[float, Family, Bools] | None = None
+    for _, k in sorted(looked, reverse=True)[:GROWN]:
+        part = hand.grower.part
+        family = family_of(part, hand.arm, hand.grower.grown(grips[k]), hand.least_air)
+        fits = np.array([family.fits(one.world, hand.arm, one.number) for one in cases])
+        if best is None or float(worth @ fits) > best[0]:
+            best = float(worth @ fits), family, fits
+    return None if best is None else best[1:]

@@ -1,0 +1,187 @@
+"""A pile emptied quickly, without paths and proofs; what stays for want of a grasp adds one."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.filling.families import family_of
+from workbench.app.filling.hand import Hand
+from workbench.model.candidate import Pick, Reason
+from workbench.model.cell import Cell
+from workbench.model.part import Grasp
+from workbench.model.scan import Detection
+from workbench.perception.simulation.unloading import is_in_bin, unloaded
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.grasp_check import GraspCheck
+from workbench.planning.picking.propose import candidate_of
+from workbench.planning.picking.resolve import resolve
+from workbench.planning.planners.clock import processor_time
+
+WAYS = 4
+"""Ways of a family by which an arm is tried at a part."""
+
+TRIED = 12
+"""Ways of all families, at most."""
+
+GRIPS, LEAST = 24, 6
+"""Grips by which an arm is tried at a part that no family takes, at most and at least."""
+
+LOOKS = 1.0
+"""[s] Of processor time: once it has passed, more than the least are not tried."""
+
+MOST = 24
+"""Families of a tool, at most."""
+
+RISE = 0.1
+"""[m] A part is lifted while the rest comes to lie anew."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stays:
+    """A part, by its number, that stays in a pile, and why."""
+
+    pile: tuple[Detection, ...]
+    number: int
+    reason: str
+
+
+def cleared(
+    cell: Cell,
+    hands: Sequence[Hand],
+    pile: Sequence[Detection],
+    seed: int,
+    is_over: Callable[[], bool],
+) -> tuple[int, list[Stays]]:
+    """Take out what families take, as long as some part comes out; others add families.
+
+    Args:
+        cell: that the pile lies in.
+        hands: whose families grow.
+        pile: how the parts lie.
+        seed: of what is left to chance.
+        is_over: asked now and then; True ends it.
+
+    Returns:
+        How many parts came out, and those that stay, where that is known.
+    """
+    rest = list(pile)
+    rng = np.random.default_rng(seed)
+    taken = 0
+    while rest:
+        world = World(cell, tuple(rest))
+        gone: list[int] = []
+        for number in range(len(rest)):
+            if is_over():
+                return taken + len(gone), []
+            if _takes(hands, world, number, seed, rng):
+                gone.append(number)
+        why: list[Stays] = []
+        if not gone:
+            for number in range(len(rest)):
+                if is_over():
+                    return taken + len(gone), why
+                reason = _added(hands, world, number, seed, rng)
+                if reason:
+                    why.append(Stays(tuple(rest), number, reason))
+                else:
+                    gone.append(number)
+        if not gone:
+            return taken, why
+        taken += len(gone)
+        rest = _without(cell, rest, gone)
+    return taken, []
+
+
+def _takes(
+    hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
+) -> bool:
+    """Whether a family takes a part; it is told so."""
+    tried = 0
+    for hand in hands:
+        for family in sorted(hand.families, key=lambda one: -len(one.took)):
+            if not family.fits(world, hand.arm, number):
+                continue
+            free = np.flatnonzero(family.free(world, hand.arm, number))
+            for k in rng.permutation(free)[:WAYS].tolist():
+                tried += 1
+                reason = _reached(hand, world, number, family.grasp(k), seed)
+                if not reason:
+                    family.took.append((world, number))
+                    return True
+                if tried >= TRIED or reason == COVERED:
+                    return False
+    return False
+
+
+COVERED = "others lie on it"
+
+
+def _reached(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
+    """Why no arm takes a part by a grasp; empty when one does."""
+    reason = ""
+    for arm in hand.arms:
+        result = resolve(world, candidate_of(world, number, grasp, arm), seed=seed)
+        if isinstance(result, Pick):
+            return ""
+        if result.reason is Reason.EXTRACT_BLOCKED and result.q is None:
+            return COVERED
+        reason = str(result.reason)
+    return reason
+
+
+def _added(
+    hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
+) -> str:
+    """Have a grip that takes a part add its family; else why none does."""
+    reasons: Counter[str] = Counter()
+    until = processor_time() + LOOKS
+    for hand in hands:
+        for k, found in _firmest(hand, world, number, rng):
+            narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)
+            reason = _reached(hand, world, number, narrow, seed)
+            if not reason:
+                _add(hand, world, number, found[0])
+                return ""
+            reasons[reason] += 1
+            is_late = processor_time() > until and reasons.total() >= LEAST
+            if reason == COVERED or is_late:
+                break
+    return reasons.most_common(1)[0][0] if reasons else str(Reason.TOOL_COLLISION)
+
+
+def _firmest(
+    hand: Hand, world: World, number: int, rng: np.random.Generator
+) -> list[tuple[int, tuple[Grasp, GraspCheck]]]:
+    """Some grips of the raster that fit at a part and hold it, those that hold best first."""
+    holding: list[tuple[int, tuple[Grasp, GraspCheck]]] = []
+    for k in rng.permutation(np.flatnonzero(hand.free(world, number))).tolist():
+        found = hand.grip(k)
+        if found is not None:
+            holding.append((k, found))
+        if len(holding) == GRIPS:
+            break
+    return sorted(holding, key=lambda one: -hand.goodness(*one[1]))
+
+
+def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
+    if len(hand.families) >= MOST:
+        return
+    part = hand.grower.part
+    family = family_of(part, hand.arm, hand.grower.grown(grasp), hand.least_air)
+    family.took.append((world, number))
+    hand.families.append(family)
+
+
+def _without(cell: Cell, rest: Sequence[Detection], gone: Sequence[int]) -> list[Detection]:
+    """What is left as some parts are gone and the last of them is lifted straight up."""
+    stays = [one for number, one in enumerate(rest) if number not in gone]
+    if not stays:
+        return []
+    last = rest[gone[-1]]
+    T = last.T_world_part
+    way = [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, RISE]))]
+    settled = unloaded(cell, [*stays, last], len(stays), way)
+    return [one for one in settled if is_in_bin(cell.bin, cell.parts[0], one.T_world_part)]

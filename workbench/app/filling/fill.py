@@ -1,0 +1,202 @@
+"""The library of grasps with which a cell's bin is emptied of a part, chosen by what each adds.
+
+All grips of a tool on a fine raster are tried at the parts of simulated piles: at walls, beside
+neighbours, over all ways to lie.  The grip that adds most becomes a family of grasps, then the one
+that adds most to that, and so on.  Then piles are emptied, quickly and without paths, and what no
+family takes while some grip does adds its own.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from workbench.app.filling.advice import advice
+from workbench.app.filling.choosing import choose
+from workbench.app.filling.clearing import Stays, cleared
+from workbench.app.filling.hand import hands_for
+from workbench.app.filling.keeping import Kept, kept
+from workbench.app.filling.naming import named
+from workbench.model.candidate import Reason
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError, JobCancelled
+from workbench.model.part import Entry, GraspPattern, Part
+from workbench.model.scan import Detection
+from workbench.perception.simulation.piles import drop_parts
+from workbench.perception.simulation.room import check_room
+from workbench.planning.collision.world import World
+from workbench.planning.planners.clock import processor_time
+from workbench.plugins.progress import Cancelled, Report, silent
+from workbench.plugins.progress import never as nobody
+
+SECONDS = 60.0
+"""[s] Of processor time that a filling takes at most."""
+
+FALLEN = (15, 8, 4)
+"""Parts in the piles that are tried, one after the other; fewer where they do not fit."""
+
+FIRST = 3
+"""Piles of which the first families are chosen, as they fell."""
+
+CHOOSING, CLEARING = 0.35, 0.88
+"""Shares of the time after which no more families are chosen, and no more piles emptied."""
+
+SEEDS = 40_000_000
+"""Piles of a filling have seeds from here on: people look at others."""
+
+FIRST_PRIORITY = -1
+"""Of the families that take most.  Of spares a plan looks only at as many as it needs."""
+
+USUAL = 0.8
+"""Share of what is taken that the families take which are looked at first in each plan."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Filled:
+    """What came of a filling.
+
+    `entries` are new, those that take most first, and `adds` the share of all parts that each takes
+    beyond those before it.  Of `parts` that lay in piles `taken` came out.  `stays` says by reason
+    how many no grip of the tools takes as they lie, and `lifts` how many kinds of lifts there were.
+    `looked` of those at which no hand fits were looked at, and `helps` are changes of tool or bin
+    by which a hand would hold some.  `seconds` [s] of processor time.
+    """
+
+    entries: tuple[Entry, ...]
+    adds: tuple[float, ...]
+    parts: int
+    taken: int
+    stays: tuple[tuple[str, int], ...]
+    lifts: int
+    looked: int
+    helps: tuple[tuple[str, int], ...]
+    seconds: float
+
+
+def filled(
+    cell: Cell,
+    part: Part,
+    *,
+    seconds: float = SECONDS,
+    seed: int = 0,
+    report: Report = silent,
+    cancelled: Cancelled = nobody,
+) -> Filled:
+    """Families of grasps for a part in a cell, the most useful first.
+
+    Args:
+        cell: whose bin, arms and tools are used; the part need not be one of its parts.
+        part: with its library, which counts and stays as it is.
+        seconds: [s] of processor time, at most.
+        seed: of the piles and the samples.
+        report: takes the share done and what is being done.
+        cancelled: asked now and then; True ends it.
+
+    Raises:
+        InputError: the part does not fit into the bin, or no tool of the cell can hold anything.
+        JobCancelled: `cancelled` said so.
+    """
+    began = processor_time()
+    cell = replace(cell, parts=(part,))
+    check_room((part,), cell.bin)
+
+    def is_over(share: float = 1.0) -> bool:
+        if cancelled():
+            raise JobCancelled("filling the library was cancelled")
+        gone = processor_time() - began
+        report(min(gone / seconds, 1.0), f"{taken} of {parts} parts taken in simulated piles")
+        return gone > share * seconds
+
+    taken = parts = 0
+    hands = hands_for(cell, part, seed)
+    if not hands:
+        raise InputError(_no_hand(cell, part))
+    known = {id(family) for hand in hands for family in hand.families}
+    piles = _piles(cell, part, seed)
+    first = [next(piles) for _ in range(FIRST)]
+    worlds = [World(cell, pile) for pile in first]
+    for number, hand in enumerate(hands, start=1):
+        choose(hand, worlds, seed, lambda n=number: is_over(CHOOSING * n / len(hands)))
+    stays: Counter[str] = Counter()
+    stuck: list[Stays] = []
+    for pile in _on(first[::-1], piles):
+        if is_over(CLEARING):
+            break
+        out, why = cleared(cell, hands, pile, seed, lambda: is_over(CLEARING))
+        taken, parts = taken + out, parts + out + len(why)
+        stays.update(one.reason for one in why)
+        stuck += [one for one in why if one.reason == str(Reason.TOOL_COLLISION)]
+    helps, looked = advice(cell, stuck, seed, is_over)
+    worth = kept(part, hands, known, seed)
+    return Filled(
+        tuple(_ranked(part, worth)),
+        tuple(one.adds for one in worth),
+        parts,
+        taken,
+        tuple(stays.most_common()),
+        len(cell.policy.lifts),
+        looked,
+        helps,
+        processor_time() - began,
+    )
+
+
+def _no_hand(cell: Cell, part: Part) -> str:
+    """Why no tool of a cell can hold a part in any way."""
+    tools = {arm.tool.name: arm.tool for arm in cell.arms}.values()
+    strokes = [
+        f"{tool.name} opens {tool.stroke[0] * 1e3:g} to {tool.stroke[1] * 1e3:g} mm"
+        for tool in tools
+        if tool.fingers
+    ]
+    if not strokes:
+        return f"no tool of cell {cell.name} has two fingers or a cup"
+    return f"no two opposite faces of part {part.name} fit between fingers: {', '.join(strokes)}"
+
+
+def _on(
+    first: Sequence[tuple[Detection, ...]], more: Iterator[tuple[Detection, ...]]
+) -> Iterator[tuple[Detection, ...]]:
+    yield from first
+    yield from more
+
+
+def _piles(cell: Cell, part: Part, seed: int) -> Iterator[tuple[Detection, ...]]:
+    """Piles of the part in the cell's bin, never ending."""
+    number = 0
+    problem: InputError | None = None
+    counts: list[int] = list(FALLEN)
+    while counts:
+        count = counts[number % len(counts)]
+        try:
+            check_room((part,) * count, cell.bin)
+            pile = drop_parts((part,) * count, cell.bin, seed=SEEDS + 1000 * seed + number)
+        except InputError as error:
+            problem = error
+            counts.remove(count)
+            if not counts and count > 1:
+                counts = [max(1, count // 2)]
+            continue
+        number += 1
+        yield pile
+    assert problem is not None
+    raise problem
+
+
+def _ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
+    """Their entries with priorities and names, in their order."""
+    whole, so_far = sum(one.adds for one in families), 0.0
+    taken = {entry.name for entry in part.library.entries}
+    found: list[Entry] = []
+    for one in families:
+        priority = FIRST_PRIORITY if so_far <= USUAL * whole else FIRST_PRIORITY - 1
+        so_far += one.adds
+        name = named(part, one.family.entry, taken)
+        taken.add(name)
+        found.append(_as(one.family.entry, name, priority))
+    return found
+
+
+def _as(entry: Entry, name: str, priority: int) -> Entry:
+    if isinstance(entry, GraspPattern):
+        return replace(entry, grasp=replace(entry.grasp, name=name, priority=priority))
+    return replace(entry, name=name, priority=priority)

@@ -1,0 +1,122 @@
+"""One tool at one part: the grips of the raster, and the families chosen so far."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.app.filling.families import Family, Grower, family_of
+from workbench.app.filling.round_bodies import round_bodies
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Ints
+from workbench.model.part import Entry, Grasp, GraspPattern, Part
+from workbench.planning.collision.hands import Hands
+from workbench.planning.collision.world import World
+from workbench.planning.grasps.every_grip import grips_of
+from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
+from workbench.planning.kinematics.quickness import hand_acceleration
+
+RASTER = 24000
+"""Grips of the raster that are tried."""
+
+PAD = 50e-6
+"""[m2] A pad that touches more holds no better."""
+
+
+@dataclass(eq=False)
+class Hand:
+    """A tool, the arms that carry it, and what it can do with the part.
+
+    `hands` are the grips of the raster that are tried, `families` those of the library and new
+    ones.
+
+    Lifetime: of one filling.
+    """
+
+    arms: tuple[Arm, ...]
+    grower: Grower
+    hands: Hands
+    families: list[Family]
+    least_air: float | None
+    useless: set[int] = field(default_factory=set[int])
+
+    @property
+    def arm(self) -> Arm:
+        """The first of the arms."""
+        return self.arms[0]
+
+    def free(self, world: World, number: int) -> Bools:
+        """Which grips of the raster (n,) fit at a part among its neighbours, no unit."""
+        return world.tool_check.free(self.arm, number, self.hands)
+
+    def raw(self, k: int) -> Grasp:
+        """A grip of the raster as it was tried, whether or not it holds."""
+        T = pin.SE3(self.hands.R[k], self.hands.p[k]) * self.arm.tool.T_flange_tcp
+        opening, grip = self.hands.opening[k].tolist()
+        return Grasp("", T, opening, grip)
+
+    def grip(self, k: int) -> tuple[Grasp, GraspCheck] | None:
+        """A grip of the raster as a grasp; None where it does not hold, once and for all."""
+        if k in self.useless:
+            return None
+        found = self.grower.looked_at(self.raw(k).T_part_tcp)
+        if found is None:
+            self.useless.add(k)
+        return found
+
+    def goodness(self, grasp: Grasp, check: GraspCheck) -> float:
+        """How well a grip holds, 0 to 1: by what the pads touch and how near the middle."""
+        part = self.grower.part
+        size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0)))
+        off = float(np.linalg.norm(grasp.T_part_tcp.translation - self.grower.centre))
+        near = max(0.0, 1.0 - 2 * off / size)
+        area = 1.0 if check.hold is None else min(min(check.hold.areas) / PAD, 1.0)
+        return 0.5 * near + 0.5 * area
+
+
+def hands_for(cell: Cell, part: Part, seed: int) -> list[Hand]:
+    """A hand for each tool of the cell that has something to hold the part by."""
+    found: list[Hand] = []
+    for name in dict.fromkeys(arm.tool.name for arm in cell.arms):
+        arms = tuple(arm for arm in cell.arms if arm.tool.name == name)
+        arm, least_air = arms[0], cell.policy.least_air
+        acceleration = max(hand_acceleration(cell, one) for one in arms)
+        checker = GraspChecker(part, arm.tool, acceleration)
+        if checker.pads is None and checker.cup is None:
+            continue
+        grower = Grower(checker, round_bodies(part, checker), least_air)
+        grips = grips_of(part, arm)
+        if not len(grips.hands.turn):
+            continue
+        rng = np.random.default_rng(seed)
+        chosen = np.sort(rng.permutation(len(grips.hands.turn))[:RASTER])
+        families = [
+            family_of(part, arm, entry, least_air)
+            for entry in part.library.entries
+            if _is_for(entry, arms)
+        ]
+        found.append(Hand(arms, grower, _some(grips.hands, chosen), families, least_air))
+    return found
+
+
+def _some(hands: Hands, chosen: Ints) -> Hands:
+    """Those of hands with one way each."""
+    return Hands(
+        np.arange(len(chosen) + 1),
+        np.ascontiguousarray(hands.R[chosen]),
+        np.ascontiguousarray(hands.p[chosen]),
+        hands.opening[chosen],
+        hands.turn[chosen],
+        hands.cuts[chosen],
+    )
+
+
+def _is_for(entry: Entry, arms: tuple[Arm, ...]) -> bool:
+    grasp = entry.grasp if isinstance(entry, GraspPattern) else entry
+    low, high = arms[0].tool.stroke
+    return (
+        grasp.is_enabled
+        and grasp.tool in ("", arms[0].tool.name)
+        and (not grasp.arms or any(arm.name in grasp.arms for arm in arms))
+        and (not arms[0].tool.fingers or low <= grasp.opening <= high)
+    )

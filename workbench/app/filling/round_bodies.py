@@ -1,0 +1,71 @@
+"""Axes about which a part is round, or some stretch of it: grips on it may be turned about them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.geometry import Floats
+from workbench.model.part import Part, turned
+from workbench.model.symmetry import ANY_TURN
+from workbench.planning.grasps.grasp_check import GraspChecker
+from workbench.planning.grasps.grasp_suggestions import opposite_points
+
+PAIRS = 600
+"""Points of the surface from which axes are looked for."""
+
+NEAR = 0.0007
+"""[m] Middles of pairs no farther from an axis belong to it."""
+
+LEAST = 0.12
+"""Share of the pairs that a round body has to have."""
+
+SPREAD = 5
+"""Of twelve directions across an axis so many have to be among its pairs."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RoundBody:
+    """An axis (3,) through a point (3,) [m]; after `period` [rad] turns repeat by symmetry."""
+
+    axis: Floats
+    point: Floats
+    period: float
+
+    def turned(self, angle: float) -> pin.SE3:
+        """The motion by an angle [rad] about it."""
+        return turned(self.axis, angle, self.point)
+
+
+def round_bodies(part: Part, checker: GraspChecker) -> tuple[RoundBody, ...]:
+    """The axes of a part, that of its symmetry first."""
+    found: list[RoundBody] = []
+    for one in part.symmetry.axes[:1]:
+        period = ANY_TURN if one.fold == 0 else 2 * np.pi / one.fold
+        found.append(RoundBody(np.array(one.axis), np.array(part.symmetry.point), float(period)))
+    if checker.pads is None:
+        return tuple(found)
+    rng = np.random.default_rng(0)
+    points, inward, widths, _ = opposite_points(checker, PAIRS, rng)
+    middles = points + widths[:, None] / 2 * inward
+    for axis in np.eye(3):
+        if any(abs(float(axis @ one.axis)) > 0.99 for one in found):
+            continue
+        across = np.abs(inward @ axis) < 0.05
+        if across.sum() < max(1.0, LEAST * len(inward)):
+            continue
+        flat = middles[across] - (middles[across] @ axis)[:, None] * axis
+        near = np.linalg.norm(flat[:, None] - flat[None], axis=2) < NEAR
+        best = int(near.sum(axis=1).argmax())
+        mine = near[best]
+        directions = _directions(inward[across][mine], axis)
+        if mine.sum() >= LEAST * len(inward) and directions >= SPREAD:
+            found.append(RoundBody(axis, flat[mine].mean(axis=0), 2 * np.pi))
+    return tuple(found)
+
+
+def _directions(inward: Floats, axis: Floats) -> int:
+    """How many of twelve directions over half a turn there are among unit vectors (n, 3)."""
+    x = np.roll(axis, 1)
+    angle = np.arctan2(inward @ np.cross(axis, x), inward @ x) % np.pi
+    return len(np.unique((angle / np.pi * 12).astype(int) % 12))
