@@ -3,6 +3,7 @@
 `python docs/make_messages.py` writes it anew; a test says when that is due.
 """
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from workbench.model.messages.catalogue import SUBJECTS
@@ -28,19 +29,23 @@ list of detections; a message within another one has `id` and `args` as well. Wh
 
 
 def page() -> str:
-    """The whole page: a table for each subject."""
-    tables = [_table(subject) for subject in SUBJECTS if subject is not Others]
-    return "\n".join([HEAD, *tables])
+    """The whole page: a row for each message; words of a closed set stand in one row."""
+    rows = [row for subject in SUBJECTS if subject is not Others for row in _rows(subject)]
+    head = "| id | arguments | English |\n|---|---|---|\n"
+    return HEAD + "\n" + head + "\n".join(rows) + "\n"
 
 
-def _table(subject: type[Text]) -> str:
-    heading = (subject.__doc__ or "").partition("\n")[0]
-    rows = [
-        f"| `{text.id}` | {_args(text)} | {text.template.replace('|', '&#124;')} |"
-        for text in subject
-    ]
-    head = f"## {subject.subject}\n\n{heading}\n\n| id | arguments | English |\n|---|---|---|\n"
-    return head + "\n".join(rows) + "\n"
+def _rows(subject: type[Text]) -> Iterator[str]:
+    words = [text for text in subject if not text.places]
+    if 2 * len(words) > len(subject):
+        ids = ", ".join(f"`{text.id}`" for text in words)
+        yield f"| {ids} | | {', '.join(text.template for text in words)} |"
+    else:
+        words = []
+    for text in subject:
+        if text not in words:
+            english = text.template.replace("|", "&#124;")
+            yield f"| `{text.id}` | {_args(text)} | {english} |"
 
 
 def _args(text: Text) -> str:
