@@ -11,13 +11,15 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.geometry import Bools
+from workbench.model.geometry import Bools, Ints
 from workbench.planning.collision.bodies import carried_bodies, geometry_of
 from workbench.planning.kinematics.robot import Kinematics
 
 SAMPLES = 1000
 ALWAYS = 0.95
 """A pair that meets in this share of the samples meets by how it is built."""
+EVERY = 20
+"""Samples after which pairs are left out of which the answer is known."""
 
 
 def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str], str]:
@@ -39,36 +41,59 @@ def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str]
         np.array([getattr(pair, end) for pair in geometry.collisionPairs])
         for end in ("first", "second")
     )
-    met = _meetings(kinematics, geometry, cell.policy.margin, seed)
     flanges = {f"{arm.name}_tool": arm.flange for arm in cell.arms}
     carrier = {owner: kinematics.frames[flanges.get(owner, owner)][0] for owner in set(owners)}
-    pairs: dict[tuple[str, str], list[int]] = {}
-    for number, (i, j) in enumerate(zip(first, second, strict=True)):
-        pair = (min(owners[i], owners[j]), max(owners[i], owners[j]))
-        pairs.setdefault(pair, []).append(number)
+    ends = [tuple(sorted((owners[i], owners[j]))) for i, j in zip(first, second, strict=True)]
+    pairs = {pair: number for number, pair in enumerate(dict.fromkeys(ends))}
+    are_neighbours = np.array(
+        [
+            carrier[a] == carrier[b]
+            or parents[carrier[a]] == carrier[b]
+            or parents[carrier[b]] == carrier[a]
+            for a, b in pairs
+        ]
+    )
+    of = np.array([pairs[pair] for pair in ends])
+    found = _meetings(kinematics, geometry, cell.policy.margin, seed, of, are_neighbours)
     reasons: dict[tuple[str, str], str] = {}
-    for (a, b), numbers in pairs.items():
-        share = float(met[:, numbers].any(axis=1).mean())
-        i, j = carrier[a], carrier[b]
-        are_neighbours = i == j or parents[i] == j or parents[j] == i
-        if a != b and are_neighbours and share > 0:
-            reasons[a, b] = "Adjacent"
-        elif a != b and share >= ALWAYS:
-            reasons[a, b] = "Always"
+    for (a, b), number in pairs.items():
+        if found[number] and a != b:
+            reasons[a, b] = "Adjacent" if are_neighbours[number] else "Always"
     return reasons
 
 
 def _meetings(
-    kinematics: Kinematics, geometry: pin.GeometryModel, margin: float, seed: int
+    kinematics: Kinematics,
+    geometry: pin.GeometryModel,
+    margin: float,
+    seed: int,
+    of: Ints,
+    are_neighbours: Bools,
 ) -> Bools:
-    """Whether each pair is nearer than a margin [m] (samples, pairs), all arms drawn by seed."""
+    """Whether pairs of links need no check (n,): neighbours that meet, others that always do.
+
+    Args:
+        kinematics: of the cell, all of whose arms are drawn by seed.
+        geometry: its pairs of bodies are looked at until it is known of their links.
+        margin: [m] bodies meet that are nearer.
+        seed: of the configurations.
+        of: the pair of links of each pair of bodies.
+        are_neighbours: pairs of links (n,).
+    """
     model, data, found = kinematics.model, kinematics.model.createData(), pin.GeometryData(geometry)
     for request in found.collisionRequests:
         request.security_margin = margin
     rng = np.random.default_rng(seed)
-    met = np.zeros((SAMPLES, len(geometry.collisionPairs)), bool)
-    for number in range(SAMPLES):
+    hits = np.zeros(len(are_neighbours), int)
+    looked_at = np.arange(len(of))
+    for number in range(1, SAMPLES + 1):
         q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit)
         pin.computeCollisions(model, data, geometry, found, q, False)
-        met[number] = [result.isCollision() for result in found.collisionResults]
-    return met
+        met = [k for k in looked_at.tolist() if found.collisionResults[k].isCollision()]
+        hits[np.unique(of[met])] += 1
+        if number % EVERY == 0:
+            is_known = np.where(are_neighbours, hits > 0, number - hits > (1 - ALWAYS) * SAMPLES)
+            for k in looked_at[is_known[of[looked_at]]].tolist():
+                found.deactivateCollisionPair(k)
+            looked_at = looked_at[~is_known[of[looked_at]]]
+    return np.where(are_neighbours, hits > 0, hits >= ALWAYS * SAMPLES)
