@@ -36,6 +36,9 @@ COLUMNS = {
 }
 """From which to which of twelve columns a layer reaches; the rows are those of import-linter."""
 
+LEFT_OUT = {("words", "model")}
+"""Arrows that have no way down between the layers."""
+
 COLUMN, GAP, BETWEEN, EDGE = 75, 12, 34, 16
 LINE, CHIP, LETTER = 28, 22, 6.4
 """[px] Height of a line of folders and of one of them, and the usual width of a letter."""
@@ -183,7 +186,8 @@ def drawing() -> str:
     ]
     for name, box in places.items():
         lines += _box(name if _is_folder(name) else f"{name}.py", box)
-    lines += [arrow(one, other, places) for one, other in without_detours(imports())]
+    shown = [pair for pair in without_detours(imports()) if pair not in LEFT_OUT]
+    lines += [arrow(one, other, places) for one, other in shown]
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 

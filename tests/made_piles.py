@@ -1,11 +1,12 @@
 """Results of emptied piles, as tests make them up."""
 
+from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 
 
 def scene(seed: int, taken: int, left: int, failed=(0, 0, 0)) -> EmptiedPile:
     stays = tuple(
-        LeftPart(f"part-{k + 1}", "tool collision", "in the way", "") for k in range(left)
+        LeftPart(f"part-{k + 1}", "tool collision", plain("in the way"), "") for k in range(left)
     )
     return EmptiedPile(
         task=PileTask("yumi", "", taken + left, seed),

@@ -10,6 +10,8 @@ import pytest
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
+from workbench.model.messages.message import plain
+from workbench.model.messages.plans import RowEnd
 from workbench.model.part import Bin, Grasp, GraspLibrary, Part
 from workbench.model.plan import (
     ArmPlan,
@@ -69,7 +71,9 @@ class Samples:
         )
 
     def proof(self, plan: Plan, *, holds: bool = True) -> Proof:
-        violation = Violation("too close", "right", "reach", 1, ("link", "bin_floor"), -0.002)
+        violation = Violation(
+            plain("too close"), "right", "reach", 1, ("link", "bin_floor"), -0.002
+        )
         return Proof(
             plan.digest,
             plan.cell_digest,
@@ -105,7 +109,7 @@ class Samples:
         ]
         first, *rest = (Proven(plan, self.proof(plan)) for plan in plans)
         result = self.planned(scan_digest, seed)
-        ends = "no part is left" if picks < 4 else ""
+        ends = RowEnd.NO_PART() if picks < 4 else None
         return replace(result, plan=first.plan, proof=first.proof, row=tuple(rest), row_ends=ends)
 
     def refused(self) -> PlanResult:

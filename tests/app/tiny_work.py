@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from workbench.app.emptying.film import Film, Filmed
 from workbench.model.errors import FileError, InputError, JobCancelled
+from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 
@@ -89,7 +90,7 @@ def emptying(cell, arguments, report, cancelled):
     asked = arguments["command"]
     task = PileTask(cell.name, cell.parts[0].name, asked.count, asked.seed)
     lies = ((0, Detection(cell.parts[0].name, cell.bin.T_world_bin)),)
-    left = (LeftPart("part-1", "no path", "no way was found", ""),)
+    left = (LeftPart("part-1", "no path", plain("no way was found"), ""),)
     pile = EmptiedPile(task, 1, 0, (0, 0, 0), 0, 0, 0, 3, 0.0, left, (), (), 0.0)
     return Filmed(Emptying(cell.digest, (pile,)), (Film(task, lies, (), lies),))
 

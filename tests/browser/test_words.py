@@ -61,8 +61,12 @@ files; and what viser and the browser say themselves."""
 def marked(message: str) -> str:
     """A message in no language: what is fixed in it stands in brackets, its places between them."""
     return "".join(
-        piece if number % 2 else f"⟦{piece}⟧" if piece else ""
-        for number, piece in enumerate(re.split(r"(\{\w+\})", message))
+        re.sub(r"(\w+)\|(\w+)", r"⟦\1⟧|⟦\2⟧", piece)
+        if number % 2
+        else f"⟦{piece}⟧"
+        if piece
+        else ""
+        for number, piece in enumerate(re.split(r"(\{\w+(?::[^{}]*)?\})", message))
     )
 
 
@@ -70,7 +74,8 @@ def marked(message: str) -> str:
 def no_language(monkeypatch):
     """Who asks for German gets a language that says nothing as English does."""
     found = {message: marked(message) for message in extract.messages()}
-    catalog = extract.Catalog("", found, extract.messages())
+    by_id = {id: (text, marked(text)) for id, text in extract.templates().items()}
+    catalog = extract.Catalog("", by_id, found, extract.messages())
     read = words._catalog.__wrapped__
     monkeypatch.setattr(words, "_catalog", lambda code: catalog if code == "de" else read(code))
     words.words_of.cache_clear()

@@ -122,7 +122,7 @@ def test_nothing_in_reach_is_no_plan_and_says_why(say, tmp_path):
     said = say("plan", "yumi", "--poses", path, "--out", tmp_path / "plan.json")
     assert said.code == 3
     assert "every candidate" in said.out
-    assert "out of reach" in said.out
+    assert "unreachable" in said.out
     assert not (tmp_path / "plan.json").exists()
     said = say("plan", "yumi", "--poses", path, "--out", tmp_path / "plan.json", "--json")
     assert said.code == 3

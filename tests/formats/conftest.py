@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import (
     LEG_NAMES,
     ArmPlan,
@@ -77,7 +78,7 @@ def plan(detections: tuple[Detection, ...]) -> Plan:
 @pytest.fixture(scope="session")
 def proof(plan: Plan) -> Proof:
     nearest = Violation(
-        "smallest clearance",
+        ProofText.NEAREST(),
         "right",
         "reach",
         3,

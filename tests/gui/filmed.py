@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from workbench.app.emptying.film import Film, Filmed, FilmedPick, Shot
 from workbench.model.cell import Cell
+from workbench.model.messages.message import plain
 from workbench.model.plan import Plan
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import Detection
@@ -39,7 +40,7 @@ def film_of(cell: Cell, plan: Plan, detections: Sequence[Detection]) -> Film:
 def filmed_of(cell: Cell, plan: Plan, detections: Sequence[Detection]) -> Filmed:
     """What the worker brings: two piles alike, of which two parts are taken and one stays."""
     film = film_of(cell, plan, detections)
-    left = (LeftPart("part-3", "tool collision", "the palm is in the wall by 2 mm", ""),)
+    left = (LeftPart("part-3", "tool collision", plain("the palm is in the wall by 2 mm"), ""),)
     pile = EmptiedPile(film.task, 4, 2, (0, 0, 0), 0, 1, 1, 4, plan.cycle_seconds, left, (0.1,),
                        (("propose", 0.1),), 0.0, outcomes=("", ""))  # fmt: skip
     other = replace(pile, task=replace(film.task, seed=1))

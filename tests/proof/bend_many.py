@@ -25,8 +25,9 @@ from bent_cells import PILES, cases
 from judge import Judge
 from judged_motion import ALIKE
 
+from workbench.model.messages.proofs import ProofText
 from workbench.proof.prove import prove
-from workbench.proof.timing.pace import TOO_FAST, TOO_HARD, pace_violations
+from workbench.proof.timing.pace import pace_violations
 
 A_PLAN = 25
 """So many bends of each plan."""
@@ -83,7 +84,9 @@ def slowed(plan, factor: float):
 
 def why_alone(case, proof) -> str:
     """What becomes of a plan that the proof alone refuses, by how little it misses."""
-    if all(one.problem in (TOO_FAST, TOO_HARD) for one in proof.violations):
+    if all(
+        one.problem.text in (ProofText.TOO_FAST, ProofText.TOO_HARD) for one in proof.violations
+    ):
         return how_slow(case)
     return how_close(case)
 

@@ -95,12 +95,15 @@ TRIES: dict[str, tuple[Change, str]] = {
         lambda plan: exchanged(plan, "legs", "T_tcp_part", "detection", "grasp"),
         "does not start where the arm stands",
     ),
-    "an approach of no length": (lambda plan: standing(plan, "approach"), "does not go the way"),
-    "a lift of no length": (unlifted, "leg return after waypoint 0: closer than"),
+    "an approach of no length": (
+        lambda plan: standing(plan, "approach"),
+        "does not go in the direction",
+    ),
+    "a lift of no length": (unlifted, "leg return after waypoint 0: within the safety margin"),
     "a way home of no length": (lambda plan: standing(plan, "home"), "is not straight"),
-    "a part twice, once of unknown roll": (twice_unsure, "closer than"),
+    "a part twice, once of unknown roll": (twice_unsure, "within the safety margin"),
     "a part the other way round in the hand": (half_turned, "the part is not where the hand"),
-    "both at once, in step by their word alone": (at_once, "closer than"),
+    "both at once, in step by their word alone": (at_once, "within the safety margin"),
     "a part let go of where it lay": (same_place, "the hand opens where the arm has no place"),
 }
 

@@ -68,7 +68,7 @@ def test_what_lies_beside_its_place_is_refused_with_how_far(nests, plan, xyz, rp
     said = refusals(shifted(nests, pose_from_rpy(xyz, np.deg2rad(rpy_deg))), plan)
     assert (said == []) is holds, said
     if not holds:
-        assert any("from where it shall lie; 2 mm and 3 deg are allowed" in one for one in said)
+        assert any("from its target pose; 2.0 mm and 3.0 deg are allowed" in one for one in said)
 
 
 def test_a_free_rotation_frees_one_turn_and_no_other(nests, plan):
@@ -88,7 +88,7 @@ def test_a_part_that_does_not_come_as_its_place_says_is_refused(nests, plan):
     assert refusals(shifted(nests, here, approach=slightly), plan) == []
     for approach in (clearly, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)):
         said = refusals(shifted(nests, here, approach=approach), plan)
-        assert any("does not come the way that its place says" in one for one in said), said
+        assert any("does not come in the direction of its place" in one for one in said), said
 
 
 def test_a_place_for_another_kind_is_no_place(nests, plan):
@@ -102,7 +102,7 @@ def test_a_part_whose_roll_nobody_knows_is_not_proven_to_show_its_key(nests, pla
     assert any("its place needs the roll of the part" in one for one in said)
     anyhow = shifted(nests, pin.SE3.Identity(), free_rotation=np.pi)
     said = refusals(anyhow, replace(plan, detections=unseen))
-    assert not any("its place needs" in one or "shall lie" in one for one in said)
+    assert not any("its place needs" in one or "target pose" in one for one in said)
 
 
 def test_where_the_part_is_in_the_hand_is_what_scan_and_grasp_say(nests, plan):

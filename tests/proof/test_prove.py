@@ -117,10 +117,10 @@ def turned_in_hand(arm):
         ),
         (lambda p: replace(p, arms=(p.arms[0], p.arms[0])), "used twice"),
         (lambda p: replace(p, arms=(replace(p.arms[0], detection=9),)), "no detection 9"),
-        (lambda p: replace(p, arms=(replace(p.arms[0], arm="third"),)), "no arm 'third'"),
+        (lambda p: replace(p, arms=(replace(p.arms[0], arm="third"),)), "no arm third"),
         (
             lambda p: replace(p, arms=(replace(p.arms[0], grasp="none"), *p.arms[1:])),
-            "no grasp 'none'",
+            "no grasp none",
         ),
         (lambda p: replace(p, arms=(replace(p.arms[0], legs=p.arms[0].legs[1:]),)), "legs are not"),
         (

@@ -26,12 +26,12 @@ def test_a_plan_may_be_no_surer_of_a_roll_than_the_scan(cell, result):
     plan = result.plan
     scene = unknown(plan).scene
     said = problems(cell, plan, scene)
-    assert "says of part-1 a roll that the scan does not show" in said
+    assert "states a roll of part-1 that the scan does not show" in said
     axis = np.array([[0.001, 0.0, 0.0], [0.0, 0.0, 1.0]])
     aside = tuple(replace(one, roll_axis=axis) for one in scene.detections)
     other = Scene(scene.scan_digest, aside)
-    assert "a roll that the scan does not show" in problems(cell, unknown(plan), other)
-    assert "a roll that" not in problems(cell, unknown(plan), plan.scene)
+    assert "a roll of part-1 that the scan does not show" in problems(cell, unknown(plan), other)
+    assert "a roll of" not in problems(cell, unknown(plan), plan.scene)
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +66,6 @@ def test_a_key_that_may_be_under_something_is_not_lifted(cell):
     plate = Obstacle(at, np.array([0.012, 0.002, 0.02]))
     plan = plan_pick(upright, found, "scan", obstacles=(plate,), seed=0).plan
     assert plan is not None and problems(upright, plan) == ""
-    assert "does not come off what it lies on at every turn" in problems(upright, unknown(plan))
+    assert "does not come off its support at every turn" in problems(upright, unknown(plan))
     free = plan_pick(upright, found, "scan", seed=0).plan
     assert "at every turn" not in problems(upright, unknown(free))

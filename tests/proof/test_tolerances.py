@@ -34,7 +34,7 @@ def stated(case, T):
 
 
 def violations(case):
-    return [one.problem for one in prove(case.cell, case.scene, case.plan).violations]
+    return [str(one.problem) for one in prove(case.cell, case.scene, case.plan).violations]
 
 
 def test_the_table_of_the_documents_has_every_tolerance_as_it_is():

@@ -8,6 +8,7 @@ import pytest
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Cylinder
+from workbench.model.messages.proofs import ProofText
 from workbench.model.scan import Scene
 from workbench.perception.simulation.piles import drop_parts
 from workbench.proof.bodies import bodies_of
@@ -47,7 +48,7 @@ def test_a_tool_presses_no_deeper_than_its_lip_gives_way(cell, plan, longer, hol
     approach = [one for one in proof.violations if one.leg == "approach"]
     assert (not approach) is holds, proof.violations
     if not holds:
-        assert approach[0].problem == "closer than -3.0 mm"
+        assert approach[0].problem == ProofText.MARGIN(margin=-0.003)
 
 
 def test_what_is_deep_in_each_other_is_never_left_out(cell, plan):

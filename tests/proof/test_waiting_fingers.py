@@ -13,6 +13,7 @@ from bending import with_leg
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.cell import Cell
+from workbench.model.messages.proofs import ProofText
 from workbench.proof.robot import tree_of
 from workbench.proof.stages import tcp
 
@@ -69,5 +70,5 @@ def test_fingers_do_not_move_between_two_legs(cell, alone):
     opening = alone.arms[0].leg("approach").opening - 0.001
     proof = found(other, with_leg(alone, "right", "reach", opening=opening))
     assert [(v.leg, v.problem) for v in proof.violations] == [
-        ("approach", "does not begin with its fingers as reach has them")
+        ("approach", ProofText.OPENING_CHANGES())
     ]

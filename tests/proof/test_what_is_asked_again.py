@@ -30,12 +30,12 @@ def of_cell(cell, plan):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"is_enabled": False}, "is switched off"),
+        ({"is_enabled": False}, "is disabled"),
         ({"arms": ("third",)}, "is for arm third"),
         ({"tool": "other tool"}, "is for tool other tool"),
         ({"opening": 0.038}, "fingers at"),
-        ({"approach_length": 0.04}, "does not go the way that the grasp says"),
-        ({"retreat": np.array([0.0, 0.0, -1.0])}, "does not go the way that the grasp says"),
+        ({"approach_length": 0.04}, "does not go in the direction of the grasp"),
+        ({"retreat": np.array([0.0, 0.0, -1.0])}, "does not go in the direction of the grasp"),
     ],
 )
 def test_grasps_are_asked_again(cell, result, change, says):
@@ -45,7 +45,7 @@ def test_grasps_are_asked_again(cell, result, change, says):
 
 def test_the_strategy_is_what_the_plan_does(cell, result):
     alone = replace(result.plan, strategy=Strategy.single("left"))
-    assert "strategy left is not what the plan does" in problems(prove(cell, alone))
+    assert "strategy left arm only is not what the plan does" in problems(prove(cell, alone))
     at_once = replace(result.plan, guarantee=Guarantee.SYNCHRONISED)
     assert "move one after the other" in problems(prove(cell, at_once))
 
@@ -71,7 +71,7 @@ def test_a_part_that_is_sunk_into_the_floor_has_a_wrong_pose(cell, result, depth
     raised = pose_from_rpy([0, 0, depth]) * cell.bin.T_world_bin
     sunk = replace(cell, bin=replace(cell.bin, T_world_bin=raised))
     says = "; ".join(map(str, prove(sunk, of_cell(sunk, result.plan)).violations))
-    assert ("too deep in what it lies on" in says) is is_wrong, says
+    assert ("too deep in its support" in says) is is_wrong, says
 
 
 def test_more_speed_and_acceleration_than_the_cell_allows(cell, result):

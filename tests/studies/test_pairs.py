@@ -10,6 +10,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.cli.measuring.studies import _pairs_words
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.plan import Violation
 from workbench.model.scan import Detection
 from workbench.studies.pairs import Taken, counted, taken_of
@@ -77,7 +78,7 @@ def test_nothing_is_taken_where_nothing_works_or_the_proof_does_not_hold(cell):
     assert taken.why == taken.left and taken.why.startswith("neither: ")
     good = pair(cell, *APART)
     first, _ = of(cell, good)
-    bad = replace(first, proof=replace(first.proof, violations=(Violation("too close"),)))
+    bad = replace(first, proof=replace(first.proof, violations=(Violation(plain("too close")),)))
     refused = taken_of(cell, good, bad, 0)
     assert refused == Taken(0, "neither: the proof does not hold", False, refused.why)
 

@@ -5,7 +5,6 @@ import re
 import pytest
 
 from workbench.app.core.rights import RIGHTS
-from workbench.model.candidate import Reason, Stage
 from workbench.model.scan import Objection
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog, places_in
 from workbench.words.extract import ALONE, messages
@@ -88,10 +87,9 @@ def test_buttons_that_a_text_names_are_called_in_it_as_they_are(catalog):
             assert found[name] in text, (name, key)
 
 
-def test_reasons_stages_and_refusals_of_the_rules_are_said(language):
+def test_objections_and_refusals_of_the_rules_are_said(language):
     words = words_of(language)
-    stages, rights = (one.words for one in Stage), (one.says for one in RIGHTS.values())
-    texts = [*Reason, *stages, *Objection, *rights]
+    texts = [*Objection, *(one.says for one in RIGHTS.values())]
     # A word that another language has as well is said, too.
     assert [one for one in texts if words.say(one) == one and one not in words._messages] == []
 

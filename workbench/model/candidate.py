@@ -3,18 +3,20 @@
 import enum
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.digest import Told
 from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.messages.message import Message, all_of, found_part
+from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
 from workbench.model.part import Grasp
 
 
 class Reason(enum.StrEnum):
-    """Why a candidate, a pick or a plan was admitted or refused."""
+    """Why a candidate, a pick or a plan was admitted or refused; the values are on record."""
 
     OK = "ok"
     DISABLED = "disabled"
@@ -30,10 +32,16 @@ class Reason(enum.StrEnum):
     NO_RETURN = "no return"
     NO_PLACE = "no place"
     OUT_OF_TIME = "out of time"
+    WITHIN_MARGIN = "margin not kept"
+
+    @property
+    def message(self) -> Message:
+        """For people."""
+        return ReasonText[self.name]()
 
 
-MARGIN_NOT_KEPT = "margin not kept"
-"""What is said of bodies that do not touch, and are nearer to each other than was asked."""
+COLLISIONS = frozenset({Reason.TOOL_COLLISION, Reason.IN_COLLISION})
+"""Reasons of bodies that touch, or are nearer to each other than was asked."""
 
 
 class Stage(enum.StrEnum):
@@ -47,9 +55,9 @@ class Stage(enum.StrEnum):
     ROUTE = "route"
 
     @property
-    def words(self) -> str:
-        """For people: the first one looks at the hand alone, before any arm is asked."""
-        return "preselection" if self is Stage.PROPOSE else str(self)
+    def message(self) -> Message:
+        """For people."""
+        return StageText[self.name]()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +75,7 @@ class Verdict:
     pair: tuple[str, str] | None = None
     distance: float | None = None
     q: Floats | None = None
-    note: str = ""
+    note: Message | None = None
 
     def __post_init__(self) -> None:
         put(self, q=None if self.q is None else frozen(self.q))
@@ -82,25 +90,38 @@ class Verdict:
         """How far it got: number of the stage, and distance [m]; the larger the further."""
         return list(Stage).index(self.stage), self.distance or 0.0
 
-    def __str__(self) -> str:
-        text = str(self.reason)
+    @property
+    def kind(self) -> Reason:
+        """The reason; that of bodies that do not touch is their margin."""
+        return kind_of(self.reason, is_apart=self.distance is not None and self.distance > 0)
+
+    @property
+    def message(self) -> Message:
+        """The verdict in one sentence."""
+        said, far = self.kind.message, self.distance
         if self.pair is not None:
-            text += f": {self.pair[0]} and {self.pair[1]}"
-        if self.distance is not None:
-            text += f", {self.distance * 1000:.1f} mm"
-        return f"{text} ({self.note})" if self.note else text
+            one, other = map(found_part, self.pair)
+            if far is None:
+                said = VerdictText.PAIR(reason=said, one=one, other=other)
+            elif far > 0:
+                said = VerdictText.APART(reason=said, one=one, other=other, far=far)
+            else:
+                said = VerdictText.PENETRATING(reason=said, one=one, other=other, depth=-far)
+        elif far is not None:
+            said = VerdictText.AWAY(reason=said, far=far)
+        return said if self.note is None else VerdictText.NOTED(verdict=said, note=self.note)
+
+    def noted(self, note: Message) -> "Verdict":
+        """The verdict with one more remark."""
+        return replace(self, note=all_of((self.note, note)))
+
+    def __str__(self) -> str:
+        return str(self.message)
 
 
-def kind_of(verdict: Verdict) -> str:
-    """What is said of a candidate: its reason, unless that is a collision that is none."""
-    is_apart = verdict.distance is not None and verdict.distance > 0
-    return kind_said(verdict.reason, is_apart=is_apart)
-
-
-def kind_said(reason: str, *, is_apart: bool) -> str:
-    """As `kind_of`, where all that is known besides is whether the distance is above 0."""
-    touching = reason in (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
-    return MARGIN_NOT_KEPT if touching and is_apart else str(reason)
+def kind_of(reason: Reason, *, is_apart: bool) -> Reason:
+    """A reason, or that a margin is violated where bodies of a collision do not touch."""
+    return Reason.WITHIN_MARGIN if reason in COLLISIONS and is_apart else reason
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.messages.message import Message
+
 LATER = {"later": True}
 """Metadata of a field that came when digests were in use: at its default it does not enter them,
 so that they stay as they were."""
@@ -78,6 +80,8 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
             return float(value) + 0.0  # -0.0 and 0.0 are the same number
         case np.integer():
             return int(value)
+        case Message():
+            return value.form
         case pin.SE3():
             return (value.homogeneous + 0.0).tolist()
         case np.ndarray():

@@ -16,12 +16,15 @@ from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.plans import PlanNote, strategy_message
+from workbench.model.messages.proofs import violation_message
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
 
-UNSIGNED = frozenset({"seconds", "digest"})
-"""Fields outside a plan's digest: how long the computer took does not change what moves."""
+UNSIGNED = frozenset({"seconds", "notes", "digest"})
+"""Fields outside a plan's digest: computing times and remarks do not change what moves."""
 
 LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
@@ -66,7 +69,7 @@ class Strategy(str):
     @property
     def words(self) -> str:
         """For people: `right arm only`."""
-        return f"{self} arm only" if self.arm else str(self)
+        return str(strategy_message(self))
 
 
 Strategy.ALTERNATED = Strategy("alternated")
@@ -167,7 +170,8 @@ class Plan(Told):
     `detections` are all parts known in the bin: those taken and those that are obstacles;
     `obstacles` is what the scan shows beside them.
     `scan_digest` is that of the scan, or of the detections when they came from a file.
-    `seconds` (stage -> computing time) is not part of the digest.
+    `note` is a remark of whoever wrote the plan elsewhere, or of an older version.
+    `seconds` (stage -> computing time) and the planner's `notes` are not part of the digest.
     """
 
     cell: str
@@ -182,10 +186,21 @@ class Plan(Told):
     note: str = ""
     obstacles: tuple[Obstacle, ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[Message, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         put(self, seconds=dict(self.seconds), digest=digest_of(self, without=UNSIGNED))
+
+    @property
+    def remarks(self) -> tuple[Message, ...]:
+        """All that people should know of it: its note, and those of the planner."""
+        return (plain(self.note), *self.notes) if self.note else self.notes
+
+    @property
+    def goes_unseen(self) -> bool:
+        """Whether it may meet something that was not found, where the scan does not show it."""
+        return any(one.text is PlanNote.GOES_UNSEEN for one in self.notes)
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -219,9 +234,14 @@ class Plan(Told):
         )
 
 
+def floored(bound: float) -> float:
+    """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
+    return math.floor(bound * 1e4 + 1e-6) / 1e4
+
+
 def at_least(bound: float) -> str:
-    """A distance [m] from below, for people: rounded down, so that no more is said than holds."""
-    return f"at least {math.floor(bound * 1e4 + 1e-6) / 10:.1f} mm"
+    """A distance [m] from below, for people; see `floored`."""
+    return f"at least {floored(bound) * 1e3:.1f} mm"
 
 
 def cycle_words(seconds: float, bound: float) -> str:
@@ -237,7 +257,7 @@ class Violation:
     (`Proof.nearest`) is told alike.
     """
 
-    problem: str
+    problem: Message
     arm: str = ""
     leg: str = ""
     waypoint: int | None = None
@@ -248,22 +268,14 @@ class Violation:
     def __post_init__(self) -> None:
         put(self, q=None if self.q is None else frozen(self.q))
 
+    @property
+    def message(self) -> Message:
+        """The violation in one sentence."""
+        place = self.arm, self.leg, self.waypoint
+        return violation_message(self.problem, *place, self.pair, self.distance)
+
     def __str__(self) -> str:
-        where = " ".join(
-            word
-            for word in (
-                f"arm {self.arm}" if self.arm else "",
-                f"leg {self.leg}" if self.leg else "",
-                f"after waypoint {self.waypoint}" if self.waypoint is not None else "",
-            )
-            if word
-        )
-        text = f"{where}: {self.problem}" if where else self.problem
-        if self.pair is not None:
-            text += f": {self.pair[0]} and {self.pair[1]}"
-        if self.distance is not None:
-            text += f", clearance {self.distance * 1000:.1f} mm"
-        return text
+        return str(self.message)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -349,19 +361,6 @@ def count_taken(plans: Sequence[Plan]) -> int:
     return len({number for plan in plans for number in parts_taken(plans[0], plan)})
 
 
-def renumbered(words: str, first: Plan, detections: Sequence[Detection]) -> str:
-    """Words about a later plan, of its own `detections`, by the numbers of the first of the row."""
-
-    def by_first(found: re.Match[str]) -> str:
-        number = int(found[1]) - 1
-        if not 0 <= number < len(detections):
-            # A grasp may be called anything.
-            return found[0]
-        return f"part-{number_in(first, detections[number]) + 1}"
-
-    return re.sub(r"\bpart-(\d+)", by_first, words)
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class PlanResult(Told):
     """What a planning job brings: every candidate judged, and the plan or why there is none.
@@ -369,7 +368,7 @@ class PlanResult(Told):
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
     0 where it was not asked.  `beside` is what the other strategy brought, where both were asked
     for.  `row` are plans to be carried out after the plan, one after the other, each proven in the
-    scene that those before leave; `row_ends` says why there are no more, empty where as many were
+    scene that those before leave; `row_ends` says why there are no more, None where as many were
     found as were asked for.
     """
 
@@ -383,7 +382,7 @@ class PlanResult(Told):
     beside: "tuple[PlanResult, ...]" = ()
     bound: float = field(default_factory=float, metadata=LATER)
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
-    row_ends: str = field(default_factory=str, metadata=LATER)
+    row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
 
     @property
     def facts(self) -> Mapping[str, object]:

@@ -1,9 +1,14 @@
 """What studies say beforehand: of a threshold, and of bins that are emptied in simulation."""
 
+import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from workbench.model.candidate import Reason
 from workbench.model.digest import LATER
+from workbench.model.messages.message import Message
+from workbench.model.messages.states import LeftText
 
 Seen = Literal["truth", "scan"]
 """Whether plans are made with the true poses or with those found in a simulated scan."""
@@ -73,6 +78,10 @@ class PileTask:
     picks: int = 1
 
 
+NOT_FOUND, STOPPED = "not found", "stopped"
+"""Kinds of parts that stay, on record, besides the reasons of verdicts."""
+
+
 @dataclass(frozen=True, slots=True)
 class LeftPart:
     """A part that stayed in the bin: `part-3` is the third that fell.
@@ -85,9 +94,22 @@ class LeftPart:
 
     part: str
     kind: str
-    reason: str
+    reason: Message
     nearest_fix: str
     any_grasp: str = ""
+
+    @property
+    def kind_message(self) -> Message:
+        """The kind for people."""
+        if self.kind in tuple(Reason):
+            return Reason(self.kind).message
+        return LeftText.STOPPED() if self.kind == STOPPED else LeftText.NOT_FOUND()
+
+    @property
+    def form(self) -> Mapping[str, object]:
+        """What programs get."""
+        fields = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
+        return {**fields, "reason": str(self.reason), "said": self.reason.told}
 
 
 @dataclass(frozen=True, slots=True)

@@ -265,10 +265,6 @@ class Obstacle:
         )
 
 
-GOES_UNSEEN = "it may meet something that was not found, where the scan does not show it"
-"""What the note of a plan says where none stays clear of room that nobody has seen."""
-
-
 @dataclass(frozen=True, slots=True)
 class Unexplained:
     """Upright boxes around things that nothing known explains.

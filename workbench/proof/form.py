@@ -5,6 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.plans import (
+    guarantee_message,
+    leg_message,
+    motion_message,
+    strategy_message,
+)
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import (
     LEG_NAMES,
     ArmPlan,
@@ -28,25 +36,25 @@ LINEAR: frozenset[LegName] = frozenset({"approach", "extract", "place"})
 def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]:
     """What must be right before a plan can be walked through at all."""
     if plan.cell_digest != cell.digest:
-        yield Violation("the plan was made for another cell, or the cell has changed since")
+        yield Violation(ProofText.OTHER_CELL())
         return
     parts = {part.name for part in cell.parts}
     for detection in (*plan.detections, *scene.detections):
         if detection.part not in parts:
-            yield Violation(f"the cell knows no part {detection.part!r}")
+            yield Violation(ProofText.UNKNOWN_PART(part=detection.part))
             return
     yield from _scene(scene, plan)
     if not plan.arms:
-        yield Violation("the plan moves no arm")
+        yield Violation(ProofText.NO_ARM())
     names, taken = [arm.arm for arm in plan.arms], [arm.detection for arm in plan.arms]
     if len(set(taken)) != len(taken) or len(set(names)) != len(names):
-        yield Violation("an arm or a part is used twice")
+        yield Violation(ProofText.USED_TWICE())
     known = {arm.name for arm in cell.arms}
     for one in plan.arms:
         if one.arm not in known:
-            yield Violation(f"the cell has no arm {one.arm!r}")
+            yield Violation(ProofText.UNKNOWN_ARM(name=one.arm))
         elif not 0 <= one.detection < len(plan.detections):
-            yield Violation(f"there is no detection {one.detection}", one.arm)
+            yield Violation(ProofText.NO_DETECTION(number=one.detection), one.arm)
         else:
             yield from _legs(cell, cell.arm(one.arm), one)
     yield from _sequence(plan)
@@ -55,28 +63,24 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
 def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
     """What the plan says of the bin is what is known of it: nothing else, and nothing left out."""
     if plan.scan_digest != scene.scan_digest:
-        yield Violation("the plan was made for another scan")
+        yield Violation(ProofText.OTHER_SCAN())
     for number, known in enumerate(scene.detections):
         if not any(_same_part(known, said) for said in plan.detections):
-            yield Violation(f"the plan leaves out part-{number + 1} of the scan, or moves it")
+            yield Violation(ProofText.LEFT_OUT(part=FoundPart(number)))
     for number, said in enumerate(plan.detections):
         meant = [known for known in scene.detections if _same_part(said, known)]
         if not meant and said.T_world_found is not None:
-            yield Violation(f"part-{number + 1} of the plan is not where a plan before puts it")
+            yield Violation(ProofText.NOT_PUT_THERE(part=FoundPart(number)))
         elif not meant:
-            yield Violation(f"part-{number + 1} of the plan is not in the scan")
+            yield Violation(ProofText.NOT_IN_SCAN(part=FoundPart(number)))
         elif not any(_no_surer(said, known) for known in meant):
-            yield Violation(
-                f"the plan says of part-{number + 1} a roll that the scan does not show"
-            )
+            yield Violation(ProofText.INVENTED_ROLL(part=FoundPart(number)))
     for number, seen in enumerate(scene.obstacles):
         if not any(_same_box(seen, said) for said in plan.obstacles):
-            yield Violation(f"the plan leaves out obstacle seen-{number + 1} of the scan")
+            yield Violation(ProofText.OBSTACLE_LEFT_OUT(obstacle=f"seen-{number + 1}"))
     for number, said in enumerate(plan.obstacles):
         if said.part and not any(_same_kept(said, known) for known in scene.obstacles):
-            yield Violation(
-                f"the plan says that seen-{number + 1} is a part on a pallet, and nobody knows that"
-            )
+            yield Violation(ProofText.INVENTED_PALLET(obstacle=f"seen-{number + 1}"))
 
 
 def _same_part(one: Detection, other: Detection) -> bool:
@@ -113,41 +117,39 @@ def _sequence(plan: Plan) -> Iterator[Violation]:
     names = [arm.arm for arm in plan.arms]
     for arm in plan.arms:
         if [leg for name, leg in runs if name == arm.arm] != [leg.name for leg in arm.legs]:
-            yield Violation("the sequence is not every leg once, in order", arm.arm)
+            yield Violation(ProofText.NOT_EVERY_LEG(), arm.arm)
     if any(name not in names for name, _ in runs):
-        yield Violation("the sequence moves an arm that the plan does not")
+        yield Violation(ProofText.FOREIGN_ARM())
     for step in plan.sequence:
         arms = [name for name, _ in step.runs]
         if not arms:
-            yield Violation("a step of the sequence moves no arm")
+            yield Violation(ProofText.EMPTY_STEP())
         if len(set(arms)) != len(arms) or len(arms) > 2:
-            yield Violation("a step of the sequence moves an arm twice, or more than two arms")
+            yield Violation(ProofText.CROWDED_STEP())
     in_turn = plan.strategy != Strategy.COORDINATED
     is_single = plan.guarantee is Guarantee.ONE_AT_A_TIME
     turns = [arm.arm for arm in plan.arms for _ in arm.legs]
     at_once = [tuple(leg for _, leg in step.runs) for step in plan.sequence if len(step.runs) > 1]
     if (is_single and at_once) or ((is_single or in_turn) and [name for name, _ in runs] != turns):
-        yield Violation("the sequence does not move one arm after the other")
+        yield Violation(ProofText.NOT_IN_TURN())
     alone = plan.strategy.arm
     if (alone and names != [alone]) or (not alone and len(names) != 2):
-        yield Violation(f"strategy {plan.strategy} is not what the plan does: it moves {names}")
+        strategy = strategy_message(plan.strategy)
+        yield Violation(ProofText.OTHER_STRATEGY(strategy=strategy, arms=names))
     if in_turn and not (is_single or at_once):
-        yield Violation(f"the plan is called {plan.guarantee}, and never moves two arms at once")
+        guarantee = guarantee_message(plan.guarantee)
+        yield Violation(ProofText.NEVER_AT_ONCE(guarantee=guarantee))
     is_in_step = plan.guarantee is Guarantee.SYNCHRONISED
     if in_turn and (is_in_step or any(legs != ("home", "reach") for legs in at_once)):
-        yield Violation(
-            f"the arms of a plan that is {plan.strategy} move one after the other, but for the "
-            "second's reach while the first goes home"
-        )
+        yield Violation(ProofText.AT_ONCE(strategy=strategy_message(plan.strategy)))
 
 
 def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
     if one.joints != arm.joints:
-        known = ", ".join(arm.joints)
-        yield Violation(f"joints are not those of the arm, in their order: {known}", arm.name)
+        yield Violation(ProofText.OTHER_JOINTS(joints=arm.joints), arm.name)
         return
     if tuple(leg.name for leg in one.legs) != LEG_NAMES:
-        yield Violation(f"the legs are not {', '.join(LEG_NAMES)}", arm.name)
+        yield Violation(ProofText.OTHER_LEGS(legs=map(leg_message, LEG_NAMES)), arm.name)
         return
     problems = [problem for leg in one.legs for problem in _shape(arm, leg)]
     yield from problems
@@ -162,20 +164,22 @@ def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
     off = [at_home, *[SAME] * (len(LEG_NAMES) - 1), at_home]
     for name, end, start, most in zip((*LEG_NAMES, "home"), ends, starts, off, strict=True):
         if np.abs(end - start).max() > most:
-            yield Violation("does not start where the arm stands", arm.name, name)
+            yield Violation(ProofText.BREAKS(), arm.name, name)
 
 
 def _shape(arm: Arm, leg: Leg) -> Iterator[Violation]:
     q, t = np.asarray(leg.q), np.asarray(leg.t)
     if q.ndim != 2 or q.shape[1] != len(arm.joints) or t.shape != (len(q),) or len(q) < 2:
-        problem = f"has waypoints of shape {q.shape} and times of shape {t.shape}"
+        problem = ProofText.SHAPES(waypoints=str(q.shape), times=str(t.shape))
         yield Violation(problem, arm.name, leg.name)
     elif not (np.all(np.isfinite(q)) and np.all(np.isfinite(t)) and np.isfinite(leg.opening)):
-        yield Violation("holds a value that is not a finite number", arm.name, leg.name)
+        yield Violation(ProofText.NOT_FINITE(), arm.name, leg.name)
     if leg.holding != (leg.name in HOLDING):
-        yield Violation("says wrongly whether the part is in the hand", arm.name, leg.name)
+        yield Violation(ProofText.WRONG_HOLDING(), arm.name, leg.name)
     if (leg.motion == "linear") != (leg.name in LINEAR):
-        yield Violation(f"is called {leg.motion}, which it is not", arm.name, leg.name)
+        yield Violation(
+            ProofText.WRONG_MOTION(motion=motion_message(leg.motion)), arm.name, leg.name
+        )
 
 
 def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
@@ -188,13 +192,11 @@ def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
     outside = np.argwhere((q < lower - 1e-9) | (q > upper + 1e-9))
     if len(outside):
         row, joint = outside[0].tolist()
-        yield Violation(
-            f"joint {arm.joints[joint]} at {np.rad2deg(q[row, joint]):.2f} deg is outside "
-            f"{np.rad2deg(lower[joint]):.2f} to {np.rad2deg(upper[joint]):.2f} deg",
-            arm.name,
-            leg.name,
-            row,
+        low, high = float(lower[joint]), float(upper[joint])
+        problem = ProofText.JOINT_LIMIT(
+            joint=arm.joints[joint], at=float(q[row, joint]), low=low, high=high
         )
+        yield Violation(problem, arm.name, leg.name, row)
 
 
 def limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
@@ -203,15 +205,15 @@ def limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
     Speeds and accelerations are asked by `timing.pace_violations`.
     """
 
-    def violation(problem: str) -> Violation:
+    def violation(problem: Message) -> Violation:
         return Violation(problem, arm.name, leg.name)
 
     if not cell.controller.motion.is_sendable(np.asarray(leg.q)):
-        yield violation("holds a configuration finer than what can be sent")
+        yield violation(ProofText.TOO_FINE())
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= leg.opening <= high:
-        yield violation(f"finger opening {leg.opening * 1e3:.1f} mm is outside the stroke")
+        yield violation(ProofText.STROKE(opening=leg.opening))
     if leg.t[0] != 0.0:
-        yield violation("does not begin at 0 s")
+        yield violation(ProofText.LATE_START())
     if np.any(np.diff(leg.t) <= 0):
-        yield violation("has times that do not increase")
+        yield violation(ProofText.TIMES())

@@ -7,6 +7,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, turned_pieces
@@ -128,7 +130,7 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
             gap = min(gap_of(a, b, cell.policy.pair_gap) for a, b in product(one, other))
             if gap < cell.policy.pair_gap:
                 pair = (f"part-{number + 1}", f"part-{stays + 1}")
-                problem = f"part-{stays + 1} may move when part-{number + 1} is taken"
+                problem = ProofText.MAY_MOVE(stays=FoundPart(stays), taken=FoundPart(number))
                 return Violation(problem, taken[number], "extract", None, pair, gap)
     return None
 

@@ -8,6 +8,9 @@ import numpy as np
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import leg_message
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.grasps.straight import part_reach, straight_violations
@@ -165,7 +168,7 @@ class Walk:
                 and not self._table.is_rolled(int(pairs.rows[k]))
             ):
                 state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, 0)
-                problem = "a part lies too deep in what it lies on: its pose is wrong"
+                problem = ProofText.TOO_DEEP()
                 self._violations.append(self._violation(one, state, problem))
         return pairs.keeping(margins)
 
@@ -184,7 +187,7 @@ class Walk:
             if is_away and not self._is_between(step, one, values, rows):
                 return number
         if np.diff(one.path, axis=0).any():
-            problem = "the hand never leaves the part that it has let go of"
+            problem = ProofText.NEVER_LEAVES()
             self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         return len(one.path)
 
@@ -227,8 +230,8 @@ class Walk:
         else:
             sets = [tuple(course_of(self._cell, self._tree, one) for one in step.moving)]
         if sum(prod(len(each.sizes) for each in blocks) for blocks in sets) > MOST_TOGETHER:
-            problem = f"has too many waypoints beside leg {second.leg.name} of arm "
-            problem += f"{second.arm.name} to be proven"
+            leg = leg_message(second.leg.name)
+            problem = ProofText.TOO_MANY(leg=leg, arm=second.arm.name)
             self._violations.append(Violation(problem, first.arm.name, first.leg.name))
             return
         self._ask(step, first, tuple(sets), pairs, second)
@@ -277,16 +280,18 @@ class Walk:
                 stated, resolution = np.maximum(stated, self._stated.clearance), TIGHT
         found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
         if found.is_less_than(stated):
-            problem = "comes nearer to something than was stated"
+            problem = ProofText.NEARER_THAN_STATED()
             self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         self._asked.append(_Question(step, one, sets, pairs, found, is_free))
         if found.gave_up:
-            problem = "is near something for too long to be proven"
+            problem = ProofText.NEAR_TOO_LONG()
             self._violations.append(Violation(problem, one.arm.name, one.leg.name))
         if found.too_near is not None:
-            problem = f"closer than {found.too_near.margin * 1e3:.1f} mm"
+            margin = found.too_near.margin
+            problem = ProofText.MARGIN(margin=margin)
             if other is not None:
-                problem += f", while arm {other.arm.name} is on its leg {other.leg.name}"
+                leg = leg_message(other.leg.name)
+                problem = ProofText.MARGIN_BESIDE(margin=margin, arm=other.arm.name, leg=leg)
             self._violations.append(self._violation(one, found.too_near, problem))
 
     def _claim(self, one: Moving) -> Floats:
@@ -328,14 +333,14 @@ class Walk:
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
         bound = min(float(one.found.bounds.min()) for one in free)
-        return bound, self._violation(where.one, state, "smallest clearance")
+        return bound, self._violation(where.one, state, ProofText.NEAREST())
 
     def _with(self, step: Step, one: Moving, values: Floats) -> Floats:
         q = step.base.copy()
         q[self._tree.columns[one.arm.name]] = values
         return q
 
-    def _violation(self, one: Moving, state: Nearest, problem: str) -> Violation:
+    def _violation(self, one: Moving, state: Nearest, problem: Message) -> Violation:
         columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
         return Violation(problem, one.arm.name, one.leg.name, state.at, labels, state.distance, q)

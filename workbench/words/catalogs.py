@@ -1,7 +1,8 @@
 """Catalogs of messages: files in gettext's form (.po), one a language, read as they are.
 
-The English sentence is the key (`msgid`); what stands in braces is a place, named alike in both.  A
-message that has no translation yet is shown in English.
+A message with an id has that as its context (`msgctxt`), beside the English template (`msgid`).  Of
+texts that have no id yet the English sentence is the key.  What stands in braces is a place, named
+alike in both.  A message that has no translation yet is shown in English.
 """
 
 import re
@@ -21,7 +22,7 @@ LANGUAGES: Mapping[str, str] = {
 
 CATALOGS = Path(__file__).parent / "catalogs"
 
-_LINE = re.compile(r'(?:(msgid|msgstr) )?"((?:[^"\\]|\\.)*)"')
+_LINE = re.compile(r'(?:(msgctxt|msgid|msgstr) )?"((?:[^"\\]|\\.)*)"')
 _ESCAPES = {"\\": "\\", '"': '"', "n": "\n", "t": "\t"}
 
 
@@ -31,11 +32,13 @@ class Catalog:
 
     Attributes:
         head: what stands above the messages: the glossary as comments, and gettext's own entry.
+        by_id: English template and translation by the id of a message.
         messages: translation by English message; empty where there is none yet.
         places: files that a message is from, for translators.
     """
 
     head: str
+    by_id: Mapping[str, tuple[str, str]]
     messages: Mapping[str, str]
     places: Mapping[str, tuple[str, ...]]
 
@@ -48,23 +51,41 @@ class Catalog:
             ValueError: a line is none of a catalog.
         """
         head, _, body = path.read_text(encoding="utf-8").partition("\n\n")
+        by_id: dict[str, tuple[str, str]] = {}
         messages: dict[str, str] = {}
         places: dict[str, tuple[str, ...]] = {}
         for entry in filter(str.strip, body.split("\n\n")):
-            key, said, where = _entry(path, entry)
-            if key in messages:
-                raise ValueError(f"{path} has the message {key!r} twice")
-            messages[key], places[key] = said, where
-        return cls(head, messages, places)
+            texts, where = _entry(path, entry)
+            id, key, said = texts["msgctxt"], texts["msgid"], texts["msgstr"]
+            if (id or key) in (by_id if id else messages):
+                raise ValueError(f"{path} has the message {id or key!r} twice")
+            if id:
+                by_id[id] = key, said
+            else:
+                messages[key], places[key] = said, where
+        return cls(head, by_id, messages, places)
 
-    def brought_to(self, wanted: Mapping[str, tuple[str, ...]]) -> "Catalog":
-        """With these messages, by their files; translations that are known stay."""
+    def brought_to(
+        self, templates: Mapping[str, str], wanted: Mapping[str, tuple[str, ...]]
+    ) -> "Catalog":
+        """With these messages; translations that are known stay.
+
+        Args:
+            templates: English by id; where it is another than before, the translation is empty.
+            wanted: files by English message without an id.
+        """
+        by_id = {id: (english, "") for id, english in templates.items()}
+        by_id |= {id: pair for id, pair in self.by_id.items() if templates.get(id) == pair[0]}
         known = self.messages
-        return Catalog(self.head, {key: known.get(key, "") for key in wanted}, wanted)
+        return Catalog(self.head, by_id, {key: known.get(key, "") for key in wanted}, wanted)
 
     def write(self, path: Path) -> None:
         """Write it as `read` reads it."""
         entries = [
+            f"msgctxt {_quoted(id)}\nmsgid {_quoted(english)}\nmsgstr {_quoted(said)}"
+            for id, (english, said) in self.by_id.items()
+        ]
+        entries += [
             f"#: {' '.join(self.places[key])}\nmsgid {_quoted(key)}\nmsgstr {_quoted(said)}"
             for key, said in self.messages.items()
         ]
@@ -76,8 +97,8 @@ def places_in(text: str) -> tuple[str, ...]:
     return tuple(re.findall(r"\{(\w+)\}", text))
 
 
-def _entry(path: Path, entry: str) -> tuple[str, str, tuple[str, ...]]:
-    texts, now, where = {"msgid": "", "msgstr": ""}, "", list[str]()
+def _entry(path: Path, entry: str) -> tuple[dict[str, str], tuple[str, ...]]:
+    texts, now, where = {"msgctxt": "", "msgid": "", "msgstr": ""}, "", list[str]()
     for line in entry.splitlines():
         if line.startswith("#"):
             where += line.removeprefix("#:").split() if line.startswith("#:") else ()
@@ -89,7 +110,7 @@ def _entry(path: Path, entry: str) -> tuple[str, str, tuple[str, ...]]:
         texts[now] += re.sub(r"\\(.)", lambda one: _ESCAPES.get(one[1], one[1]), found[2])
     if not texts["msgid"]:
         raise ValueError(f"{path}: an entry has no message: {entry[:60]!r}")
-    return texts["msgid"], texts["msgstr"], tuple(where)
+    return texts, tuple(where)
 
 
 def _quoted(text: str) -> str:

@@ -13,6 +13,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import workbench
+from workbench.model.messages.catalogue import TEXTS
+from workbench.model.messages.message import Others
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
 from workbench.words.markup import TAG, texts_of
 from workbench.words.words import split_ends
@@ -40,7 +42,6 @@ SENTENCES = (
     "planning/kinematics",
     "planning/picking",
     "planning/placing",
-    "proof",
 )
 """Folders, and files, of which only whole sentences come to the page: refusals, reasons, notes."""
 
@@ -49,6 +50,7 @@ STATES = ("devices",)
 
 UNSEEN = frozenset(
     {
+        "model/candidate.py",
         "app/runtime/anchors.py",
         "app/runtime/worker.py",
         "gui/incoming/files.py",
@@ -73,17 +75,20 @@ UNSEEN = frozenset(
         "web/page/uploads.py",
     }
 )
-"""Files there whose texts go to logs, to the command line or to programs alone."""
+"""Files there whose texts have ids, or go to logs, to the command line or to programs alone."""
+
+WITH_IDS = PACKAGE / "model" / "messages"
+"""Where messages that have ids are written: they are found by these."""
 
 UNITS = ("cm", "deg", "mm", "ms", "rpy", "wb", "xyz")
 
 ALONE = frozenset(
     """
-    acknowledging all alternated and apart approach approve approved at auto axis both busy
+    acknowledging all alternated and approach approve approved at auto axis both busy
     cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
     nobody none nothing off ok one-at-a-time operator pair pairs part parts picked pile pitch
-    place placed planning proof preselection reach reading recorded regrasp rejected remaining
+    place placed planning proof reach reading recorded regrasp rejected remaining
     resolve return roll route scan scanned scanning scans sending simulated stands stopped
     stopping streamed symmetry synchronised thickness time-independent to touches touching
     turned unknown viewer vote waiting width yaw
@@ -118,7 +123,7 @@ def messages() -> Mapping[str, tuple[str, ...]]:
         root = PACKAGE / folder
         for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
             where = path.relative_to(PACKAGE).as_posix()
-            if where in UNSEEN:
+            if where in UNSEEN or path.is_relative_to(WITH_IDS):
                 continue
             for text, is_name in _literals(ast.parse(path.read_text(encoding="utf-8"))):
                 is_sentence = folder in SENTENCES and " " in text and not is_name
@@ -133,6 +138,11 @@ def messages() -> Mapping[str, tuple[str, ...]]:
         for piece in _said_in_script((STATIC / name).read_text(encoding="utf-8")):
             take(piece, f"static/{name}")
     return {text: tuple(sorted(found[text])) for text in sorted(found)}
+
+
+def templates() -> Mapping[str, str]:
+    """The English templates of the messages that have ids."""
+    return {id: text.template for id, text in TEXTS.items() if text is not Others.PLAIN}
 
 
 def tidy(text: str) -> str:
@@ -256,7 +266,7 @@ def main() -> None:
     for language in LANGUAGES:
         if language != "en":
             path = CATALOGS / f"{language}.po"
-            Catalog.read(path).brought_to(wanted).write(path)
+            Catalog.read(path).brought_to(templates(), wanted).write(path)
 
 
 if __name__ == "__main__":

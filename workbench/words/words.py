@@ -1,10 +1,11 @@
-"""One language: says in it what is said in English."""
+"""One language: messages by their ids, and what is said in English without one."""
 
 import re
 import threading
 from collections.abc import Mapping
 from functools import cache
 
+from workbench.model.messages.message import Message, Others, Text, plain
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
 from workbench.words.markup import html_said, markdown_said
 from workbench.words.templates import Template, Templates, filled
@@ -48,16 +49,49 @@ class Words:
     Concurrency: any thread.
     """
 
-    def __init__(self, language: str, messages: Mapping[str, str]):
-        """The words of a language, by English message."""
+    def __init__(
+        self, language: str, messages: Mapping[str, str], by_id: Mapping[str, str] = NO_VALUES
+    ):
+        """The words of a language: by English message, and templates by the ids of messages."""
         self.language = language
+        self._by_id = {id: said for id, said in by_id.items() if said}
         self._messages = {key: said for key, said in messages.items() if said}
         self._plain = {_bare(key): key for key in self._messages}
         # What reads alike in both would only stand before a message that says more.
         self._templates = Templates(key for key, said in self._messages.items() if key != said)
         self._stop = "。" if language == "zh" else "."
         self._kept: dict[str, str] = {}
+        self._rendered: set[str] = set()
         self._lock = threading.Lock()
+
+    def render(self, message: Message | str | None) -> str:
+        """A message in this language, by its id; of none an empty text.
+
+        A text without an id is looked for as `say` does.
+        """
+        if message is None or isinstance(message, str):
+            return self.say(message or "")
+        text = self._said_within(message).rendered(self._template)
+        if self._messages:
+            with self._lock:
+                if len(self._rendered) >= MOST_KEPT:
+                    self._rendered.clear()
+                for end in ("", "."):
+                    self._rendered |= {text + end, text[:1].upper() + text[1:] + end}
+        return text
+
+    def _template(self, text: Text) -> str:
+        return self._by_id.get(text.id, text.template)
+
+    def _said_within(self, message: Message) -> Message:
+        """The message with the texts in it that have no id yet put in this language."""
+        if message.text is Others.PLAIN:
+            return plain(self.say(str(message)))
+        args = {
+            name: self._said_within(arg) if isinstance(arg, Message) else arg
+            for name, arg in message.args.items()
+        }
+        return Message(message.text, args)
 
     def say(self, text: str) -> str:
         """A text in this language; the white space around it, and names and numbers in it, stay."""
@@ -82,6 +116,8 @@ class Words:
 
     def _found(self, text: str, depth: int) -> str | None:
         """A text in this language; None where it holds no message."""
+        if text in self._rendered:
+            return text
         before, text, behind = split_ends(text)
         said = self._said(text, depth) if text else None
         return None if said is None else f"{before}{said}{behind}"
@@ -179,5 +215,9 @@ def _catalog(language: str) -> Catalog:
 def words_of(language: str) -> Words:
     """The words of a language; English for one that there is no catalog of."""
     if language == ENGLISH or language not in LANGUAGES:
-        return Words(ENGLISH, {})
-    return Words(language, _catalog(language).messages)
+        return IN_ENGLISH
+    catalog = _catalog(language)
+    return Words(language, catalog.messages, {id: said for id, (_, said) in catalog.by_id.items()})
+
+
+IN_ENGLISH = Words(ENGLISH, {})

@@ -26,6 +26,7 @@ from workbench.app.core.effects import Send, StartJob, StopJob, StopSending
 from workbench.app.core.state import Phase
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.states import StateText
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection
 
@@ -126,7 +127,9 @@ def test_nothing_of_it_counts_before_the_end_and_all_of_it_after(sending, in_row
     assert (after.approval, after.votes, after.watched, after.ahead) == (None, (), (), None)
     assert (after.planned_threshold, after.wanted_threshold) == (0.3, 0.3)
     assert (after.receipts, after.outcomes, after.stale) == ((), (), "")
-    assert "1 of 1 part reported placed" in after.message and "plan ready" in after.message
+    assert "1 of 1 part reported placed" in str(after.message) and after.message.mentions(
+        StateText.PLAN_READY
+    )
     assert not any(isinstance(one, Send) for one in sending.effects)
     assert "played to its end" in refused(sending, Approve(new.digest))
     sending.do(WatchPlan(new.digest))
@@ -198,7 +201,7 @@ def test_no_scan_is_taken_once_a_pick_has_failed(sending):
     assert begun(sending) == []
     state = sending.do(LinkEnded("", 0, (LOST,), ()))
     assert (state.phase, state.job) == (Phase.DONE, None)
-    assert "somebody has to look" in state.message
+    assert "somebody has to look" in str(state.message)
 
 
 def test_a_person_who_sees_a_part_fall_is_believed(sending, in_rows):
@@ -239,7 +242,7 @@ def test_a_task_that_brings_nothing_ends_it(sending, in_rows, results, phase):
     sending.do(step(2))
     for result in results:
         sending.ended(in_rows.scan() if result is None else result)
-    assert sending.state.message.endswith("going on ends here")
+    assert str(sending.state.message).endswith("going on ends here")
     state = sending.do(GOOD_END)
     assert (state.phase, state.job, state.plan) == (phase, None, state.plan)
     assert begun(sending) == ["scan", "localize"][: len(results)]

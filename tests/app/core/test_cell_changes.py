@@ -150,7 +150,7 @@ def test_a_file_that_others_wrote_is_a_change_and_can_be_undone(approved):
     other = with_bin_at(approved.cell, 0.7)
     state, _ = after(approved, CellRead(other), CELL_FILE)
     assert state.cell.digest == state.saved == other.digest
-    assert state.plan is None and "read again" in state.message
+    assert state.plan is None and "read again" in str(state.message)
     back, _ = after(state, UndoCell())
     assert back.cell.digest == approved.cell.digest != back.saved
 
@@ -158,7 +158,7 @@ def test_a_file_that_others_wrote_is_a_change_and_can_be_undone(approved):
 def test_a_broken_file_leaves_the_cell_and_says_why(approved):
     state, effects = after(approved, CellRead(problem="key bin: is missing"), CELL_FILE)
     assert state.cell is approved.cell and state.plan is approved.plan and effects == ()
-    assert state.cell_problem == "key bin: is missing" and "stays as it was" in state.message
+    assert state.cell_problem == "key bin: is missing" and "stays as it was" in str(state.message)
     mended, _ = after(state, CellRead(approved.cell), CELL_FILE)
     assert mended.cell_problem == ""
 

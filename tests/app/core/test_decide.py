@@ -26,6 +26,7 @@ from workbench.app.core.state import Phase
 from workbench.model.cell import PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
+from workbench.model.messages.states import StateText
 from workbench.model.release import Receipt
 from workbench.model.scan import SearchOverrides
 
@@ -129,7 +130,7 @@ def test_no_part_found_leaves_the_scan_and_says_so(line, samples):
     line.do(UseScan(samples.scan()))
     line.do(FindParts())
     state = line.ended(())
-    assert (state.phase, state.message) == (Phase.SCANNED, "0 parts found")
+    assert (state.phase, state.message) == (Phase.SCANNED, StateText.NOTHING_FOUND())
     with pytest.raises(CommandRefused, match="find the parts first"):
         line.do(MakePlan())
 
@@ -141,14 +142,14 @@ def test_a_refused_plan_leaves_candidates_and_verdict_for_the_page(planned, samp
     assert state.phase is Phase.LOCALIZED
     assert state.candidates == refused.candidates
     assert (state.verdict, state.plan, state.proof) == (refused.verdict, None, None)
-    assert state.message == "no plan: in collision: link and bin_floor, -2.0 mm"
+    assert str(state.message) == "no plan: in collision: link and bin_floor, penetration 2.0 mm"
 
 
 def test_a_plan_whose_proof_does_not_hold_stays_visible_and_cannot_be_approved(planned, samples):
     planned.do(MakePlan(seed=1))
     state = planned.ended(samples.planned(planned.state.scene_digest, holds=False))
     assert state.phase is Phase.PLANNED
-    assert "its proof does not hold: arm right leg reach" in state.message
+    assert "its proof does not hold: arm right leg reach" in str(state.message)
     with pytest.raises(CommandRefused, match="does not hold"):
         planned.do(Approve(state.plan.digest))
 
@@ -175,16 +176,16 @@ def test_a_failed_or_cancelled_job_leaves_what_was_there_and_a_sentence(planned)
     planned.do(MakePlan())
     state = planned.ended(InputError("coordinated plans are not available"))
     assert state.plan is plan
-    assert state.message == "task 'plan' failed: coordinated plans are not available"
+    assert str(state.message) == "the planning failed: coordinated plans are not available"
     planned.do(MakePlan())
-    assert planned.ended(JobCancelled("")).message == "task 'plan' was cancelled"
+    assert str(planned.ended(JobCancelled("")).message) == "the planning was cancelled"
 
 
 def test_a_job_that_brings_the_wrong_thing_has_failed(line, samples):
     line.do(TakeScan())
     state = line.ended(samples.detections())
     assert (state.phase, state.job) == (Phase.IDLE, None)
-    assert state.message == "task 'scan' failed: it brought a tuple"
+    assert str(state.message) == "the scan failed: it brought a tuple"
 
 
 def test_a_stop_is_passed_on_and_the_end_of_the_link_decides_the_phase(sending):
@@ -226,8 +227,8 @@ def test_plannings_for_the_same_parts_are_remembered_until_there_are_others(line
     planned = samples.planned(scan.digest)
     state = line.ended(planned)
     first, second = state.outlines
-    assert "in collision" in first.verdict and first.cycle is None
-    assert (second.digest, second.verdict) == (planned.plan.digest, "")
+    assert "in collision" in str(first.verdict) and first.cycle is None
+    assert (second.digest, second.verdict) == (planned.plan.digest, None)
     assert second.cycle == planned.plan.cycle_seconds
     line.do(FindParts())
     assert line.ended(samples.detections()).outlines == ()

@@ -13,11 +13,12 @@ from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES
 from workbench.model.errors import InputError, JobCancelled, NotAllowed
+from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 
 
 def emptied(cell, *changes: str) -> Emptying:
-    left = (LeftPart("part-2", "tool collision", "why", "a fix"),)
+    left = (LeftPart("part-2", "tool collision", plain("why"), "a fix"),)
     piles = tuple(
         EmptiedPile(PileTask(cell.name, "peg", 2, 3, change=change), 2, 1, (0, 0, 0), 0, 0, 1, 4,
                     5.0, left, (0.1,), (("propose", 0.1),), 0.0, outcomes=("",))

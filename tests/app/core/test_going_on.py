@@ -27,6 +27,7 @@ from workbench.app.core.state import Phase
 from workbench.app.picking.facts import check_installed
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.states import StateText
 from workbench.model.scan import SearchOverrides
 
 WANTED = GoOn(
@@ -74,7 +75,7 @@ def test_nothing_found_is_told_and_nothing_is_planned(done, samples):
     done.ended(samples.scan())
     state = done.ended(())
     assert (state.job, state.phase) == (None, Phase.SCANNED)
-    assert state.message == "0 parts found; going on ends here"
+    assert str(state.message) == "no part found; going on ends here"
 
 
 def test_no_plan_is_told(done, samples):
@@ -83,7 +84,7 @@ def test_no_plan_is_told(done, samples):
     done.ended(samples.detections())
     state = done.ended(samples.refused())
     assert (state.job, state.phase) == (None, Phase.LOCALIZED)
-    assert state.message.startswith("no plan: ")
+    assert state.message.text is StateText.NO_PLAN
 
 
 @pytest.mark.parametrize("tasks", [0, 1])
@@ -93,7 +94,7 @@ def test_a_task_that_fails_ends_it(done, samples, tasks):
         done.ended(result)
     state = done.ended(InputError("the scanner does not answer"))
     assert state.job is None
-    assert state.message.endswith("the scanner does not answer; going on ends here")
+    assert str(state.message).endswith("the scanner does not answer; going on ends here")
 
 
 @pytest.mark.parametrize("tasks", [0, 1, 2])
@@ -117,7 +118,7 @@ def test_cancelling_ends_it_wherever_it_is(done, samples, tasks):
 def test_whoever_has_left_or_gave_control_away_goes_on_no_more(done, samples, command, actor):
     done.do(TakeControl(), "ada")
     done.do(WANTED, "ada")
-    said = done.do(command, actor).message
+    said = str(done.do(command, actor).message)
     assert said.endswith("; after this task nothing goes on by itself")
     state = done.ended(samples.scan())
     assert (state.job, state.phase) == (None, Phase.SCANNED)

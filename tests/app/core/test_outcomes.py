@@ -31,6 +31,8 @@ from workbench.app.core.outcomes import (
 )
 from workbench.app.core.state import Phase
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import plain
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
@@ -105,7 +107,7 @@ def test_a_failed_part_is_avoided_where_it_lies_for_some_scans(line, samples):
         line.ended(samples.detections())
         line.do(MakePlan())
         assert line.effects[-1].arguments["avoided"] == (
-            (0, "avoided since its pick failed, slipped"),
+            (0, VerdictNote.PICK_FAILED_SINCE(why=plain("slipped"))),
         )
         line.ended(samples.refused())
     line.do(UseScan(samples.scan(9)))

@@ -25,6 +25,7 @@ from workbench.app.core.commands import (
 from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.state import Phase
 from workbench.model.cell import PlanOverrides
+from workbench.model.messages.plans import RowEnd
 from workbench.model.release import PartReport, Receipt
 from workbench.plugins.robot_link import controller_by
 
@@ -76,8 +77,8 @@ def test_a_planning_brings_a_row_and_says_how_many(in_rows):
     state = planned(in_rows).state
     assert len(state.row) == 2
     assert len(state.plans) == len(state.whole_row) == 3
-    assert state.row_ends == "no part is left"
-    assert "2 more plans in a row after it" in state.message
+    assert state.row_ends == RowEnd.NO_PART()
+    assert "2 more plans in a row after it" in str(state.message)
 
 
 def test_one_approval_sends_plan_after_plan_and_each_once(in_rows):
@@ -100,7 +101,7 @@ def test_one_approval_sends_plan_after_plan_and_each_once(in_rows):
     assert [one and one.digest for one in following] == [*plans[1:], None]
     assert line.state.parts_placed == 3
     assert sorted(one.detection for one in line.state.outcomes) == [0, 1, 2]
-    assert "3 of 3 parts reported placed" in line.state.message
+    assert "3 of 3 parts reported placed" in str(line.state.message)
     assert "not possible now" in refused(line, SendPlan(plans[0]))
 
 
@@ -137,7 +138,7 @@ def test_a_shortened_row_needs_a_new_approval_and_can_be_made_longer_again(in_ro
     assert line.state.phase is Phase.PLANNED
     assert line.state.approval is None and line.state.votes == ()
     assert digests(line) == (plan, row[:1])
-    assert "2 picks of 3" in line.state.message
+    assert "2 picks of 3" in str(line.state.message)
     assert "have the plan approved first" in refused(line, SendPlan(plan))
     # All of what is left was seen.
     line.do(Approve(plan, row=row[:1]))
@@ -171,7 +172,7 @@ def test_whatever_begins_anew_makes_the_whole_row_void(in_rows, how):
         case _:
             line.do(MakePlan(threshold=0.2))
             line.ended(in_rows.planned(line.state.scene_digest, 4))
-    assert (line.state.row, line.state.left_out, line.state.row_ends) == ((), (), "")
+    assert (line.state.row, line.state.left_out, line.state.row_ends) == ((), (), None)
     assert line.state.approval is None
     refused(line, SendPlan(plan))
 
@@ -194,7 +195,7 @@ def test_whatever_is_odd_ends_the_row(in_rows, ended, said):
     assert line.state.phase is (Phase.FAULT if "fault" in ended else Phase.DONE)
     assert sent(line) == plans[:2]
     assert line.state.row == ()
-    assert said in line.state.row_ends and "after 2 of 3 plans" in line.state.row_ends
+    assert all(one in str(line.state.row_ends) for one in (said, "after 2 of 3 plans"))
     refused(line, SendPlan(plans[2]))
 
 
@@ -207,7 +208,7 @@ def test_the_next_plan_waits_for_a_robot_that_stands_where_it_starts(in_rows, jo
     line.joints = joints
     ends(line)
     assert line.state.phase is Phase.DONE
-    assert said in line.state.message
+    assert said in str(line.state.message)
     assert len(sent(line)) == 1
 
 
@@ -218,7 +219,7 @@ def test_a_stop_ends_the_row_also_when_it_comes_between_two_plans(in_rows):
     assert any(isinstance(one, StopSending) for one in line.effects)
     ends(line)
     assert line.state.phase is Phase.DONE
-    assert "stopped by bob" in line.state.message
+    assert "stopped by bob" in str(line.state.message)
     assert len(sent(line)) == 1
     refused(line, SendPlan(line.state.plan.digest))
 
@@ -228,7 +229,7 @@ def test_an_approval_that_has_run_out_lets_no_further_plan_go(in_rows):
     line.now += 301.0
     ends(line)
     assert line.state.phase is Phase.DONE
-    assert "has run out" in line.state.message
+    assert "has run out" in str(line.state.message)
     assert len(sent(line)) == 1
 
 
@@ -236,10 +237,10 @@ def test_a_persons_word_counts_beside_the_grippers(in_rows):
     line = sending(in_rows)
     ends(line)
     line.do(ReportPick(0, False, "it slipped"), "bob")
-    assert "part-1 failed, says bob" in line.state.message
+    assert "part-1 failed, says bob" in str(line.state.message)
     ends(line)
     assert line.state.phase is Phase.DONE
-    assert "part-1 was not picked, says bob" in line.state.message
+    assert "part-1 was not picked, says bob" in str(line.state.message)
     assert "it takes part-1, part-2" in refused(line, ReportPick(2, True))
 
 
@@ -248,7 +249,7 @@ def test_a_person_who_saw_the_part_fall_is_believed_when_the_gripper_tells_other
     line.do(ReportPick(0, False, "it slipped"), "bob")
     ends(line)
     assert line.state.phase is Phase.DONE and len(sent(line)) == 1
-    assert "part-1 was not picked, says bob" in line.state.message
+    assert "part-1 was not picked, says bob" in str(line.state.message)
 
 
 def test_each_plan_of_a_row_is_stepped_from_its_first_step(in_rows):

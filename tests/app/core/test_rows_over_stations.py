@@ -94,7 +94,7 @@ def test_a_part_over_a_station_is_one_part(in_rows):
     assert line.state.placed == (on_station,), "nothing else is put there meanwhile"
     ends(line, placed=())
     assert line.state.phase is Phase.DONE and line.state.parts_placed == 1
-    assert "1 of 1 part reported placed" in line.state.message
+    assert "1 of 1 part reported placed" in str(line.state.message)
     assert [one.detection for one in line.state.outcomes] == [0]
     assert line.state.placed == ()
 
@@ -103,8 +103,10 @@ def test_a_part_that_was_not_picked_is_not_taken_from_the_station(in_rows):
     line = sending_over_a_station(in_rows)
     ends(line, parts=(PartReport("right", 0, False, "nothing held"),), parts_placed=0)
     assert line.state.phase is Phase.DONE and len(sent(line)) == 1
-    assert "after 1 of 2 plans" in line.state.row_ends and "nothing held" in line.state.row_ends
-    assert "look whether a part is on station post, and take it away" in line.state.row_ends
+    assert "after 1 of 2 plans" in str(line.state.row_ends) and "nothing held" in str(
+        line.state.row_ends
+    )
+    assert "look whether a part is on station post, and take it away" in str(line.state.row_ends)
 
 
 def test_a_part_that_stays_on_the_station_is_remembered(in_rows):
@@ -113,7 +115,7 @@ def test_a_part_that_stays_on_the_station_is_remembered(in_rows):
     line.do(Stop(), "bob")
     ends(line, placed=(on_station,))
     assert line.state.phase is Phase.DONE and line.state.placed == (on_station,)
-    assert "stopped by bob; look whether a part is on station post" in line.state.message
+    assert "stopped by bob; look whether a part is on station post" in str(line.state.message)
 
 
 def test_a_part_that_was_dropped_on_its_way_from_the_station_may_still_be_there(in_rows):

@@ -128,7 +128,7 @@ def test_a_bomb_fails_and_leaves_nothing(bench, own):
     for number, (file, content) in enumerate(BOMBS.items()):
         bench.do(ImportPart("brick", file, np.frombuffer(content, np.uint8)), "ada")
         state = done(bench)
-        assert "failed" in state.message and file in state.message
+        assert "failed" in str(state.message) and file in str(state.message)
         assert [part.name for part in state.cell.parts] == ["keyed_cylinder"]
         assert not (own / "parts" / "brick").exists()
         before = state.scan

@@ -19,6 +19,8 @@ from workbench.model.candidate import Reason
 from workbench.model.digest import digest_of
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection, Scene
 from workbench.proof.prove import prove, scene_after
@@ -69,8 +71,8 @@ def test_over_the_station_it_comes_to_stand_where_it_shall(cell, row):
     first, second = row.plans
     assert row.proof.holds and all(proven.proof.holds for proven in row.row)
     assert (first.arms[0].station, second.arms[0].station) == ("post", "")
-    assert first.note == "regrasp: put on station post, taken anew"
-    assert second.note == "regrasp: taken from station post"
+    assert first.notes == (PlanNote.PUT_ON_STATION(station="post"),)
+    assert second.notes == (PlanNote.TAKEN_FROM_STATION(station="post"),)
     keeps = replace(cell, arms=tuple(replace(arm, keeps_parts=True) for arm in cell.arms))
     (stands,) = put_down(keeps, second)
     shall = cell.arm(second.arms[0].arm).part_places[0].T_world_part
@@ -180,8 +182,8 @@ def moved_station(cell, T, **changes):
 @pytest.mark.parametrize(
     ("xyz", "problem"),
     [
-        ((0.0, 0.0, 0.01), "is let go of -4.5 mm above station post"),
-        ((0.0, 0.0, -0.003), "is let go of 8.5 mm above station post"),
+        ((0.0, 0.0, 0.01), "is released -4.5 mm above station post"),
+        ((0.0, 0.0, -0.003), "is released 8.5 mm above station post"),
         ((0.02, 0.0, 0.0), "stands over the edge of station post"),
         ((0.0, 0.0, -0.0012), "would stand 1.2 mm deep in something on station post"),
     ],
@@ -198,7 +200,7 @@ def test_a_plan_does_not_outlive_its_station(cell, row, one, xyz, problem):
 def test_a_station_that_is_gone_carries_nothing(cell, row, one):
     without = replace(cell, stations=())
     proof = prove(without, scene(one), replace(row.plan, cell_digest=without.digest))
-    assert "the cell has no station 'post'" in str(proof.violations)
+    assert "the cell has no station post" in str(proof.violations)
     narrow = moved_station(cell, pin.SE3.Identity(), size=np.array([0.02, 0.02]))
     proof = prove(narrow, scene(one), replace(row.plan, cell_digest=narrow.digest))
     assert "over the edge of station post" in str(proof.violations)
@@ -211,7 +213,7 @@ def test_where_nothing_is_beneath_nothing_stands(cell, row, one):
     fixtures = tuple(one for one in cell.fixtures if one.name != "post")
     bare = replace(cell, fixtures=fixtures, stations=(free,))
     proof = prove(bare, scene(one), replace(row.plan, cell_digest=bare.digest))
-    assert "nothing is beneath the part on station post" in str(proof.violations)
+    assert "nothing beneath the part on station post carries it" in str(proof.violations)
     (said,) = station_problems(bare)
     assert said.endswith("keyed_cylinder: has nothing beneath it that would carry a part")
 
@@ -219,7 +221,7 @@ def test_where_nothing_is_beneath_nothing_stands(cell, row, one):
 def test_a_plan_that_names_no_station_has_no_place_there(cell, row, one):
     arm = replace(row.plan.arms[0], station="")
     proof = prove(cell, scene(one), replace(row.plan, arms=(arm,)))
-    assert "from where it shall lie" in str(proof.violations)
+    assert "from its target pose" in str(proof.violations)
 
 
 def test_a_part_that_would_fall_over_is_not_put_down(cell, row, one):
@@ -235,14 +237,14 @@ def test_a_part_that_would_fall_over_is_not_put_down(cell, row, one):
     )
     proof = prove(cell, scene((turned,)), bent)
     said = str(proof.violations)
-    assert "does not stand on station post" in said or "is let go of" in said
+    assert "does not stand on station post" in said or "is released" in said
 
 
 def test_a_part_of_unknown_roll_is_put_on_no_station(cell, row, one):
     unseen = (replace(one[0], roll_known=False),)
     said = replace(row.plan, detections=unseen, scan_digest=digest_of(unseen))
     proof = prove(cell, scene(unseen), said)
-    assert "whose roll is not known is put on no station" in str(proof.violations)
+    assert "of unknown roll must not be put on a station" in str(proof.violations)
     assert asked(cell, unseen).plan is None
 
 
@@ -276,7 +278,7 @@ def test_the_bin_is_full_where_parts_may_have_moved(cell):
     assert len(after.detections) == 1 and len(after.obstacles) == 1
     (box,) = after.obstacles
     assert box.size[2] > cell.bin.size[2] + 0.08
-    assert "may move when" in row.row_ends and len(row.plans) == 2
+    assert row.row_ends.mentions(ProofText.MAY_MOVE) and len(row.plans) == 2
     without = replace(second, obstacles=())
     assert "leaves out obstacle seen-1" in str(prove(cell, after, without).violations)
 
@@ -286,6 +288,6 @@ def test_the_row_goes_on_after_a_part_went_over_the_station(cell, parts):
     row = asked(passes, parts, picks=2)
     taken = [parts_taken(row.plan, plan) for plan in row.plans]
     assert {number for one in taken for number in one} == {0, 1}
-    assert len(row.plans) > 2 and row.row_ends == ""
+    assert len(row.plans) > 2 and row.row_ends is None
     assert all(proven.proof.holds for proven in row.row)
     assert all(proven.proof.holds for proven in prove_row(passes, row.plans, detections=parts))

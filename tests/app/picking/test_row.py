@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import workbench.app.picking.row as row_module
+from workbench.app.picking.numbers import label_in, renumbered
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
     check_picks,
@@ -19,7 +20,11 @@ from workbench.model.cell import MOST_PICKS
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import PlanResult, parts_taken, renumbered
+from workbench.model.messages.message import FoundPart, all_of
+from workbench.model.messages.plans import RowEnd
+from workbench.model.messages.proofs import ProofText
+from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.plan import PlanResult, parts_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics
@@ -68,7 +73,7 @@ def test_all_parts_that_lie_alone_are_taken_in_a_row_each_once(cell, apart, row)
     taken = [parts_taken(row.plan, plan) for plan in row.plans]
     assert len(row.plans) > 1
     assert sorted(number for one in taken for number in one) == [0, 1, 2, 3]
-    assert row.row_ends == "no part is left"
+    assert row.row_ends == RowEnd.NO_PART()
     assert row.plan.digest == asked(cell, apart, 1).plan.digest, "the first is as ever"
 
 
@@ -97,7 +102,7 @@ def test_each_plan_is_proven_in_the_scene_that_those_before_leave(cell, apart, r
 
 def test_one_pick_is_what_it_always_was(cell, apart):
     one, usual = asked(cell, apart, 1), plan_pick(cell, apart, digest_of(apart))
-    assert (one.plan.digest, one.row, one.row_ends) == (usual.plan.digest, (), "")
+    assert (one.plan.digest, one.row, one.row_ends) == (usual.plan.digest, (), None)
 
 
 def test_the_same_row_comes_out_again(cell, apart, row):
@@ -107,7 +112,7 @@ def test_the_same_row_comes_out_again(cell, apart, row):
 
 def test_as_many_as_were_asked_for_and_no_reason_why_not_more(cell, apart):
     two = asked(cell, apart, 2, strategy="right")
-    assert len(two.plans) == 2 and two.row_ends == ""
+    assert len(two.plans) == 2 and two.row_ends is None
     three = asked(cell, apart, 3, strategy="right")
     assert [one.digest for one in three.plans[:2]] == [one.digest for one in two.plans]
 
@@ -128,7 +133,7 @@ def test_a_part_that_stays_at_its_place_is_in_the_way_of_the_next(stays, apart):
     seen = seen @ box.T_world_box.rotation
     np.testing.assert_allclose(np.abs(seen).max(axis=0), box.size / 2, atol=1e-6)
     row = asked(stays, apart, 3, strategy="right")
-    assert len(row.plans) == 1 and row.row_ends.startswith("no plan after that: ")
+    assert len(row.plans) == 1 and row.row_ends.text is RowEnd.NO_PLAN
     passed_on = replace(stays, arms=tuple(replace(one, passes_parts_on=True) for one in stays.arms))
     assert scene_after(passed_on, first).obstacles == ()
 
@@ -181,9 +186,9 @@ def test_parts_of_a_heap_are_taken_last_and_end_the_row(cell, near):
     assert len(taken) == 3 and {number for one in taken[:2] for number in one} == {0, 2}
     ((last,),) = taken[2:]
     other = {1: 4, 3: 2}[last]
-    assert row.row_ends == f"part-{other} may move when part-{last + 1} is taken"
+    assert row.row_ends == ProofText.MAY_MOVE(stays=FoundPart(other - 1), taken=FoundPart(last))
     told = [one for one in row.candidates if one.detection in (1, 3)]
-    assert all("taken last" in one.verdict.note for one in told)
+    assert all(one.verdict.note == VerdictNote.TAKEN_LAST() for one in told)
 
 
 def test_what_may_move_is_what_the_planner_takes_for_one_heap(cell):
@@ -221,7 +226,7 @@ def test_what_is_left_alone_is_left_alone_in_the_whole_row(cell, apart):
     row = asked(cell, apart, 4, strategy="right", avoided={1: "its pick failed"})
     taken = [number for plan in row.plans for number in parts_taken(row.plan, plan)]
     assert sorted(taken) == [0, 2, 3]
-    assert row.row_ends.startswith("no plan after that: ")
+    assert row.row_ends.text is RowEnd.NO_PLAN
 
 
 def test_words_get_the_numbers_of_the_first_plan_and_names_stay(apart, row):
@@ -231,9 +236,13 @@ def test_words_get_the_numbers_of_the_first_plan_and_names_stay(apart, row):
         for one in (apart[3], apart[1])
         for T in [one.T_world_part]
     )
-    words = "right finger and part-1, part-2 by part-99 and part-0"
-    expected = "right finger and part-4, part-2 by part-99 and part-0"
-    assert renumbered(words, row.plan, left) == expected
+
+    def said(*numbers):
+        named = VerdictNote.ALL_TURNS(parts=map(FoundPart, numbers))
+        return all_of((named, VerdictNote.SPARE(grasp="part-1")))
+
+    assert renumbered(said(0, 1, 98), row.plan, left) == said(3, 1, 98)
+    assert [label_in(one, row.plan, left) for one in ("part-1", "finger")] == ["part-4", "finger"]
 
 
 def test_no_plan_at_all_is_no_row(cell):
@@ -277,7 +286,7 @@ def test_the_second_plan_is_not_proven_in_the_scan_of_the_first(cell, apart, row
     assert len(second.detections) < len(first.detections)
     other = replace(second, detections=first.detections, obstacles=first.obstacles)
     _, proven = prove_row(cell, [first, other], detections=apart)
-    problems = " ".join(violation.problem for violation in proven.proof.violations)
+    problems = " ".join(str(violation.problem) for violation in proven.proof.violations)
     assert "is not in the scan" in problems
 
 

@@ -8,7 +8,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import parts_taken
-from workbench.model.scan import GOES_UNSEEN, Detection, Obstacle
+from workbench.model.scan import Detection, Obstacle
 
 CELL = read_cell("yumi")
 
@@ -37,13 +37,17 @@ def planned(parts, unseen, **about):
 def test_the_part_is_taken_beside_which_nothing_may_be(other):
     result = planned(PARTS, beside(PARTS[1 - other]), strategy="auto")
     assert parts_taken(result.plan, result.plan) == (other,)
-    assert GOES_UNSEEN not in result.plan.note
+    assert not result.plan.goes_unseen
     assert result.proof.holds
 
 
-def test_where_there_is_no_other_way_the_plan_says_so_and_is_proven_as_it_is():
+def test_where_there_is_no_other_way_the_plan_says_so_and_is_the_same_plan():
     result = planned(PARTS[:1], beside(PARTS[0]))
-    assert GOES_UNSEEN in result.plan.note
+    assert result.plan.goes_unseen
+    plain = planned(PARTS[:1], ())
+    assert not plain.plan.goes_unseen
+    assert result.plan.digest == plain.plan.digest, "a remark makes no other plan"
+    assert result.proof.digest == plain.proof.digest
     assert result.proof.holds and result.proof.plan_digest == result.plan.digest
     (proven,) = prove_row(CELL, result.plans)
     assert proven.proof.holds
@@ -54,4 +58,4 @@ def test_a_plan_that_stays_clear_of_all_is_the_same_as_without():
     far = Obstacle(pose_from_rpy(below), np.full(3, 0.1))
     kept, plain = planned(PARTS, (far,)), planned(PARTS, ())
     assert kept.plan.arms[0].grasp == plain.plan.arms[0].grasp
-    assert kept.plan.note == plain.plan.note
+    assert kept.plan.notes == plain.plan.notes

@@ -5,6 +5,7 @@ import numpy as np
 from workbench.app.records.forms import restored
 from workbench.model.digest import canonical
 from workbench.model.geometry import Mesh, Shape
+from workbench.model.messages.message import plain
 from workbench.model.plan import Proof, Violation
 
 DIGEST = "bbcced36e5953f26a40aae20872f6f3f08e010aaf561cdde875cda1e049cdb70"
@@ -13,8 +14,10 @@ DIGEST = "bbcced36e5953f26a40aae20872f6f3f08e010aaf561cdde875cda1e049cdb70"
 
 def test_what_a_proof_objected_to_is_on_record_by_its_first_name():
     q = np.array([0.1, 0.2])
-    near = Violation("smallest clearance", "right", "reach", 1, ("link", "bin_floor"), 0.006, q)
-    bent = Violation("is not straight", "right", "home", 0)
+    near = Violation(
+        plain("smallest clearance"), "right", "reach", 1, ("link", "bin_floor"), 0.006, q
+    )
+    bent = Violation(plain("is not straight"), "right", "home", 0)
     proof = Proof("plan", "cell", "scan", 3, 0.0005, 0.0058, near, (bent,))
     assert proof.digest == DIGEST
     form = canonical(proof)

@@ -45,6 +45,7 @@ from workbench.model.cell import Arm, PlanOverrides
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, JobCancelled, JournalError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.part import PartPlace
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.release import Receipt
@@ -54,7 +55,7 @@ NOW = 1_700_000_000.0
 
 
 def emptied(cell) -> Emptying:
-    left = (LeftPart("part-2", "no path", "no way was found", ""),)
+    left = (LeftPart("part-2", "no path", plain("no way was found"), ""),)
     pile = EmptiedPile(
         PileTask(cell.name, "peg", 2, 7, "scan"), 2, 1, (0, 1, 0), 0, 0, 2, 5, 7.5, left,
         (0.25, 0.5), (("propose", 0.1), ("prove", 0.2)), 1.5, outcomes=("", "crooked"),

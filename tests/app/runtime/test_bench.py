@@ -372,7 +372,7 @@ def test_a_job_that_was_interrupted_has_failed_in_the_continued_session(cell, jo
     bench.close()
     again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
     assert again.state.job is None
-    assert again.state.message == "task 'scan' failed: the workbench was ended before it was done"
+    assert str(again.state.message) == "the scan failed: the workbench was ended before it was done"
     again.close()
 
 

@@ -60,7 +60,7 @@ def test_a_failed_job_leaves_its_sentence(bench, samples):
     bench.do(UseDetections(samples.detections()), "ada")
     bench.do(MakePlan("right"), "ada")
     state = bench.wait(lambda state: state.job is None, PATIENCE)
-    assert state.message == "task 'plan' failed: no plan by strategy right"
+    assert str(state.message) == "the planning failed: no plan by strategy right"
 
 
 def test_a_cancelled_job_is_gone_at_once_and_its_end_is_recorded(bench, samples):
@@ -70,7 +70,10 @@ def test_a_cancelled_job_is_gone_at_once_and_its_end_is_recorded(bench, samples)
     state = bench.do(CancelJob(), "ada")
     assert state.job is None
     ended = bench.wait(lambda newer: newer.number > state.number, PATIENCE)
-    assert (ended.phase, ended.message) == (Phase.SCANNED, "task 'localize' cancelled by ada")
+    assert (ended.phase, str(ended.message)) == (
+        Phase.SCANNED,
+        "the search for parts was cancelled by ada",
+    )
 
 
 def test_the_next_job_runs_after_a_cancel(bench, samples):
@@ -86,7 +89,9 @@ def test_a_result_that_cannot_be_recorded_ends_the_job_with_an_error(bench, samp
     bench.do(UseScan(samples.scan()), "ada")
     bench.do(FindParts(seed=13), "ada")
     state = bench.wait(lambda state: state.job is None, PATIENCE)
-    assert "internal error, see the log: TypeError: no canonical form for complex" in state.message
+    assert "internal error, see the log: TypeError: no canonical form for complex" in str(
+        state.message
+    )
     assert "Traceback" in caplog.text
 
 
@@ -224,7 +229,7 @@ def test_a_worker_killed_in_a_job_ends_the_job_and_the_next_one_runs(bench, samp
     (worker,) = (p for p in multiprocessing.active_children() if p.name == "workbench worker")
     os.kill(worker.pid, signal.SIGKILL)
     state = bench.wait(lambda state: state.job is None, PATIENCE)
-    assert "the worker process ended (SIGKILL) during task 'localize'" in state.message
+    assert "the worker process ended (SIGKILL) during the search for parts" in str(state.message)
     bench.do(TakeScan(), "ada")
     assert bench.wait(lambda state: state.job is None, PATIENCE).phase is Phase.SCANNED
 

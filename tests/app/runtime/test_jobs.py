@@ -195,7 +195,7 @@ def test_a_worker_killed_while_idle_is_reborn(jobs, listener):
 
 def test_a_job_that_ends_its_process_is_told_with_the_exit_code(jobs, listener):
     jobs.start(1, "die", {})
-    assert "ended (exit code 7) during task 'die'" in str(listener.result()[1])
+    assert "ended (exit code 7) during the task die" in str(listener.result()[1])
 
 
 def test_a_worker_that_cannot_start_refuses_jobs_with_the_reason(cell, listener, monkeypatch):

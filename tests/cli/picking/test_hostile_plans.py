@@ -194,15 +194,15 @@ AS_PROVEN: dict[str, tuple[Callable[[Content], Any], str]] = {
     ),
     "a part that is there twice": (
         lambda c: c["detections"].append(c["detections"][c["arms"][0]["detection"]]),
-        "closer than",
+        "within the safety margin of",
     ),
     "a part that nobody knows": (
         lambda c: c["detections"].append({**c["detections"][0], "part": "brick"}),
-        "the cell knows no part 'brick'",
+        "the cell knows no part brick",
     ),
     "a grasp that nobody knows": (
         lambda c: c["arms"][0].update(grasp="by magic"),
-        "the part has no grasp 'by magic'",
+        "the part has no grasp by magic",
     ),
     "joints in another order": (lambda c: c["arms"][0]["joints"].reverse(), "joints are not those"),
     "a long joint": (lambda c: c["arms"][0]["joints"].__setitem__(0, LONG), "joints are not those"),
@@ -241,7 +241,7 @@ AS_PROVEN: dict[str, tuple[Callable[[Content], Any], str]] = {
     "all joints to and fro": (way([[-0.9] * 7, [0.4] * 7] * 10), "leg reach"),
     "nothing said to be in the hand": (
         lambda c: leg_of(c, "return").update(holding=False),
-        "says wrongly whether the part is in the hand",
+        "states wrongly whether the part is in the hand",
     ),
     "a free way called straight": (
         lambda c: leg_of(c, "return").update(motion="linear"),
@@ -251,7 +251,7 @@ AS_PROVEN: dict[str, tuple[Callable[[Content], Any], str]] = {
         lambda c: c.update(
             obstacles=[{"T_world_box": np.eye(4).tolist(), "size": [100.0] * 3}] * 100
         ),
-        "closer than",
+        "within the safety margin of",
     ),
 }
 """What is read, and what its proof says against it."""

@@ -12,6 +12,7 @@ from workbench.formats.files.shipped import find
 from workbench.gui.shared.things import with_tool
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection
 
 SECOND = """
@@ -65,11 +66,11 @@ def test_a_grasp_for_another_tool_is_refused_with_the_reason(path):
     cell = read_cell(path)
     T = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.02), (0, 1.5708, 0))
     notes = {(one.arm, one.verdict.note) for one in judge(cell, (Detection("keyed_cylinder", T),))}
-    assert ("right", "is for cup; the arm carries smart_gripper and can carry it") in notes
-    assert ("left", "is for cup; the arm carries smart_gripper and cannot") in notes
+    assert ("right", VerdictNote.CHANGE_TOOL(tool="cup", carried="smart_gripper")) in notes
+    assert ("left", VerdictNote.OTHER_TOOL(tool="cup", carried="smart_gripper")) in notes
     mounted = with_tool(cell, "right", "cup")
     found = judge(mounted, (Detection("keyed_cylinder", T),))
-    assert not any("is for cup" in one.verdict.note for one in found if one.arm == "right")
+    assert not any("needs tool cup" in str(one.verdict.note) for one in found if one.arm == "right")
 
 
 def test_a_changed_tool_is_saved(path):

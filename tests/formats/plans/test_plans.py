@@ -15,6 +15,7 @@ from mutations import mutated, only_file_errors
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
+from workbench.model.messages.plans import PlanNote
 from workbench.model.plan import UNSIGNED, Leg, Plan, Proof, Step, Strategy
 from workbench.model.scan import Detection
 
@@ -60,8 +61,8 @@ def test_anybody_can_recompute_the_digest(plan: Plan, proof: Proof, tmp_path: Pa
     write_plan(tmp_path / "plan.json", plan, proof)
     content = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
     stated = content["digest"]
-    for key in ("format", "proof", "seconds", "digest"):
-        del content[key]
+    for key in ("format", "proof", "seconds", "notes", "digest"):
+        content.pop(key, None)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     assert hashlib.sha256(text.encode()).hexdigest() == stated
 
@@ -244,3 +245,34 @@ def test_only_file_errors_come_out_of_broken_plan_files(
     path = tmp_path / "plan.json"
     write_plan(path, plan)
     only_file_errors(path, data.draw(mutated(path.read_bytes())), read_plan)
+
+
+def test_remarks_are_outside_the_digest_and_come_back(plan: Plan, tmp_path: Path) -> None:
+    notes = (PlanNote.GOES_UNSEEN(), PlanNote.NEARER(distance=0.1, threshold=0.2))
+    said = replace(plan, notes=notes)
+    assert said.digest == plan.digest
+    write_plan(tmp_path / "plan.json", said)
+    again, stated = read_plan(tmp_path / "plan.json")
+    assert again.notes == notes and again.digest == stated == plan.digest
+    assert again.goes_unseen and not plan.goes_unseen
+
+
+def test_the_note_of_an_older_version_stays_in_the_digest(plan: Plan) -> None:
+    older = replace(plan, note="the parts lie 140 mm apart")
+    assert older.digest != replace(plan, note="").digest
+    assert [str(one) for one in older.remarks] == ["the parts lie 140 mm apart"]
+
+
+@pytest.mark.parametrize(
+    ("notes", "says"),
+    [
+        ([3], "messages with id and args, or texts, are expected"),
+        ([{"id": "plan.nearer"}], "messages with id and args, or texts, are expected"),
+        (["long" * 300], "at most 30 of 1000 characters"),
+        (["a\x07b"], "a character that cannot be shown"),
+    ],
+)
+def test_remarks_that_are_none_are_refused(plan: Plan, tmp_path: Path, notes, says) -> None:
+    path = edited(tmp_path / "plan.json", plan, lambda c: c.update(notes=notes))
+    with pytest.raises(FileError, match=says):
+        read_plan(path)

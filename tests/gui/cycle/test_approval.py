@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.gui.cycle.approval import ApprovalDialog
+from workbench.words.words import IN_ENGLISH
 
 
 class Widget(SimpleNamespace):
@@ -69,7 +70,9 @@ def test_a_name_that_is_typed_at_once_is_on_the_button(states):
     hand = QuickHand("Anna")
     bench = SimpleNamespace(state=states.planned, live=SimpleNamespace(joints={}))
     links = {"unseen": lambda pressed: "id", "hide": lambda buttons: None}
-    visitor = SimpleNamespace(bench=bench, gui=hand, client=hand, is_known=False, **links)
+    visitor = SimpleNamespace(
+        bench=bench, gui=hand, client=hand, is_known=False, words=IN_ENGLISH, **links
+    )
     dialog = ApprovalDialog(visitor)
     dialog.open()
     word = hand.buttons["Type your name to approve"]

@@ -19,6 +19,7 @@ from workbench.gui.emptying.views import (
 )
 from workbench.gui.shared.colours import MUTED, VERDICTS, left_colour
 from workbench.model.candidate import Reason
+from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 
 TAKES = {"scan_seconds": 1.0, "approval_seconds": 0.0}
@@ -36,8 +37,10 @@ def pile(seed: int, outcomes: tuple[str, ...], left: tuple[LeftPart, ...] = (), 
 
 
 STAYS = (
-    LeftPart("part-2", "tool collision", "the palm and <i>bin_wall</i>, 1.5 mm", "take it deeper"),
-    LeftPart("part-4", "not found", "it was not found", ""),
+    LeftPart(
+        "part-2", "tool collision", plain("the palm and <i>bin_wall</i>, 1.5 mm"), "take it deeper"
+    ),
+    LeftPart("part-4", "not found", plain("it was not found"), ""),
 )
 PILES = (pile(7, ("", "missed", "")), pile(8, ("",), STAYS), pile(9, ("", "", "")))
 FOUND = Emptying("d" * 64, PILES)

@@ -7,10 +7,11 @@ from workbench.app.core.state import Outline
 from workbench.gui.plan.panel import PlanPanel
 from workbench.gui.plan.views import outlines_html
 from workbench.model.cell import PlanOverrides
+from workbench.model.messages.message import plain
 
 ONE = Outline("rrtconnect", 0.4, "alternated", parts=2, cycle=9.0, digest="a" * 64)
 OTHER = Outline("sbl", 0.2, "left", parts=1, cycle=8.0, digest="b" * 64)
-NONE = Outline("rrt", 0.1, verdict="no path")
+NONE = Outline("rrt", 0.1, verdict=plain("no path"))
 
 
 def test_every_plan_but_the_one_that_is_taken_can_be_pressed():

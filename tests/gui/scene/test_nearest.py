@@ -20,6 +20,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.scene.nearest import PlanLinks, proof_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import timeline
+from workbench.model.messages.message import plain
 from workbench.model.plan import Proven, Violation
 
 
@@ -82,7 +83,7 @@ def test_each_plan_of_a_row_has_a_certificate_of_its_own(links, row):
 
 
 def test_a_proof_that_does_not_hold_is_told_in_place_of_facts(links, row, states):
-    violation = Violation("too close", "right", "reach")
+    violation = Violation(plain("too close"), "right", "reach")
     bad = Proven(row.plan, replace(row.proof, violations=(violation,)))
     state = replace(row, proof=bad.proof)
     assert "plan 1: The proof does not hold" in proof_html(state, links)

@@ -22,8 +22,7 @@ from workbench.gui.shared.tables import (
     sort_key,
     stages_html,
 )
-from workbench.gui.shared.views import verdict_words
-from workbench.model.candidate import MARGIN_NOT_KEPT, Candidate, Reason, Stage, Verdict, kind_of
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp
 
@@ -62,7 +61,7 @@ def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
     wanted = [
         number
         for number, candidate in enumerate(candidates)
-        if order.only is None or kind_of(candidate.verdict) == order.only
+        if order.only is None or candidate.verdict.kind is order.only
     ]
     assert sorted(shown) == wanted
 
@@ -77,8 +76,8 @@ def test_rows_are_sorted_by_the_chosen_column(candidates, order):
 def test_the_counts_of_the_funnel_are_those_of_the_verdicts(candidates):
     html = funnel_html(candidates, None, dict.fromkeys([None, *KINDS], "id"))
     assert f"all <b>{len(candidates)}</b>" in html
-    for kind, count in Counter(kind_of(candidate.verdict) for candidate in candidates).items():
-        assert f"{kind} <b>{count}</b>" in html
+    for kind, count in Counter(candidate.verdict.kind for candidate in candidates).items():
+        assert f"{kind.message} <b>{count}</b>" in html
 
 
 @pytest.mark.parametrize("reason", [Reason.IN_COLLISION, Reason.TOOL_COLLISION])
@@ -87,11 +86,11 @@ def test_a_margin_that_is_not_kept_is_no_collision(reason):
     apart, deep = (
         Verdict(reason, Stage.GRASP, ("hand", "wall"), distance) for distance in (0.0014, -0.0014)
     )
-    assert kind_of(apart) == MARGIN_NOT_KEPT and kind_of(deep) == str(reason)
-    assert verdict_words(apart) == "margin not kept: hand and wall, 1.4 mm apart"
-    assert verdict_words(deep) == f"{reason}: hand and wall, 1.4 mm into each other"
-    assert verdict_colour(kind_of(apart)) == BUSY
-    assert verdict_colour(kind_of(deep)) not in (BUSY, GOOD)
+    assert apart.kind is Reason.WITHIN_MARGIN and deep.kind is reason
+    assert str(apart) == "within safety margin: hand and wall, 1.4 mm apart"
+    assert str(deep) == f"{reason.message}: hand and wall, penetration 1.4 mm"
+    assert verdict_colour(apart.kind) == BUSY
+    assert verdict_colour(deep.kind) not in (BUSY, GOOD)
 
 
 def test_by_default_what_works_stands_first(result):
@@ -132,8 +131,8 @@ def test_the_chosen_row_is_marked_without_writing_the_table_anew():
 def test_typed_words_keep_the_rows_that_have_all_of_them(candidates, words):
     shown = [candidates[number] for number in ordered(candidates, Order(words=words))]
     for one in candidates:
-        text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {kind_of(one.verdict)}"
-        text = f"{text} {one.verdict.stage.words}".casefold()
+        text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {one.verdict.kind.message}"
+        text = f"{text} {one.verdict.stage.message}".casefold()
         assert (one in shown) == all(word in text for word in words.casefold().split())
 
 

@@ -7,25 +7,25 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from workbench.app.core.state import Avoided, Job, Outcome, Outline, Phase
+from workbench.app.core.state import Avoided, Job, Outcome, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
 from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
-from workbench.gui.plan.views import outlines_html, plan_html
+from workbench.gui.plan.views import plan_html
 from workbench.gui.shared import link_views, views
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.part import Grasp
 from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
 from workbench.model.scan import Objection, RejectedHypothesis
-from workbench.proof.stages import STRAIGHT
 
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
@@ -245,7 +245,7 @@ def test_a_candidate_in_the_scene_names_the_pair_and_the_distance():
     verdict = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, ("palm", "bin_wall_back"), -0.0342)
     candidate = made_candidate(verdict=verdict)
     assert views.candidate_label(candidate) == (
-        "part-1, side-1-1, right arm\ntool collision\npalm · bin_wall_back, -34.2 mm"
+        "part-1, side-1-1, right arm\ntool in collision\npalm · bin_wall_back, -34.2 mm"
     )
 
 
@@ -257,14 +257,15 @@ def made_candidate(*, name: str = "side-1-1", arm: str = "right", verdict: Verdi
 def hostile(states, view_of) -> View:
     """A view in which every text that comes from outside is an attack."""
     state = states.fault
-    verdict = Verdict(Reason.IN_COLLISION, Stage.GRASP, (EVIL, EVIL), -0.001, note=EVIL)
+    verdict = Verdict(Reason.IN_COLLISION, Stage.GRASP, (EVIL, EVIL), -0.001, note=plain(EVIL))
     plan = replace(
         state.plan,
         note=EVIL,
+        notes=(plain(EVIL),),
         detections=tuple(replace(d, part=EVIL) for d in state.plan.detections),
         arms=tuple(replace(arm, grasp=EVIL) for arm in state.plan.arms),
     )
-    nearest = replace(state.proof.nearest, problem=EVIL, leg=EVIL, pair=(EVIL, EVIL))
+    nearest = replace(state.proof.nearest, problem=plain(EVIL), leg=EVIL, pair=(EVIL, EVIL))
     bad = replace(
         state,
         scan=replace(state.scan, source=EVIL),
@@ -384,17 +385,3 @@ def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):
     assert "session x" in text and "numpy 1 is 2 now" in text and "Eve" in text
     # Who may come in is no software.
     assert "software" not in text
-
-
-def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
-    """A single smallest clearance was contradicted by the curve of the straight ways."""
-    state = replace(states.planned, message="plan ready: alternated, smallest clearance 1.0 mm")
-    free, straight = state.proof.clearance, views.straight_bound(state.proof)
-    least = min(bounds.min() for _, leg, bounds in state.proof.clearances if leg in STRAIGHT)
-    assert straight == least
-    free, straight = (at_least(one).removeprefix("at least ") for one in (free, straight))
-    words = f"clear by {free} on free ways, {straight} on straight ones"
-    for told in (views.status_html(view_of(state)), views.plan_line(state)):
-        assert words in told and "smallest clearance" not in told
-    outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
-    assert "Free ways" in outlines_html(outlines, "", ("1", "2"))

@@ -6,18 +6,22 @@ from dataclasses import replace
 import pytest
 
 from workbench.gui.shared import views
+from workbench.model.messages.message import plain
+from workbench.model.messages.states import StateText, task_message
 
 
 @pytest.mark.parametrize(
     ("recorded", "shown"),
     [
-        ("task 'sight' failed: no ball", "The scan of the plate failed: no ball"),
-        ("task 'localize' cancelled by Ada", "The search for parts was cancelled by Ada"),
-        ("task 'plan' was cancelled", "The planning was cancelled"),
         (
-            "the worker process ended (SIGKILL) during task 'scan'",
-            "The worker process ended (SIGKILL) during the scan",
+            StateText.TASK_FAILED(task=task_message("sight"), why=plain("no ball")),
+            "The scan of the plate failed: no ball",
         ),
+        (
+            StateText.CANCELLED_BY(task=task_message("localize"), person="Ada"),
+            "The search for parts was cancelled by Ada",
+        ),
+        (StateText.TASK_CANCELLED(task=task_message("plan")), "The planning was cancelled"),
         ("scan with 12 points", "Scan with 12 points"),
     ],
 )

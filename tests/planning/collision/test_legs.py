@@ -130,4 +130,4 @@ def test_a_plan_with_a_turned_hand_is_proven(cell, detections):
     assert result.proof.holds, result.proof.violations
     narrower = with_grasps(along, lambda g: replace(g, free_rotation=0.1))
     bent = prove(narrower, replace(result.plan, cell_digest=narrower.digest))
-    assert any("not in the hand" in violation.problem for violation in bent.violations)
+    assert any("not in the hand" in str(violation.problem) for violation in bent.violations)

@@ -11,6 +11,7 @@ from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.planning.picking.nearest_fix import SHOWN, Fixes, nearest_fix
 
 
@@ -46,7 +47,7 @@ def test_grasps_over_the_key_are_refused_for_the_roll_with_a_number(over_key, de
     would_do = [c for c in judged if as_found[c.detection, c.grasp.name, c.arm].is_ok]
     for one in would_do:
         assert one.verdict.reason is Reason.ROLL_UNKNOWN
-        assert "the scan does not show its roll" in one.verdict.note
+        assert one.verdict.note.mentions(VerdictNote.ROLL_UNSEEN)
         assert one.verdict.pair is not None and one.verdict.pair[1] == f"part-{one.detection + 1}"
         assert any(letter.isdigit() for letter in str(one.verdict))
 
@@ -71,7 +72,7 @@ def test_places_that_need_the_roll_take_no_part_without_it(cell, detections, rol
     careful = replace(cell, arms=tuple(replace(arm, needs_roll=True) for arm in cell.arms))
     refused = judge(careful, rolled)
     assert {one.verdict.reason for one in refused} == {Reason.ROLL_UNKNOWN}
-    assert "places of the right arm need it" in str(
+    assert "places of arm right need the roll" in str(
         next(one.verdict for one in refused if one.arm == "right")
     )
     assert any(one.verdict.is_ok for one in judge(careful, detections))

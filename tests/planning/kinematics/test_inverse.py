@@ -8,6 +8,7 @@ import pytest
 from shipped import shipped
 
 from workbench.model.candidate import Reason
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.planning.kinematics.chain import chain_of, is_solution
 from workbench.planning.kinematics.inverse import configurations, has_closed_form
 
@@ -86,6 +87,6 @@ def test_a_verdict_says_from_how_many_starts_nothing_was_found():
     far = pin.SE3(np.eye(3), np.array([4.0, 0.0, 0.5]))
     verdict = _out_of_reach([configurations(chain, far, home)] * 2)
     assert verdict.reason is Reason.OUT_OF_REACH
-    assert verdict.note == "no configuration was found from 194 starts"
+    assert verdict.note == VerdictNote.NO_CONFIGURATION(starts=194)
     chain, home = arm_of("tx2_90")
-    assert _out_of_reach([configurations(chain, far, home)]).note == ""
+    assert _out_of_reach([configurations(chain, far, home)]).note is None

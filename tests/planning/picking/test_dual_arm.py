@@ -12,6 +12,9 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
+from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import LEG_NAMES, Guarantee, Step, Strategy, Violation
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
@@ -138,7 +141,11 @@ def test_arms_planned_for_turns_meet_when_they_go_at_once(cell, guarantee):
     pairs = tuple(Step(((first.arm, name), (second.arm, name))) for name in LEG_NAMES)
     at_once = replace(plan, strategy=Strategy.COORDINATED, guarantee=guarantee, sequence=pairs)
     proof = prove(cell, at_once)
-    met = [violation for violation in proof.violations if "while arm" in violation.problem]
+    met = [
+        violation
+        for violation in proof.violations
+        if violation.problem.text is ProofText.MARGIN_BESIDE
+    ]
     assert met
     for violation in met:
         assert {label.split("_")[0].split()[0] for label in violation.pair} == {"right", "left"}
@@ -225,7 +232,7 @@ def refusing(monkeypatch, refuses) -> list[str]:
         asked.append(str(plan.strategy))
         proof = pipeline.prove_as_it_is(cell, scene, plan)
         if refuses(plan):
-            proof = replace(proof, violations=(Violation("refused by the test"),))
+            proof = replace(proof, violations=(Violation(plain("refused by the test")),))
         return proof
 
     monkeypatch.setattr(pipeline, "prove_as_it_is", pipeline.prove, raising=False)
@@ -257,8 +264,9 @@ def test_where_the_proof_refuses_arms_at_once_the_plan_in_turns_is_taken(
     assert result.plan.strategy == Strategy.ALTERNATED
     assert result.plan.guarantee is Guarantee.ONE_AT_A_TIME
     assert result.plan.cycle_seconds > as_it_is.plan.cycle_seconds
-    assert "the proof refuses a quicker one: refused by the test" in result.plan.note
-    assert "refuses" not in as_it_is.plan.note
+    (note,) = (one for one in result.plan.notes if one.text is PlanNote.QUICKER_REFUSED)
+    assert "refused by the test" in str(note)
+    assert not any(one.text is PlanNote.QUICKER_REFUSED for one in as_it_is.plan.notes)
 
 
 def test_where_every_proof_is_refused_the_first_plan_is_shown(cell, apart, monkeypatch):

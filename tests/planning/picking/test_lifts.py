@@ -10,6 +10,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import RUBS, Pick, Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell, LiftName
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection, Obstacle
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
@@ -126,8 +127,8 @@ def test_the_verdict_tells_lift_and_opening_and_the_proof_agrees(cell, heap):
     eager = by(cell, lifts=LIFT_NAMES, least_air=0.0015)
     result = plan_pick(eager, heap, "test")
     good = [one for one in result.candidates if one.verdict.is_ok]
-    assert good and all(", lift " in one.verdict.note for one in good)
-    assert all("mm apart" in one.verdict.note for one in good)
+    assert good and all(one.verdict.note.mentions(VerdictNote.LIFT) for one in good)
+    assert all(one.verdict.note.mentions(VerdictNote.FINGERS) for one in good)
     assert result.plan is not None
     assert prove(eager, result.plan.scene, result.plan).holds
 
@@ -174,9 +175,11 @@ def test_a_blocked_lift_states_no_distance_that_nobody_has_measured(cell, heap):
     found = [
         one.verdict
         for one in judge(by(cell, lifts=LIFT_NAMES), heap)
-        if one.verdict.reason is Reason.EXTRACT_BLOCKED and one.verdict.note.startswith("after")
+        if one.verdict.reason is Reason.EXTRACT_BLOCKED
+        and one.verdict.note is not None
+        and one.verdict.note.text in (VerdictNote.LIFTS_TRIED, VerdictNote.LIFT_ENDS)
     ]
-    assert any("lifts tried" in one.note for one in found)
+    assert any(one.note.text is VerdictNote.LIFTS_TRIED for one in found)
     assert all(one.pair is not None and one.distance is None for one in found)
     assert not any(", 0.0 mm" in str(one) for one in found)
 
@@ -242,7 +245,7 @@ def test_a_part_that_is_caught_is_taken_by_any_way_on_which_it_comes_off_and_pro
     before, now = (plan_pick(each, (one,), "test", obstacles=(bar,)) for each in (usual, more))
     assert before.plan is None
     assert now.plan is not None and now.proof is not None and now.proof.holds
-    assert any("lift any" in c.verdict.note for c in now.candidates if c.verdict.is_ok)
+    assert any("lift any" in str(c.verdict.note) for c in now.candidates if c.verdict.is_ok)
 
 
 def test_ways_on_which_a_part_is_pushed_into_something_come_last(cell):

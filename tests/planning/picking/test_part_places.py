@@ -14,6 +14,7 @@ from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
@@ -71,7 +72,7 @@ def test_grasps_that_allow_no_such_place_are_refused_with_a_number(standing):
     refused = [c.verdict for c in standing.candidates if c.verdict.reason is Reason.NO_PLACE]
     assert len(refused) >= 4
     for verdict in refused:
-        assert verdict.stage is Stage.PLACE and "could lie right in 1 way" in verdict.note
+        assert verdict.stage is Stage.PLACE and verdict.note.args["count"] == 1
         assert verdict.distance is not None and verdict.q is not None
 
 
@@ -90,7 +91,7 @@ def test_a_part_that_may_be_turned_can_be_put_where_it_else_cannot(cell, detecti
 def test_a_place_for_another_kind_is_no_place(cell, detections):
     result = plan_pick(with_nests(cell, part="bracket"), detections, "scan")
     assert result.plan is None and result.verdict.reason is Reason.NO_PLACE
-    assert "none of the 1 places of parts is for keyed_cylinder" in result.verdict.note
+    assert result.verdict.note == VerdictNote.NO_PLACE_FOR_PART(count=1, part="keyed_cylinder")
 
 
 def test_a_part_in_a_wall_is_refused_whatever_the_arm_does(cell, detections):
@@ -98,7 +99,7 @@ def test_a_part_in_a_wall_is_refused_whatever_the_arm_does(cell, detections):
     result = plan_pick(with_nests(cell, T_world_part=wall), detections, "scan")
     refused = [c.verdict for c in result.candidates if c.verdict.reason is Reason.NO_PLACE]
     assert result.plan is None and refused
-    assert all("1 in something" in verdict.note for verdict in refused)
+    assert all(verdict.note.args["blocked"] == 1 for verdict in refused)
     assert {verdict.pair[1] for verdict in refused} == {"bin_wall_front"}
 
 

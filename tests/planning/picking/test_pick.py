@@ -12,6 +12,8 @@ from workbench.model.candidate import Pick, Reason, Stage
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import LEG_NAMES, Guarantee, Strategy
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
@@ -94,7 +96,7 @@ def test_one_arm_alone_when_asked_for(cell, detections, arm):
 def test_one_part_is_taken_by_one_arm_and_the_note_says_so(cell, detections):
     result = plan_pick(cell, detections[:1], "scan", seed=0)
     assert len(result.plan.arms) == 1
-    assert "one arm" in result.plan.note
+    assert result.plan.notes == (PlanNote.NO_OTHER_ARM(),)
     assert plan_pick(cell, detections[:1], "scan", strategy="alternated").plan is None
 
 
@@ -115,7 +117,7 @@ def test_an_arm_that_is_not_allowed_is_named(cell, detections):
 def test_an_opening_beyond_the_stroke_is_a_refusal(cell, detections):
     wide = with_grasps(cell, lambda g: replace(g, opening=0.08))
     verdicts = [candidate.verdict for candidate in propose(World(wide, detections))]
-    assert all("stroke" in verdict.note for verdict in verdicts)
+    assert all(verdict.note.text is VerdictNote.STROKE for verdict in verdicts)
 
 
 def test_a_part_far_away_is_out_of_reach(cell):
@@ -134,8 +136,8 @@ def with_places(cell, *Ts_world_place):
 
 def test_a_place_out_of_reach_and_no_place_are_told_apart(cell, detections):
     for other, says in (
-        (with_places(cell, pose_from_rpy((3, 0, 0))), "the arm reaches none of its places"),
-        (with_places(cell), "the cell has no place for this arm"),
+        (with_places(cell, pose_from_rpy((3, 0, 0))), VerdictNote.PLACES_UNREACHABLE()),
+        (with_places(cell), VerdictNote.NO_PLACE_FOR_ARM()),
     ):
         verdict = plan_pick(other, detections, "s", strategy="right").verdict
         assert (verdict.reason, verdict.note) == (Reason.NO_PLACE, says)
@@ -222,7 +224,7 @@ def test_auto_takes_one_after_the_other_where_they_lie_near_or_the_controller_ca
     result = plan_pick(other, detections, "s", threshold=threshold)
     assert (result.plan.strategy, result.proof.holds) == ("alternated", True)
     assert result.plan.cell_digest == cell.digest
-    assert "mm apart" in result.plan.note
+    assert result.plan.notes[0].text in (PlanNote.NEARER, PlanNote.FARTHER)
 
 
 def test_auto_takes_the_quicker_way_where_they_lie_apart_and_the_controller_can(cell, detections):
@@ -233,7 +235,8 @@ def test_auto_takes_the_quicker_way_where_they_lie_apart_and_the_controller_can(
         for name in ("coordinated", "alternated")
     ]
     quickest = min(plan.cycle_seconds for plan in ways)
-    assert result.proof.holds and "mm apart" in result.plan.note
+    assert result.proof.holds
+    assert result.plan.notes[0].text in (PlanNote.NEARER, PlanNote.FARTHER)
     assert result.plan.cycle_seconds == pytest.approx(quickest)
     assert misfit(ways[0], other) == ""
     assert "moves one arm at a time" in misfit(ways[0], spoken_to_by(cell, "abb-socket"))

@@ -11,6 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
 from workbench.planning.planners.clock import processor_time
@@ -48,7 +49,7 @@ def test_spares_are_left_out_where_a_grasp_before_them_works(cell):
     spares = [c for c in after if c.grasp.priority < 0 and c.arm in usual]
     assert not any(c.verdict.is_ok for c in spares)
     left_out = [c for c in spares if c.verdict.reason is Reason.DISABLED]
-    assert left_out and all("works and goes first" in c.verdict.note for c in left_out)
+    assert left_out and all(c.verdict.note.text is VerdictNote.SPARE for c in left_out)
 
 
 def test_spares_are_used_where_nothing_else_works_and_no_more_than_enough(cell):

@@ -9,13 +9,14 @@ from paces import LINKS, resampled, scaled
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.timing.jerk import Limits, jerky_at
 from workbench.proof.timing.pace import pace_violations
 
-TOO_JERKY = "asks for more jerk than the arm may have"
+TOO_JERKY = ProofText.TOO_JERKY()
 
 
 def with_jerk(cell, ratio: float):
@@ -80,8 +81,8 @@ def test_more_speed_and_more_acceleration_are_called_so(planned):
     cell, plan = planned
     said = {violation.problem for violation in pace_violations(cell, scaled(plan, 0.3))}
     assert said and said <= {
-        "is faster than the joints may turn",
-        "asks for more acceleration than the arm has",
+        ProofText.TOO_FAST(),
+        ProofText.TOO_HARD(),
     }
 
 

@@ -10,6 +10,7 @@ from workbench.app.emptying.what_if import ranked, tasks_with_changes
 from workbench.cli.measuring.emptying import kinds_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
+from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.studies.cases import run_cases
 from workbench.studies.emptying import kept
@@ -22,7 +23,9 @@ PILE = PileTask("yumi", "", 2, 3, settles=False)
 def made(task: PileTask) -> EmptiedPile:
     """A pile as if it had been emptied: what is taken depends on the task alone."""
     taken = (len(task.change) + task.seed) % 3
-    left = tuple(LeftPart(f"part-{k}", "tool collision", "why", "") for k in range(2 - taken))
+    left = tuple(
+        LeftPart(f"part-{k}", "tool collision", plain("why"), "") for k in range(2 - taken)
+    )
     return EmptiedPile(task, 2, taken, (0, 0, 0), 0, 0, taken, 2, float(taken), left, (0.1,),
                  (("propose", 0.1),), 0.0)  # fmt: skip
 

@@ -14,6 +14,8 @@ from workbench.app.core.outcomes import after_sending
 from workbench.app.core.results import Begun, gone_on, take_scan, with_result
 from workbench.app.core.state import Ahead, Phase, State
 from workbench.model.digest import digest_of
+from workbench.model.messages.message import all_of, as_message, plain
+from workbench.model.messages.states import StateText
 from workbench.model.release import PartReport
 
 Ended = tuple[State, tuple[StartJob | StopJob, ...]]
@@ -46,7 +48,7 @@ def brought_ahead(state: State, ended: JobEnded, entry: Entry) -> Begun:
     state = replace(state, ahead=ahead)
     foreseen = _taken_over(_as_if_ended(state, entry.at), ahead)
     following, effects = gone_on(state, foreseen, entry)
-    message = f"for the next cycle: {following.message}"
+    message = StateText.NEXT_CYCLE(message=as_message(following.message))
     return replace(state, job=following.job, message=message), effects
 
 
@@ -55,7 +57,8 @@ def given_up(state: State, why: str) -> Ended:
     if state.ahead is None:
         return state, ()
     effects = () if state.job is None else (StopJob(state.job.number),)
-    message = f"{state.message}; the next cycle is not worked on ahead: {why}"
+    words = plain(f"the next cycle is not worked on ahead: {why}")
+    message = all_of((as_message(state.message), words))
     return replace(state, ahead=None, job=None, message=message), effects
 
 
@@ -74,11 +77,14 @@ def after_the_end(before: State, after: State, entry: Entry) -> Ended:
         return given_up(after, why)
     if not ahead.brought and before.job is None:
         begun, effects = take_scan(after, entry, ahead.wanted.scan, then=ahead.wanted)
-        return replace(begun, ahead=None, message=f"{after.message}; scanning"), effects
+        message = all_of((as_message(after.message), plain("scanning")))
+        return replace(begun, ahead=None, message=message), effects
     taken = _taken_over(replace(after, ahead=None), ahead)
     if before.job is not None and before.job.name == "plan":
         taken = replace(taken, wanted_threshold=before.job.threshold)
-    message = f"{after.message}; {taken.message}" if ahead.brought else after.message
+    message = after.message
+    if ahead.brought:
+        message = all_of((as_message(after.message), as_message(taken.message)))
     return replace(taken, job=before.job, message=message), ()
 
 

@@ -39,6 +39,8 @@ from workbench.formats.parts.new_part import check_name
 from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.message import plain
+from workbench.model.messages.states import StateText
 from workbench.model.part import Entry, GraspLibrary, GraspPattern, Part
 from workbench.model.part_edits import differ_in_grasps_only, edited, with_part
 from workbench.model.prediction import CHANGE_KINDS, Seen
@@ -124,7 +126,7 @@ def cell_read(state: State, command: CellRead) -> Changed:
     """The state after the cell file was read."""
     cell, problem = command.cell, command.problem
     if cell is None:
-        message = f"the cell file cannot be used, the cell stays as it was: {problem}"
+        message = StateText.CELL_REFUSED(problem=plain(problem))
         return replace(state, cell_problem=problem, message=message), ()
     state = replace(state, cell_problem="", saved=cell.digest)
     if cell.approvers != state.cell.approvers:

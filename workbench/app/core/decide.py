@@ -74,6 +74,8 @@ from workbench.app.core.state import (
 )
 from workbench.model.cell import Tool
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import all_of, as_message, plain
+from workbench.model.messages.states import StateText, task_message
 from workbench.model.part import Part
 from workbench.model.release import Vote, manner_words
 
@@ -179,7 +181,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.CellRead():
             return cell_read(state, entry.command)
         case commands.PosesRefused(problem=problem):
-            return replace(state, message=f"poses from outside cannot be used: {problem}"), ()
+            return replace(state, message=StateText.POSES_REFUSED(problem=plain(problem))), ()
         case commands.JobEnded(result=Part() | Tool() as made) as ended:
             return with_made(state, ended, made)
         case commands.JobEnded() as ended if state.phase is Phase.SENDING:
@@ -214,7 +216,8 @@ def _waiting_for(before: State, after: State) -> Outcome:
     job = after.job
     if job is None or job.then is None or after.control == before.control:
         return after, ()
-    message = f"{after.message}; after this task nothing goes on by itself"
+    words = StateText.ENDS_AFTER_TASK()
+    message = all_of((as_message(after.message), words))
     return replace(after, job=replace(job, then=None), message=message), ()
 
 
@@ -269,5 +272,5 @@ def _cancel(state: State, entry: commands.Entry) -> Outcome:
     if state.job is None:
         return state, ()
     # The job leaves the state at once; whatever it still brings is recorded and not used.
-    message = f"task {state.job.name!r} cancelled by {entry.actor}"
+    message = StateText.CANCELLED_BY(task=task_message(state.job.name), person=entry.actor)
     return replace(state, job=None, message=message), (StopJob(state.job.number),)

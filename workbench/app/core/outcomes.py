@@ -7,6 +7,8 @@ from workbench.app.core.commands import LinkEnded, ReportPick
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import Avoided, Outcome, Phase, SentFor, State, counted
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, number_in, parts_taken
 from workbench.model.release import PartReport, Receipt
 from workbench.model.scan import Detection
@@ -261,14 +263,16 @@ def after_one_more_scan(avoided: tuple[Avoided, ...], at: float) -> tuple[Avoide
     )
 
 
-def avoided_parts(state: State, at: float) -> tuple[tuple[int, str], ...]:
+def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
     """Indices of the parts found that are left alone at [s since the epoch], and why each."""
-    found: list[tuple[int, str]] = []
+    found: list[tuple[int, Message]] = []
     for number, detection in enumerate(state.detections or ()):
         for one in state.avoided:
             if at < one.until and _is_at(state.cell, detection, one):
-                why = f", {one.why}" if one.why else ""
-                found.append((number, f"avoided since its pick failed{why}"))
+                why = VerdictNote.PICK_FAILED()
+                if one.why:
+                    why = VerdictNote.PICK_FAILED_SINCE(why=plain(one.why))
+                found.append((number, why))
                 break
     return tuple(found)
 

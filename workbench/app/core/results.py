@@ -1,6 +1,5 @@
 """Tasks of the worker, and what they and people have brought: parts found, a plan, or why not."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -25,15 +24,23 @@ from workbench.app.core.state import (
 from workbench.model.calibration import PlateObservation
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, JobCancelled, WorkbenchError
+from workbench.model.messages.message import Message, all_of, as_message, plain
+from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.states import StateText, task_message
 from workbench.model.plan import PlanResult, Proven, count_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Remark, Scan, Search
 
-FAILURE = re.compile(
-    r"task '\w+' failed: |no plan\b|a plan was found, but its proof does not hold\b|0 parts found\b"
-    r"|poses from outside cannot be used\b|the cell file cannot be used\b"
+FAILURES = (
+    StateText.TASK_FAILED,
+    StateText.NOTHING_FOUND,
+    StateText.POSES_REFUSED,
+    StateText.CELL_REFUSED,
+    StateText.NO_PLAN,
+    StateText.NOT_PROVEN,
+    StateText.NO_PROOF,
 )
-"""How messages of a state begin that tell of something that has failed."""
+"""Messages of a state that tell of something that has failed."""
 
 Begun = tuple[State, tuple[StartJob, ...]]
 """The state, and the task that has begun with it, if one has."""
@@ -45,9 +52,9 @@ MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
 
 
-def is_failure(message: str) -> bool:
+def is_failure(message: Message | str) -> bool:
     """Whether a message of a state tells of something that has failed."""
-    return FAILURE.match(message) is not None
+    return isinstance(message, Message) and any(map(message.mentions, FAILURES))
 
 
 def compared(state: State, search: Search) -> State:
@@ -69,7 +76,7 @@ def with_detections(state: State, search: Search) -> State:
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
         stale=stale_by(state, "parts were looked for again"),
-        message=f"{counted(len(detections), 'part')} found",
+        message=StateText.FOUND(count=len(detections)) if detections else StateText.NOTHING_FOUND(),
     )
 
 
@@ -108,21 +115,23 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         job: that has ended with it.
     """
     if result.plan is None:
-        phase, message = Phase.LOCALIZED, f"no plan: {result.verdict}"
+        phase = Phase.LOCALIZED
+        message = StateText.NO_PLAN(verdict=result.verdict.message)
     elif result.proof is None or not result.proof.holds:
         phase = Phase.PLANNED
-        why = result.proof.violations[0] if result.proof is not None else "there is none"
-        message = f"a plan was found, but its proof does not hold: {why}"
+        message = StateText.NO_PROOF()
+        if result.proof is not None:
+            message = StateText.NOT_PROVEN(violation=result.proof.violations[0].message)
     else:
         phase = Phase.PLANNED
-        message = (
-            f"plan ready: {result.plan.strategy}, {result.plan.cycle_seconds:.1f} s, "
-            f"smallest clearance {result.proof.clearance * 1000:.1f} mm"
+        message = StateText.PLAN_READY(
+            strategy=strategy_message(result.plan.strategy),
+            cycle=result.plan.cycle_seconds,
+            clearance=result.proof.clearance,
         )
-        if result.row:
-            message += f"; {counted(len(result.row), 'more plan')} in a row after it"
-        if result.plan.stations:
-            message += f"; {result.plan.note}"
+        more = StateText.MORE_PLANS(count=len(result.row)) if result.row else None
+        remarks = result.plan.remarks if result.plan.stations else ()
+        message = all_of((message, more, *remarks))
     return begun(
         state,
         PlanState,
@@ -169,7 +178,7 @@ def _outline(result: PlanResult, job: Job) -> Outline:
     planning = sum(result.seconds.values())
     plan, proof = result.plan, result.proof
     if plan is None or proof is None:
-        return Outline(result.planner, planning, verdict=str(result.verdict))
+        return Outline(result.planner, planning, verdict=result.verdict.message)
     every = [Proven(plan, proof), *result.row]
     distances = [float(d.min()) for one in every for _, _, d in one.proof.apart if len(d)]
     return Outline(
@@ -182,7 +191,7 @@ def _outline(result: PlanResult, job: Job) -> Outline:
         min(one.proof.clearance for one in every),
         min(distances, default=None),
         plan.digest,
-        "" if proof.holds else str(proof.violations[0]),
+        None if proof.holds else proof.violations[0].message,
         str(plan.strategy) if job.strategy == "both" else job.strategy,
         job.threshold or 0.0,
         job.seed,
@@ -297,7 +306,9 @@ def gone_on(before: State, after: State, entry: Entry) -> Begun:
         case "localize", Phase.LOCALIZED:
             return make_plan(after, entry, job.then.plan)
         case "scan" | "localize", _:
-            return replace(after, message=f"{after.message}; going on ends here"), ()
+            return replace(
+                after, message=all_of((as_message(after.message), StateText.ENDS_HERE()))
+            ), ()
         case _:
             return after, ()
 
@@ -310,9 +321,9 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
     state = replace(state, job=None)
     match (job.name, result):
         case (_, JobCancelled()):
-            return replace(state, message=f"task {job.name!r} was cancelled")
+            return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
         case (_, WorkbenchError()):
-            return replace(state, message=f"task {job.name!r} failed: {result}")
+            return replace(state, message=_failed(job, str(result)))
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
@@ -328,7 +339,11 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
             return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
-            return replace(state, message=f"task {job.name!r} failed: it brought a {wrong}")
+            return replace(state, message=_failed(job, f"it brought a {wrong}"))
+
+
+def _failed(job: Job, why: str) -> Message:
+    return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:

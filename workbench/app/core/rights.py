@@ -6,24 +6,13 @@ from dataclasses import dataclass
 from workbench.app.core import commands
 from workbench.app.core.people import FRONT_DOOR, MACHINES, POSES_FOLDER, Role
 from workbench.app.core.state import Phase, State
+from workbench.model.messages.states import task_message
 
 MOST_SAID = 3
 """So many changes are told in a sentence; the page has the whole list."""
 
 EVERY = frozenset(Phase)
 SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
-
-
-JOBS: Mapping[str, str] = {
-    "scan": "the scan",
-    "localize": "the search for parts",
-    "plan": "the planning",
-    "sight": "the scan of the plate",
-    "import": "the new part",
-    "tool": "the new tool",
-    "emptying": "the emptying",
-}
-"""What people call the tasks of the worker."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +137,7 @@ def obstacle(state: State, command: type) -> str:
     right = RIGHTS[command]
     # What runs while something is sent is of the next cycle, and holds up nothing of this one.
     if state.job is not None and not right.beside_job and state.phase is not Phase.SENDING:
-        job = JOBS.get(state.job.name, f"the task {state.job.name!r}")
+        job = task_message(state.job.name)
         return f"{right.says} has to wait until {job} ends or is cancelled"
     if command is commands.CancelJob and state.job is None and state.ahead is None:
         return "no task is running"

@@ -7,6 +7,7 @@ from workbench.app.core.effects import Send
 from workbench.app.core.release import stale_because
 from workbench.app.core.rules import staleness, unwalked
 from workbench.app.core.state import Phase, State, counted
+from workbench.model.messages.message import all_of, as_message, plain
 from workbench.model.plan import Plan, Proven
 from workbench.model.release import Approval
 
@@ -55,9 +56,10 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
             words += (
                 f"; look whether a part is on station {state.plan.stations[0]}, and take it away"
             )
-        message = after.message if ended.fault else f"{after.message}; {words}"
+        why = plain(words)
+        message = after.message if ended.fault else all_of((as_message(after.message), why))
         # What was spent stays to be seen; nothing follows a row that is not there any more.
-        return replace(after, row=(), row_ends=words, message=message), ()
+        return replace(after, row=(), row_ends=why, message=message), ()
     after = replace(
         after,
         phase=Phase.SENDING,

@@ -11,6 +11,7 @@ from workbench.model.calibration import PlateObservation
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
+from workbench.model.messages.message import Message
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
@@ -73,7 +74,7 @@ class Outline:
     clearance: float | None = None
     apart: float | None = None
     digest: str = ""
-    verdict: str = ""
+    verdict: Message | None = None
     asked: str = ""
     threshold: float = 0.0
     seed: int = 0
@@ -216,7 +217,7 @@ class PlanState(PartsState):
     stale: str = ""
     bound: float = 0.0
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
-    row_ends: str = field(default_factory=str, metadata=LATER)
+    row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
     left_out: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
 
 
@@ -292,7 +293,7 @@ class State(RunState):
     phase: Phase = field(default=Phase.IDLE, kw_only=False)
     job: Job | None = None
     fault: str = ""
-    message: str = ""
+    message: Message | str = ""
 
 
 def begun(state: State, stage: type[SessionState], **fields: Any) -> State:

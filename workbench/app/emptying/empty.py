@@ -18,9 +18,11 @@ from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.message import Message
+from workbench.model.messages.states import LeftText
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.scan import GOES_UNSEEN, Detection, SearchOverrides, Unexplained
+from workbench.model.scan import Detection, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -258,10 +260,12 @@ def _looked(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
     return [(one, told[number]) for number, one in enumerate(seen) if number in told]
 
 
-def _left_alone(detections: Sequence[Detection], failed: Sequence[Detection]) -> Mapping[int, str]:
+def _left_alone(
+    detections: Sequence[Detection], failed: Sequence[Detection]
+) -> Mapping[int, Message]:
     """Numbers of the parts whose pick has failed a short while ago, and why they are left."""
     return {
-        number: "a pick of it has failed"
+        number: LeftText.PICK_FAILED()
         for number, one in enumerate(detections)
         for other in failed
         if one.part == other.part
@@ -281,7 +285,7 @@ def _carry_out(
         truth = [one for _, one in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
-        if GOES_UNSEEN in plan.note:
+        if plan.goes_unseen:
             tally.warned_picks += 1
             tally.warned_touches += taking.touches
         kind = failure(taking, plan.detections[arm_plan.detection])

@@ -1,6 +1,5 @@
 """Why a part stayed in the bin, and the smallest change of a grasp that would take it."""
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 
@@ -8,14 +7,13 @@ import numpy as np
 
 from workbench.app.core.outcomes import MOST_FAILURES, SAME_PLACE
 from workbench.app.picking.pipeline import judge
-from workbench.model.candidate import Candidate, Reason, Verdict
+from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
-from workbench.model.prediction import LeftPart
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.states import LeftText
+from workbench.model.prediction import NOT_FOUND, STOPPED, LeftPart
 from workbench.model.scan import Detection
 from workbench.planning.picking.nearest_fix import nearest_fix
-
-TOUCHING = (Reason.TOOL_COLLISION, Reason.IN_COLLISION)
-"""Bodies that meet, or do not keep their margin."""
 
 Numbered = Sequence[tuple[int, Detection]]
 """Parts with the number under which they fell."""
@@ -49,61 +47,48 @@ def left_in(
     if not detections:
         return ()
     judged = judge(cell, detections, seed=seed)
-    names = [f"part-{number + 1}" for number, _ in lying]
     found: list[LeftPart] = []
-    for index, name in enumerate(names):
+    for index, (number, _) in enumerate(lying):
+        label = str(FoundPart(number))
         mine = tuple(one for one in judged if one.detection == index)
         if any(one.verdict.is_ok for one in mine):
             if is_stopped:
-                kind, why = "stopped", f"it was stopped after {MOST_FAILURES} failed picks in a row"
+                kind, why = STOPPED, LeftText.WAS_STOPPED(count=MOST_FAILURES)
             elif refusal is None:
                 kind, why = _as_found(lying, index, looked)
             else:
-                kind, why = str(refusal.reason), f"no plan came out: {refusal}"
-            found.append(LeftPart(name, kind, f"a grasp of it works, but {why}", ""))
+                kind, why = str(refusal.reason), LeftText.NO_PLAN(verdict=refusal.message)
+            found.append(LeftPart(label, kind, LeftText.WORKS_BUT(why=why), ""))
             continue
         best = max((one.verdict for one in mine), key=lambda one: one.progress)
         fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
-        sentence = _renamed(_sentence(mine, best), names)
-        found.append(LeftPart(name, str(best.reason), sentence, "" if fix is None else fix.change))
+        why = _none_works(mine, best).renumbered(lambda index: lying[index][0])
+        found.append(LeftPart(label, str(best.reason), why, "" if fix is None else fix.change))
     return tuple(found)
 
 
-def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, str]:
+def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, Message]:
     """Why a part that could be taken as it lies was not taken as it was found, if it was."""
 
     def is_same(found: Detection, one: Detection) -> bool:
         off = found.T_world_part.translation - one.T_world_part.translation
         return found.part == one.part and bool(np.linalg.norm(off) < SAME_PLACE)
 
-    def name(found: Detection) -> str:
-        fell = (f"part-{number + 1}" for number, one in lying if is_same(found, one))
-        return next(fell, "what was taken for a part")
+    def as_fallen(index: int) -> int | Message:
+        fell = (number for number, one in lying if is_same(looked[index][0], one))
+        return next(fell, LeftText.FALSE_PART())
 
     for found, verdict in looked:
         if is_same(found, lying[index][1]):
-            said = _renamed(str(verdict), [name(one) for one, _ in looked])
-            why = f"not as the last scan shows it and what is near: {said}"
-            return str(verdict.reason), why
-    return "not found", "it was not found"
+            said = verdict.message.renumbered(as_fallen)
+            return str(verdict.reason), LeftText.AS_SCANNED(verdict=said)
+    return NOT_FOUND, LeftText.WAS_NOT_FOUND()
 
 
-def _sentence(mine: Sequence[Candidate], best: Verdict) -> str:
-    counted = Counter(one.verdict.reason for one in mine)
-    told = ", ".join(f"{count} {reason}" for reason, count in counted.most_common())
-    how = str(best)
-    if best.reason is not Reason.OUT_OF_REACH and best.distance is not None and best.distance < 0:
-        how += " into each other"
-    elif best.distance is not None and best.reason in TOUCHING:
-        how += ", nearer than the margin"
-    return f"none of {len(mine)} candidates works ({told}); the one that got furthest: {how}"
-
-
-def _renamed(text: str, names: Sequence[str]) -> str:
-    """The text with the labels of parts as they fell, not as they were judged."""
-
-    def name(match: re.Match[str]) -> str:
-        index = int(match[1]) - 1
-        return names[index] if 0 <= index < len(names) else match[0]
-
-    return re.sub(r"\bpart-(\d+)\b", name, text)
+def _none_works(mine: Sequence[Candidate], best: Verdict) -> Message:
+    counted = Counter(one.verdict.kind for one in mine)
+    reasons = (
+        LeftText.COUNTED(count=count, reason=reason.message)
+        for reason, count in counted.most_common()
+    )
+    return LeftText.NONE_WORKS(count=len(mine), reasons=reasons, verdict=best.message)

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
 from itertools import zip_longest
 from typing import Any
 
@@ -117,5 +116,5 @@ def _scene(one: EmptiedPile) -> dict[str, Any]:
         "warned_touches": one.warned_touches,
         "knocked_out": one.knocked_out,
         "motion_seconds": one.motion_seconds,
-        "left": [asdict(left) for left in one.left],
+        "left": [left.form for left in one.left],
     }

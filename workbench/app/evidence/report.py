@@ -107,7 +107,7 @@ def _starts(told: list[Moment]) -> Table:
                 says = f"{what}, {ran.processor}, {ran.system}; {listed}{changed}"
                 rows.append((clock(entry.at), "start", f"{says}; inventory {ran.digest[:12]}"))
             case AcknowledgeChanges():
-                rows.append((clock(entry.at), entry.actor, state.message))
+                rows.append((clock(entry.at), entry.actor, str(state.message)))
             case _:
                 pass
     says = "At every start; the inventory is in the journal with all its digests."
@@ -222,7 +222,7 @@ def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
             case Stop():
                 yield "stop", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"
             case LinkEnded(fault=fault, parts_placed=placed, parts=parts):
-                said = f"fault: {fault}" if fault else state.message
+                said = f"fault: {fault}" if fault else str(state.message)
                 put = counted(placed, "part")
                 yield "the robot said", f"{clock(entry.at)} {said}; {put} placed"
                 for part in parts:
@@ -241,7 +241,7 @@ def _interventions(told: list[Moment]) -> Table:
         faulty = state.phase is Phase.FAULT and isinstance(command, LinkEnded)
         if by_person or faulty:
             kind = "fault" if faulty else type(command).__name__
-            rows.append((str(entry.number), clock(entry.at), entry.actor, kind, state.message))
+            rows.append((str(entry.number), clock(entry.at), entry.actor, kind, str(state.message)))
     says = "What people did besides scanning, planning, watching, approving, sending; and faults."
     columns = ("entry", "when", "who", "what", "what came of it")
     return Table("Interventions and faults", says, columns, tuple(rows))
@@ -250,7 +250,8 @@ def _interventions(told: list[Moment]) -> Table:
 def _log(told: list[Moment]) -> Table:
     shown = [(e, s) for e, s in told if not isinstance(e.command, Sent)]
     rows = tuple(
-        (str(e.number), clock(e.at), e.actor, _kind(e), str(s.phase), s.message) for e, s in shown
+        (str(e.number), clock(e.at), e.actor, _kind(e), str(s.phase), str(s.message))
+        for e, s in shown
     )
     left_out = len(told) - len(shown)
     says = f"Every entry after the first but {left_out} messages to the robot, which wire.txt has."

@@ -6,6 +6,7 @@ from dataclasses import replace
 from workbench.app.picking.part_import import excess_of
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection
 from workbench.planning.collision.bodies import part_label
 
@@ -34,8 +35,7 @@ def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Ver
         needed = cell.policy.margin
     if verdict.distance + excess < needed or excess == 0:
         return verdict
-    words = f"closer than the bodies are exact: {excess * 1000:.1f} mm"
-    return replace(verdict, note=f"{verdict.note}; {words}" if verdict.note else words)
+    return verdict.noted(VerdictNote.INEXACT(excess=excess))
 
 
 def _parts(verdict: Verdict, detections: Sequence[Detection]) -> Iterator[int]:

@@ -17,6 +17,7 @@ from workbench.app.picking.pipeline import NOTHING, levels_of
 from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats, Ints, put
+from workbench.model.messages.message import Message
 from workbench.model.part import Grasp, with_symmetry
 from workbench.model.scan import Obstacle
 from workbench.planning.collision.hands import turns_of
@@ -94,7 +95,7 @@ def _otherwise(value: T, **others: Any) -> T:
     return made
 
 
-def glance_at(world: World, *, avoided: Mapping[int, str] = NOTHING, seed: int = 0) -> Glance:
+def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: int = 0) -> Glance:
     """All candidates that planning looks at first, judged up to reach and place.
 
     Args:

@@ -9,11 +9,15 @@ from workbench.app.core.value_checks import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, PlanResult, Proof, count_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, is_enough, planned
 from workbench.planning.picking.least_time import least_cycle
+from workbench.planning.picking.lifts import lift_message
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time, working_time
@@ -23,7 +27,7 @@ from workbench.proof.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
-NOTHING: Mapping[int, str] = MappingProxyType({})
+NOTHING: Mapping[int, Message] = MappingProxyType({})
 
 TRIED, JUDGED = 0.2, 0.75
 """Shares of a look at candidates after which the hands were tried, and all candidates judged."""
@@ -41,7 +45,7 @@ def plan_pick(
     threshold: float | None = None,
     overrides: PlanOverrides = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
-    avoided: Mapping[int, str] = NOTHING,
+    avoided: Mapping[int, Message] = NOTHING,
     seed: int = 0,
     report: Report = silent,
     cancelled: Cancelled = never,
@@ -136,11 +140,10 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
     """
     first = prove(cell, scene, plans[0])
     for plan in plans[1:] if not first.holds else ():
-        why = f"the proof refuses a quicker one: {first.violations[0]}"
-        noted = replace(plan, note="; ".join(filter(None, (plan.note, why))))
-        proof = prove(cell, scene, noted)
+        proof = prove(cell, scene, plan)
         if proof.holds:
-            return noted, proof
+            why = PlanNote.QUICKER_REFUSED(violation=first.violations[0].message)
+            return replace(plan, notes=(*plan.notes, why)), proof
     return plans[0], first
 
 
@@ -171,7 +174,7 @@ def check_strategy(cell: Cell, strategy: str) -> None:
 
 
 def _without(
-    avoided: Mapping[int, str], candidates: tuple[Candidate, ...]
+    avoided: Mapping[int, Message], candidates: tuple[Candidate, ...]
 ) -> tuple[Candidate, ...]:
     """The candidates, those of avoided parts refused."""
     return tuple(
@@ -256,7 +259,7 @@ def _judge(
             if processor_time() > until:
                 verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
             elif _is_spare(candidate, others):
-                note = f"a spare: {others[0].grasp.name} works and goes first"
+                note = VerdictNote.SPARE(grasp=others[0].grasp.name)
                 verdict = Verdict(Reason.DISABLED, verdict.stage, note=note)
             else:
                 result = resolve(world, candidate, seed=seed)
@@ -283,21 +286,21 @@ def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
     return before or len(working) >= ENOUGH
 
 
-def _told(world: World, pick: Pick) -> str:
+def _told(world: World, pick: Pick) -> Message:
     """What to know of a candidate that works: how far it goes, its lift and its opening."""
     candidate = pick.candidate
-    note = f"at least {pick.seconds:.1f} s"
+    facts = [VerdictNote.DURATION(seconds=pick.seconds)]
     if len(world.policy.lifts) > 1:
-        note += f", lift {pick.lift}"
+        facts.append(VerdictNote.LIFT(lift=lift_message(pick.lift)))
     if world.policy.least_air is not None and world.arm(candidate.arm).tool.fingers:
-        note += f", fingers {candidate.grasp.opening * 1e3:.0f} mm apart"
-    return note
+        facts.append(VerdictNote.FINGERS(opening=candidate.grasp.opening))
+    return VerdictNote.WORKS(facts=facts)
 
 
 def _summary(candidates: Sequence[Candidate]) -> Verdict:
     """Why nothing works: the refusal of the candidate that got furthest."""
     if not candidates:
-        note = "the parts found have no grasp for any arm; author one first"
+        note = VerdictNote.NO_GRASP()
         return Verdict(Reason.DISABLED, Stage.PROPOSE, note=note)
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)

@@ -9,6 +9,9 @@ from workbench.app.picking.pipeline import AS_THE_CELL, NOTHING, plan_pick
 from workbench.app.picking.stations import Search, Stand, cell_with
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides, Policy
+from workbench.model.messages.message import Message, all_of
+from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.verdicts import StationNote, VerdictNote
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
 from workbench.planning.planners.clock import processor_time, working_time
@@ -29,7 +32,7 @@ def regrasped(
     *,
     strategy: str = "auto",
     overrides: PlanOverrides = AS_THE_CELL,
-    avoided: Mapping[int, str] = NOTHING,
+    avoided: Mapping[int, Message] = NOTHING,
     seed: int = 0,
     report: Report = silent,
     cancelled: Cancelled = never,
@@ -67,7 +70,7 @@ def regrasped(
     search = Search(cell, scene, policy, arms, seed, until, cancelled)
     picks = dict(strategy=strategy, overrides=overrides, seed=seed, cancelled=cancelled, **asked)
     stands: dict[str, list[Stand]] = {}
-    words = "no pose on a station from which it can be taken to a place"
+    why = StationNote.NO_POSE()
     for count, number in enumerate(numbers):
         kind = scene.detections[number].part
         told = within(report, count / len(numbers), (count + 1) / len(numbers))
@@ -77,26 +80,29 @@ def regrasped(
         pairs = search.pairs(number, stands[kind], refusals, told)
         if stands[kind] and not pairs:
             reason = _why_not(refusals) if processor_time() < search.until else Reason.OUT_OF_TIME
-            words = f"no grasp brings it from the bin onto one: {reason}"
+            why = StationNote.NO_GRASP(reason=reason.message)
         for stand in pairs[:MOST_PLANNED]:
             told(0.8, "planning over a station")
-            row, words = _planned(cell, scene, number, stand, policy, picks)
-            if row is not None:
+            row = _planned(cell, scene, number, stand, policy, picks)
+            if isinstance(row, Message):
+                why = row
+            else:
                 first, second = row
                 took = {**refused.seconds, "regrasp": working_time() - began}
                 return replace(
                     refused,
                     plan=first.plan,
                     proof=first.proof,
-                    verdict=Verdict(Reason.OK, Stage.ROUTE, note=first.plan.note),
+                    verdict=Verdict(Reason.OK, Stage.ROUTE, note=all_of(first.plan.notes)),
                     seconds=took,
                     row=(second,),
                 )
-    note = "; ".join(filter(None, (refused.verdict.note, f"over a station: {words}")))
-    return replace(refused, verdict=replace(refused.verdict, note=note))
+    return replace(refused, verdict=refused.verdict.noted(StationNote.NOT_OVER(why=why)))
 
 
-def _that_have_no_place(scene: Scene, refused: PlanResult, avoided: Mapping[int, str]) -> list[int]:
+def _that_have_no_place(
+    scene: Scene, refused: PlanResult, avoided: Mapping[int, Message]
+) -> list[int]:
     """Parts that can be taken and not put down, in the order of their candidates."""
     numbers = [one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE]
     return [
@@ -122,7 +128,7 @@ def _planned(
     stand: Stand,
     policy: Policy,
     picks: Mapping[str, Any],
-) -> tuple[tuple[Proven, Proven] | None, str]:
+) -> tuple[Proven, Proven] | Message:
     """The two plans over a way to stand, each proven; or why they are not to be had."""
     kind, name = scene.detections[number].part, stand.station.name
     at = cell_with(cell, kind, stand, policy)
@@ -135,11 +141,11 @@ def _planned(
         **picks,
     )
     if result.plan is None:
-        return None, f"no way to the station: {result.verdict}"
-    plan = _as_in(cell, result.plan, name, f"regrasp: put on station {name}, taken anew")
+        return StationNote.NO_PATH_TO(verdict=result.verdict.message)
+    plan = _as_in(cell, result.plan, name, PlanNote.PUT_ON_STATION(station=name))
     first = Proven(plan, prove(cell, scene, plan))
     if not first.proof.holds:
-        return None, f"the proof refuses the way to the station: {first.proof.violations[0]}"
+        return StationNote.REFUSED_TO(violation=first.proof.violations[0].message)
     after = scene_after(cell, plan)
     result = plan_pick(
         cell,
@@ -150,25 +156,25 @@ def _planned(
         **picks,
     )
     if result.plan is None:
-        return None, f"no way from the station: {result.verdict}"
-    plan = _as_in(cell, result.plan, "", f"regrasp: taken from station {name}")
+        return StationNote.NO_PATH_FROM(verdict=result.verdict.message)
+    plan = _as_in(cell, result.plan, "", PlanNote.TAKEN_FROM_STATION(station=name))
     second = Proven(plan, prove(cell, after, plan))
     if not second.proof.holds:
-        return None, f"the proof refuses the way from the station: {second.proof.violations[0]}"
-    return (first, second), ""
+        return StationNote.REFUSED_FROM(violation=second.proof.violations[0].message)
+    return first, second
 
 
-def _as_in(cell: Cell, plan: Plan, station: str, note: str) -> Plan:
+def _as_in(cell: Cell, plan: Plan, station: str, note: Message) -> Plan:
     """The plan as one of this cell, with where it puts its part."""
     return replace(
         plan,
         cell_digest=cell.digest,
         arms=tuple(replace(one, station=station) for one in plan.arms),
-        note=note,
+        notes=(note,),
     )
 
 
-def _all_but(number: int, scene: Scene) -> dict[int, str]:
+def _all_but(number: int, scene: Scene) -> dict[int, Message]:
     """Parts that are left alone while one is taken over a station."""
-    why = "another part is brought to its place over a station"
+    why = VerdictNote.AVOIDED_OTHERS()
     return {other: why for other in range(len(scene.detections)) if other != number}

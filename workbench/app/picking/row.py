@@ -5,13 +5,17 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
+from workbench.app.picking.numbers import renumbered
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import regrasped
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.plan import Plan, PlanResult, Proven, renumbered
-from workbench.model.scan import GOES_UNSEEN, Detection, Obstacle, Scan, Scene
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import PlanNote, RowEnd
+from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
 from workbench.planning.planners.clock import working_time
@@ -22,8 +26,6 @@ from workbench.proof.prove import prove as prove_in
 USUALLY = 2 / 3
 """Share of the progress for a look that usually brings a plan, before one that is made else."""
 
-TAKEN_LAST = "parts that lie near it may move with it, so it is taken last"
-
 
 def plan_row(
     cell: Cell,
@@ -33,7 +35,7 @@ def plan_row(
     picks: int = 1,
     obstacles: tuple[Obstacle, ...] = (),
     unseen: tuple[Obstacle, ...] = (),
-    avoided: Mapping[int, str] = NOTHING,
+    avoided: Mapping[int, Message] = NOTHING,
     strategy: str = "auto",
     report: Report = silent,
     **asked: Any,
@@ -73,7 +75,7 @@ def plan_row(
             return result
         report = within(report, USUALLY, 1.0)
     result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
-    return _noted(cell, scene, result, GOES_UNSEEN) if unseen and _holds(result) else result
+    return _noted(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -123,7 +125,7 @@ def _rows(
     cell: Cell,
     scene: Scene,
     picks: int,
-    avoided: Mapping[int, str],
+    avoided: Mapping[int, Message],
     strategy: str,
     report: Report,
     **asked: Any,
@@ -138,18 +140,17 @@ def _rows(
     return best_of(cell, rows)
 
 
-def _noted(cell: Cell, scene: Scene, result: PlanResult, words: str) -> PlanResult:
-    """A result whose plan says more, proven as what it is then."""
+def _noted(result: PlanResult, note: Message) -> PlanResult:
+    """A result whose plan has one more remark."""
     assert result.plan is not None
-    plan = replace(result.plan, note="; ".join(filter(None, (result.plan.note, words))))
-    return replace(result, plan=plan, proof=prove_in(cell, scene, plan))
+    return replace(result, plan=replace(result.plan, notes=(*result.plan.notes, note)))
 
 
 def _row(
     cell: Cell,
     scene: Scene,
     picks: int,
-    avoided: Mapping[int, str],
+    avoided: Mapping[int, Message],
     report: Report,
     **asked: Any,
 ) -> PlanResult:
@@ -160,8 +161,9 @@ def _row(
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
-    began, latest, ends = working_time(), first.plans, ""
-    while not ends and done < picks:
+    began, latest = working_time(), first.plans
+    ends: Message | None = None
+    while ends is None and done < picks:
         for plan in latest:
             moved = may_have_moved(cell, plan)
             if moved is not None:
@@ -169,19 +171,19 @@ def _row(
             left = _left(plan, left)
             scene = scene_after(cell, plan)
         if ends or not scene.detections:
-            ends = ends or "no part is left"
+            ends = ends or RowEnd.NO_PART()
             break
         done += 1
         told = _of(report, f"plan {done} of {picks}", done - 1, picks)
         result = _next(cell, scene, left, told, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
-            words = f"no plan after that: {result.verdict}"
-            ends = renumbered(words, first.plan, scene.detections)
+            why = RowEnd.NO_PLAN(verdict=result.verdict.message)
+            ends = renumbered(why, first.plan, scene.detections)
         elif not result.proof.holds:
-            words = f"the proof of the next plan does not hold: {result.proof.violations[0]}"
-            ends = renumbered(words, first.plan, scene.detections)
+            why = RowEnd.REFUSED(violation=result.proof.violations[0].message)
+            ends = renumbered(why, first.plan, scene.detections)
         elif 1 + len(row) + len(result.plans) > MOST_PICKS:
-            ends = f"a row has at most {MOST_PICKS} plans"
+            ends = RowEnd.MOST(count=MOST_PICKS)
         else:
             latest = result.plans
             row += [Proven(result.plan, result.proof), *result.row]
@@ -192,7 +194,7 @@ def _row(
 def _next(
     cell: Cell,
     scene: Scene,
-    avoided: Mapping[int, str],
+    avoided: Mapping[int, Message],
     report: Report,
     *,
     is_last: bool,
@@ -203,7 +205,7 @@ def _next(
     Where no part can be put to its place, two plans that bring one there over a station.
     """
 
-    def planned(left: Mapping[int, str], begin: float, end: float) -> PlanResult:
+    def planned(left: Mapping[int, Message], begin: float, end: float) -> PlanResult:
         return plan_pick(
             cell,
             scene.detections,
@@ -219,7 +221,7 @@ def _next(
     heaped = {number for number, heap in enumerate(heaps) if heaps.count(heap) > 1}
     result: PlanResult | None = None
     if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):
-        lonely = {**dict.fromkeys(heaped, TAKEN_LAST), **avoided}
+        lonely = {**dict.fromkeys(heaped, VerdictNote.TAKEN_LAST()), **avoided}
         result = planned(lonely, 0.0, USUALLY * whole)
     if result is None or not _holds(result):
         result = planned(avoided, 0.0 if result is None else USUALLY * whole, whole)
@@ -233,7 +235,7 @@ def _holds(result: PlanResult) -> bool:
     return result.plan is not None and result.proof is not None and result.proof.holds
 
 
-def _left(plan: Plan, avoided: Mapping[int, str]) -> dict[int, str]:
+def _left(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
     """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
     taken = {one.detection for one in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]

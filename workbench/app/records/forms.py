@@ -19,6 +19,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Controller
 from workbench.model.digest import LARGE, canonical, digest_of
+from workbench.model.messages.catalogue import message_of
+from workbench.model.messages.message import Message
 from workbench.model.plan import Strategy
 from workbench.plugins.robot_link import link_named
 
@@ -55,6 +57,8 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         WorkbenchError: the value itself refuses its content, or a file is not to be had.
     """
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if kind is Message:
+        return message_of(form)
     if kind is pin.SE3:
         return pin.SE3(np.array(form, dtype=np.float64))
     if np.ndarray in (kind, origin):
@@ -84,6 +88,9 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         if set(present) <= PLAIN:
             return form
         if form is None and len(present) < len(arguments):
+            return None
+        if form == "" and present == [Message]:
+            # Once every remark was a text, and that was none.
             return None
         return restored(present[0] if len(present) == 1 else _kind_of(present, form), form, read)
     if origin is frozenset:

@@ -140,7 +140,7 @@ def summary(state: State) -> Mapping[str, Any]:
     return {
         "phase": str(state.phase),
         "cell": state.cell.digest,
-        "message": state.message,
+        "message": str(state.message),
         "job": None if state.job is None else state.job.number,
         "scan": None if state.scan is None else state.scan.digest,
         "plan": None if state.plan is None else state.plan.digest,

@@ -13,6 +13,7 @@ import numpy as np
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
+from workbench.model.messages.message import plain
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
@@ -171,7 +172,8 @@ def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:
     """What was measured by the clock is never the same, and no part of the result."""
 
     def timeless(one: EmptiedPile) -> EmptiedPile:
-        return replace(one, planning=(), stages=(), finding=0.0, beside=())
+        left = tuple(replace(stays, reason=plain("")) for stays in one.left)
+        return replace(one, planning=(), stages=(), finding=0.0, beside=(), left=left)
 
     if len(kept.piles) != len(again.piles):
         return _other(f"{len(again.piles)} piles instead of {len(kept.piles)}")
@@ -186,13 +188,7 @@ def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:
 
 
 def _plannings(cell: Cell, kept: PlanResult, again: PlanResult) -> Resemblance:
-    pairs = (
-        (kept.candidates, again.candidates),
-        (kept.plan and kept.plan.digest, again.plan and again.plan.digest),
-        (kept.proof and kept.proof.digest, again.proof and again.proof.digest),
-        (str(kept.verdict), str(again.verdict)),
-    )
-    if all(digest_of(one) == digest_of(other) for one, other in pairs):
+    if digest_of(_unsaid(kept)) == digest_of(_unsaid(again)):
         return EQUAL
     verdicts = _other_verdicts(kept, again)
     if kept.plan is None or again.plan is None:
@@ -207,6 +203,25 @@ def _plannings(cell: Cell, kept: PlanResult, again: PlanResult) -> Resemblance:
     if problem or not proof.holds:
         return _other("; ".join(filter(None, (problem, says))))
     return _within(f"{_degrees(_joints_apart(kept.plan, again.plan))} in every joint; {says}")
+
+
+def _unsaid(result: PlanResult) -> tuple[object, ...]:
+    """What a planning has brought, without its remarks, which another version may word anew."""
+    plan, proof = result.plan, result.proof
+    if proof is not None:
+        # A violation is told from others by its place.
+        proof = replace(
+            proof,
+            plan_digest="",
+            nearest=None if proof.nearest is None else replace(proof.nearest, problem=plain("")),
+            violations=tuple(replace(one, problem=plain("")) for one in proof.violations),
+        )
+    return (
+        [replace(one, verdict=replace(one.verdict, note=None)) for one in result.candidates],
+        None if plan is None else replace(plan, note="").digest,
+        None if proof is None else proof.digest,
+        replace(result.verdict, note=None),
+    )
 
 
 def _other_verdicts(kept: PlanResult, again: PlanResult) -> str:

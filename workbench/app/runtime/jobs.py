@@ -36,6 +36,7 @@ from workbench.app.runtime.worker import (
 )
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.states import task_message
 
 log = logging.getLogger(__name__)
 
@@ -304,9 +305,9 @@ class Jobs:
         if self._running is not None:
             name = self._running.name
             self._running_ended(
-                JobCancelled(f"task {name!r} was cancelled")
+                JobCancelled(f"{task_message(name)} was cancelled")
                 if was_cancelled
-                else WorkbenchError(f"the worker process ended ({how}) during task {name!r}")
+                else WorkbenchError(f"the worker process ended ({how}) during {task_message(name)}")
             )
         if self._failed_starts < ATTEMPTS:
             self._replace_worker()

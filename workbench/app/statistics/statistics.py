@@ -26,7 +26,7 @@ from workbench.app.core.commands import (
 from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
-from workbench.model.candidate import Reason, kind_said
+from workbench.model.candidate import Reason, kind_of
 from workbench.model.errors import JournalError
 
 Result = Literal["picked", "failed", "unknown"]
@@ -268,7 +268,7 @@ class Count:
         self._judged = added(self._judged, judged(self._parts, result["candidates"]))
         verdicts = (one["verdict"] for one in result["candidates"])
         self._refusals.update(
-            kind_said(one["reason"], is_apart=(one["distance"] or 0.0) > 0)
+            kind_of(Reason(one["reason"]), is_apart=(one["distance"] or 0.0) > 0)
             for one in verdicts
             if one["reason"] != Reason.OK
         )

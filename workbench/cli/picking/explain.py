@@ -75,7 +75,7 @@ def explain(typed: arguments.Explain) -> int:
     else:
         print_candidates(f"{len(candidates)} candidates, {admitted} can be taken", candidates)
         rows = (
-            (stage.words, str(entered), str(refused), _reasons(candidates, stage))
+            (str(stage.message), str(entered), str(refused), _reasons(candidates, stage))
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
@@ -119,7 +119,7 @@ def _parts(numbers: Sequence[int]) -> str:
 
 
 def _blocker_words(one: Blocker) -> str:
-    reasons = ", ".join(f"{count} {reason}" for reason, count in one.reasons)
+    reasons = ", ".join(f"{count} {reason.message}" for reason, count in one.reasons)
     candidates = "1 candidate" if one.candidates == 1 else f"{one.candidates} candidates"
     return f"{one.label} blocks {candidates} of {_parts(one.parts)} ({reasons})"
 
@@ -146,7 +146,7 @@ def funnel(candidates: tuple[Candidate, ...]) -> list[tuple[Stage, int, int]]:
 
 def _reasons(candidates: tuple[Candidate, ...], stage: Stage) -> str:
     counts = Counter(
-        str(c.verdict.reason)
+        str(c.verdict.kind.message)
         for c in candidates
         if c.verdict.stage is stage and not c.verdict.is_ok
     )

@@ -37,7 +37,7 @@ from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Plan, PlanResult, parts_taken, renumbered
+from workbench.model.plan import Plan, PlanResult, parts_taken
 from workbench.model.scan import Detection, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
@@ -170,6 +170,7 @@ def _print_form(
             "ok": is_good,
             "file": str(out) if is_good else None,
             "verdict": str(result.verdict),
+            "said": result.verdict.message.told,
             "plan": None if result.plan is None else plan_form(result.plan, result.bound),
             "proof": None if result.proof is None else proof_form(result.proof),
             "beside": [
@@ -185,7 +186,7 @@ def _print_form(
                 }
                 for number, one in enumerate(result.row, 2)
             ],
-            "row_ends": result.row_ends,
+            "row_ends": None if result.row_ends is None else result.row_ends.told,
             "obstacles": len(result.obstacles),
             "candidates": [candidate_form(candidate) for candidate in result.candidates],
             "start_ms": milliseconds(ready),
@@ -210,9 +211,9 @@ def _print_words(
     if result.proof is not None:
         print(proof_words(result.proof))
     for number, one in enumerate(result.row, 2):
-        words = f"{plan_words(one.plan, 0.0)}\n{proof_words(one.proof)}"
-        said = renumbered(words, result.plans[0], one.plan.detections)
-        print(f"then {_numbered(out, number)}: {said}")
+        first = result.plans[0]
+        print(f"then {_numbered(out, number)}: {plan_words(one.plan, 0.0, first)}")
+        print(proof_words(one.proof, one.plan, first))
     if result.row_ends:
         print(f"nothing in a row after that: {result.row_ends}")
     for other in result.beside:

@@ -15,6 +15,8 @@ from workbench.formats.plans.certificates import read_certificate, versions, wri
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.messages.message import plain
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.plugins.robot_link import misfit
 
@@ -53,10 +55,7 @@ def _proven(
             plan = proving.adopted(cell, plan, scan)
         proof = proving.prove(cell, plan, detections=poses, scan=scan)
     if stated and stated != plan.digest:
-        edited = Violation(
-            f"the file was changed after the plan was made: it states digest {stated[:12]}, "
-            f"its content has {plan.digest[:12]}"
-        )
+        edited = Violation(ProofText.EDITED(stated=stated[:12], actual=plan.digest[:12]))
         proof = replace(proof, violations=(edited, *proof.violations))
     proof = _for_controller(cell, plan, proof)
     if proof.holds and certificate is not None:
@@ -105,4 +104,4 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
 def _for_controller(cell: Cell, plan: Plan, proof: Proof) -> Proof:
     """The proof with what the cell's controller cannot do: what holds may be run there."""
     problem = misfit(plan, cell) if proof.holds else ""
-    return replace(proof, violations=(Violation(problem),)) if problem else proof
+    return replace(proof, violations=(Violation(plain(problem)),)) if problem else proof

@@ -4,9 +4,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from workbench.app.picking.numbers import renumbered
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.plan import Plan, Proof, Violation, cycle_words
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.plan import Plan, Proof, Violation, cycle_words, parts_taken
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:
@@ -16,7 +18,8 @@ def verdict_form(verdict: Verdict) -> dict[str, Any]:
         "stage": str(verdict.stage),
         "pair": None if verdict.pair is None else list(verdict.pair),
         "distance_mm": _mm(verdict.distance),
-        "note": verdict.note,
+        "note": "" if verdict.note is None else str(verdict.note),
+        "said": verdict.message.told,
     }
 
 
@@ -41,7 +44,8 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         ],
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
-        "note": plan.note,
+        "note": "; ".join(map(str, plan.remarks)),
+        "notes": [one.told for one in plan.remarks],
     }
 
 
@@ -57,26 +61,36 @@ def proof_form(proof: Proof) -> dict[str, Any]:
     }
 
 
-def plan_words(plan: Plan, bound: float) -> str:
-    """A plan in a sentence, beside what none can be quicker than [s]."""
-    taken = ", ".join(f"{arm.arm} part-{arm.detection + 1} by {arm.grasp}" for arm in plan.arms)
+def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
+    """A plan in a sentence, beside what none can be quicker than [s].
+
+    Parts are called as in the `first` plan of its row.
+    """
+    first = first or plan
+    taken = ", ".join(
+        f"{arm.arm} {FoundPart(part)} by {arm.grasp}"
+        for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
+    )
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
-    return f"{words} ({plan.note})" if plan.note else words
+    remarks = [str(renumbered(one, first, plan.detections)) for one in plan.remarks]
+    return f"{words} ({'; '.join(remarks)})" if remarks else words
 
 
-def proof_words(proof: Proof) -> str:
-    """A proof in a sentence, or a line for each place."""
-    nearest = proof.nearest
-    if proof.holds and nearest is not None and nearest.pair is not None:
-        return (
-            f"the proof holds, {proof.checks} states checked; smallest clearance on free legs "
-            f"{proof.clearance * 1000:.1f} mm: {nearest.pair[0]} and {nearest.pair[1]} (arm "
-            f"{nearest.arm}, leg {nearest.leg}, waypoint {nearest.waypoint})"
-        )
-    if proof.holds:
-        return f"the proof holds, {proof.checks} states checked"
-    return "\n  ".join(["the proof does not hold:", *map(str, proof.violations)])
+def proof_words(proof: Proof, plan: Plan | None = None, first: Plan | None = None) -> str:
+    """A proof in a sentence, or a line for each place; see `plan_words`."""
+
+    def numbered(violation: Violation) -> Message:
+        said = violation.message
+        return said if plan is None or first is None else renumbered(said, first, plan.detections)
+
+    if not proof.holds:
+        problems = map(str, map(numbered, proof.violations))
+        return "\n  ".join(["the proof does not hold:", *problems])
+    holds = f"the proof holds, {proof.checks} states checked"
+    if proof.nearest is None or proof.nearest.pair is None:
+        return holds
+    return f"{holds}; {numbered(proof.nearest)}"
 
 
 def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
@@ -86,7 +100,7 @@ def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
             f"part-{candidate.detection + 1}",
             candidate.grasp.name,
             candidate.arm,
-            candidate.verdict.stage.words,
+            str(candidate.verdict.stage.message),
             str(candidate.verdict),
         )
         for candidate in candidates
@@ -96,7 +110,7 @@ def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:
 
 def reasons_words(candidates: Sequence[Candidate]) -> str:
     """How many candidates got which verdict, the most frequent first."""
-    counts = Counter(str(candidate.verdict.reason) for candidate in candidates)
+    counts = Counter(str(candidate.verdict.kind.message) for candidate in candidates)
     return ", ".join(f"{count} {reason}" for reason, count in counts.most_common())
 
 
@@ -107,7 +121,8 @@ def stages_words(seconds: dict[str, float]) -> str:
 
 def _place_form(place: Violation) -> dict[str, Any]:
     return {
-        "problem": place.problem,
+        "problem": str(place.problem),
+        "said": place.message.told,
         "arm": place.arm,
         "leg": place.leg,
         "waypoint": place.waypoint,

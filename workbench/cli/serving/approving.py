@@ -5,11 +5,13 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import moved_away
+from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
-from workbench.model.plan import Plan, Proof, Proven, at_least, renumbered
+from workbench.model.messages.message import FoundPart
+from workbench.model.plan import Plan, Proof, Proven, at_least, parts_taken
 from workbench.plugins.robot_link import states
 
 REPORTS = 2.0
@@ -32,21 +34,16 @@ def row_facts(cell: Cell, plans: Sequence[Proven], told: str, start: str) -> dic
     facts = {"Row": f"{row}: {len(plans)} plans by one approval", **facts}
     for number, one in enumerate(plans[1:], 2):
         told = f"by what is left of plan {number - 1}"
-        more = facts_of(cell, one.plan, one.proof, told, "")
+        more = facts_of(cell, one.plan, one.proof, told, "", first.plan)
         for name in ("Cell", "Robot", "Controller", "Preview"):
             del more[name]
-        words = {f"{number}. {name}": value for name, value in more.items()}
-        numbered = (f"{number}. Arm ", f"{number}. Smallest")
-        facts |= {
-            name: renumbered(value, first.plan, one.plan.detections)
-            if name.startswith(numbered)
-            else value
-            for name, value in words.items()
-        }
+        facts |= {f"{number}. {name}": value for name, value in more.items()}
     return facts
 
 
-def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dict[str, str]:
+def facts_of(
+    cell: Cell, plan: Plan, proof: Proof, told: str, start: str, first: Plan | None = None
+) -> dict[str, str]:
     """What a person has to read before a plan is approved, by name.
 
     Args:
@@ -55,22 +52,24 @@ def facts_of(cell: Cell, plan: Plan, proof: Proof, told: str, start: str) -> dic
         proof: of it.
         told: what the proof was told of the bin.
         start: whether the robot stands where the plan starts.
+        first: plan of its row, as in which parts are called; None: the plan itself.
     """
+    first = first or plan
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
-    for one in plan.arms:
+    for part, one in zip(parts_taken(first, plan), plan.arms, strict=True):
         kind = plan.detections[one.detection].part
-        takes = f"part-{one.detection + 1} ({kind}), grasp {one.grasp}"
+        takes = f"{FoundPart(part)} ({kind}), grasp {one.grasp}"
         facts[f"Arm {one.arm}"] = takes + (f", to station {one.station}" if one.station else "")
     kept = sum(bool(one.part) for one in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
     near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
-        near += f": {nearest.pair[0]} and {nearest.pair[1]}"
+        near += ": " + " and ".join(label_in(one, first, plan.detections) for one in nearest.pair)
     return facts | {
         "Strategy": f"{plan.strategy.words}, {plan.guarantee}",
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
-        "Smallest clearance": near,
+        "Minimum clearance": near,
         "Proof": f"holds, {proof.digest[:SHORTEST]}",
         "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {told}",
         **({"Pallets": f"by the plan's word alone {kept} parts lie there: look"} if kept else {}),

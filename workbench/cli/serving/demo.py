@@ -150,7 +150,7 @@ class Cycle:
             state = self._planned(seed)
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
-            raise NoPlan(state.message)
+            raise NoPlan(str(state.message))
         self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
         row = tuple(one.plan.digest for one in state.row)
@@ -165,7 +165,7 @@ class Cycle:
             raise LinkError(state.fault)
         is_over = state.phase is Phase.DONE
         if is_over and self._are_parts_told(state) and state.parts_placed != len(plan.arms):
-            raise LinkError(state.message)
+            raise LinkError(str(state.message))
 
     def _planned(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
@@ -204,7 +204,7 @@ class Cycle:
             self._tell(name, before, state)
         live = self._bench.live
         seconds = time.time() - (live.started if live.job > before else began)
-        self._rows.append(StageRow(self._number, name, state.message, seconds))
+        self._rows.append(StageRow(self._number, name, str(state.message), seconds))
         if state.phase not in expected:
             raise WorkbenchError(f"{name}: {state.message}")
         return state
@@ -212,7 +212,7 @@ class Cycle:
     def _tell(self, name: str, before: int, state: State) -> None:
         """Report how far a stage is that began after the entry `before`."""
         live = self._bench.live
-        share, says = live.done if live.job > before else 0.0, state.message
+        share, says = live.done if live.job > before else 0.0, str(state.message)
         if live.getting_ready is not None:
             share, says = live.getting_ready.done, live.getting_ready.note
         self._report(share, f"cycle {self._number}, {name}: {says}")

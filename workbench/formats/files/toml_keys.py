@@ -208,6 +208,11 @@ class Table:
                 )
             yield Table(self.path, cast(dict[str, Any], item), f"{self.place}{key}[{number}].")
 
+    def forms(self, key: str) -> list[Any]:
+        """A list of whatever the file may hold; none when it is not given."""
+        self._note(key, (), {"type": "array"})
+        return list(self._value(key, list, "a list", []))
+
     def finish(self) -> None:
         """Refuse keys that nobody asked for.
 

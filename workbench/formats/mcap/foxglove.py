@@ -235,7 +235,7 @@ def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
             "holds": proof.holds,
             "checks": int(proof.checks),
             "clearance": float(proof.clearance),
-            "violations": [str(violation) for violation in proof.violations],
+            "violations": [str(violation.message) for violation in proof.violations],
         }
     return told
 

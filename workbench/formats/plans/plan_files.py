@@ -1,13 +1,13 @@
 """Plan files: the canonical form of a plan, so that anybody can recompute its digest.
 
 Besides the fields of `Plan` a file holds `format`, `proof` (a summary for people, or null),
-`seconds` (computing time per stage) and `digest`; the digest covers everything but these
-four.  With nothing but Python's standard library:
+`seconds` (computing time per stage) and `digest`, and may hold `notes`, the planner's remarks as
+messages; the digest covers everything but these five.  With nothing but Python's standard library:
 
     content = json.loads(Path("plan.json").read_text(encoding="utf-8"))
     stated = content["digest"]
-    for key in ("format", "proof", "seconds", "digest"):
-        del content[key]
+    for key in ("format", "proof", "seconds", "notes", "digest"):
+        content.pop(key, None)
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     assert hashlib.sha256(text.encode()).hexdigest() == stated
 
@@ -30,6 +30,8 @@ from workbench.model.digest import LARGE, canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
 from workbench.model.load import Load, Loads, load_problem
+from workbench.model.messages.catalogue import message_of
+from workbench.model.messages.message import Message
 from workbench.model.plan import (
     LEG_NAMES,
     PLAN_FORMAT,
@@ -48,6 +50,8 @@ from workbench.model.scan import Obstacle
 MOST_JOINTS = 64
 MOST_OBSTACLES = 600
 """What a scan shows, and parts on pallets."""
+
+MOST_NOTES, LONGEST_NOTE = 30, 1000
 
 FARTHEST = 1000.0
 """[rad or m] Beyond this a joint value is a slip of whoever wrote the file."""
@@ -87,6 +91,7 @@ def plan_content(plan: Plan, proof: Proof | None = None) -> dict[str, Any]:
         **canonical(plan, without=UNSIGNED),
         "proof": None if proof is None else _summary(proof),
         "seconds": canonical(plan.seconds),
+        **({"notes": canonical(plan.notes)} if plan.notes else {}),
         "digest": plan.digest,
     }
 
@@ -133,12 +138,26 @@ def plan_from(table: Table) -> tuple[Plan, str]:
         note=table.text("note", optional(""), empty=True),
         obstacles=obstacles_from(table) if table.has("obstacles") or not is_foreign else (),
         seconds=_seconds(table.table("seconds")) if table.has("seconds") or not is_foreign else {},
+        notes=_notes(table),
     )
     if not table.is_null("proof") and (table.has("proof") or not is_foreign):
         table.table("proof")
     stated = table.text("digest", optional(""), empty=is_foreign)
     table.finish()
     return plan, stated
+
+
+def _notes(table: Table) -> tuple[Message, ...]:
+    """Remarks of the planner, which may be of another version."""
+    try:
+        notes = tuple(map(message_of, table.forms("notes")))
+    except (KeyError, TypeError, ValueError):
+        raise table.error("notes", "messages with id and args, or texts, are expected") from None
+    if len(notes) > MOST_NOTES or any(len(str(one)) > LONGEST_NOTE for one in notes):
+        raise table.error("notes", f"at most {MOST_NOTES} of {LONGEST_NOTE} characters are read")
+    if not all(str(one).isprintable() for one in notes):
+        raise table.error("notes", "holds a character that cannot be shown")
+    return notes
 
 
 def _strategy(table: Table, arms: tuple[ArmPlan, ...]) -> Strategy:

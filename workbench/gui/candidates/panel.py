@@ -26,7 +26,7 @@ from workbench.gui.shared.tables import (
 )
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.candidate import Candidate
+from workbench.model.candidate import Candidate, Reason
 
 
 class CandidatesPanel:
@@ -121,16 +121,19 @@ class CandidatesPanel:
         if new.look.by != self._visitor.number:
             self._pose.value = min(new.look.pose, max(count - 1, 0))
         pose = new.pose
-        text = "" if pose is None else f"{pose.label} ({new.look.pose + 1} of {count}): {pose.note}"
+        words, text = self._visitor.words, ""
+        if pose is not None:
+            place = f"{new.look.pose + 1} of {count}"
+            text = f"{words.render(pose.label)} ({place}): {words.render(pose.note)}"
         is_bad = pose is not None and bool(pose.meets)
         self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else ""
 
     def _draw(self, candidates: tuple[Candidate, ...], are_others: bool) -> None:
         if are_others:
             self._order = replace(self._order, only=None, page=0)
-        order = self._order
+        order, words = self._order, self._visitor.words
         self._drawn = order
-        indices = ordered(candidates, order)
+        indices = ordered(candidates, order, words)
         count = pages(len(indices))
         page = min(order.page, count - 1)
         self._shown = on_page(indices, page)
@@ -147,17 +150,19 @@ class CandidatesPanel:
                 kind="hint",
             )
             return
-        held = [one for one in candidates if holds(one, order.words)]
-        self._funnel.content = funnel_html(held, order.only, self._filters) + stages_html(held)
+        held = [one for one in candidates if holds(one, order.words, words)]
+        funnel = funnel_html(held, order.only, self._filters, words)
+        self._funnel.content = funnel + stages_html(held, words)
         self._table.content = candidates_html(
             candidates,
             self._shown,
             order,
             headings=self._headings,
             rows=self._rows,
+            words=words,
         )
 
-    def _filter(self, kind: str | None) -> None:
+    def _filter(self, kind: Reason | None) -> None:
         self._reorder(replace(self._order, only=kind, page=0))
 
     def _typed(self) -> None:

@@ -61,7 +61,9 @@ class ApprovalDialog:
                 with modal:
                     links = PlanLinks(visitor, self.close, len(row))
                     joints, now = visitor.bench.live.joints, time.time()
-                    visitor.gui.add_html(facts_html(state, joints, now, links.made(state)))
+                    visitor.gui.add_html(
+                        facts_html(state, joints, now, links.made(state), visitor.words)
+                    )
                     self._add_word(state, named)
 
     def _add_manner(self, state: State) -> Manner:

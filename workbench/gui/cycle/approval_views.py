@@ -4,12 +4,16 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
+from workbench.app.picking.numbers import renumbered
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import guarantee_message, strategy_message
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, at_least, cycle_words, parts_taken, renumbered
+from workbench.model.plan import Guarantee, Plan, at_least, cycle_words, parts_taken
 from workbench.model.release import manner_words
+from workbench.words.words import IN_ENGLISH, Words
 
 
 def approval_line(state: State, now: float, problem: str) -> str:
@@ -62,6 +66,7 @@ def facts_html(
     joints: Mapping[str, float],
     at: float,
     made: Mapping[str, str] = NOTHING_MADE,
+    words: Words = IN_ENGLISH,
 ) -> str:
     """What a person approves: values that the server holds, nothing typed in a browser.
 
@@ -72,10 +77,11 @@ def facts_html(
         joints: how the robot stands by its own report.
         at: seconds since the epoch.
         made: HTML in place of values, by the names of lines (`PlanLinks.made`).
+        words: of who reads it.
     """
     cell, row = state.cell, state.whole_row
     plan = row[0].plan
-    rows = _plans(state) if len(row) > 1 else _plan(plan)
+    rows = _plans(state, words) if len(row) > 1 else _plan(plan, words)
     cycle = cycle_words(plan.cycle_seconds, state.bound)
     if len(row) > 1:
         cycle = f"{sum(one.plan.cycle_seconds for one in row):.1f} s in all"
@@ -101,9 +107,9 @@ def facts_html(
     )
 
 
-def _plan(plan: Plan) -> list[tuple[str, str]]:
+def _plan(plan: Plan, words: Words) -> list[tuple[str, str]]:
     """What one plan takes, and how."""
-    rows = [("Strategy", _strategy(plan, plan.note))]
+    rows = [("Strategy", _strategy(plan, plan.remarks, words))]
     for arm in plan.arms:
         part = plan.detections[arm.detection].part
         rows.append(
@@ -112,7 +118,7 @@ def _plan(plan: Plan) -> list[tuple[str, str]]:
     return rows
 
 
-def _plans(state: State) -> list[tuple[str, str]]:
+def _plans(state: State, words: Words) -> list[tuple[str, str]]:
     """A line for each plan of a row: what it takes and how, how long it is, and how near it comes.
 
     Each part by its number in the scan.
@@ -124,7 +130,8 @@ def _plans(state: State) -> list[tuple[str, str]]:
             f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
             for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
         )
-        how = _strategy(plan, renumbered(plan.note, first, plan.detections))
+        remarks = [renumbered(one, first, plan.detections) for one in plan.remarks]
+        how = _strategy(plan, remarks, words)
         near = at_least(one.proof.clearance)
         proven = f"clear by {near}, plan {short(plan.digest)}, proof {short(one.proof.digest)}"
         rows.append((f"Plan {number}", f"{takes}; {how}; {plan.cycle_seconds:.1f} s, {proven}"))
@@ -154,11 +161,12 @@ def _preview(state: State) -> str:
     return words + (f"; by a program's word also to {', '.join(state.told)}" if state.told else "")
 
 
-def _strategy(plan: Plan, note: str) -> str:
-    words = plan.strategy.words
+def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
+    text = words.render(strategy_message(plan.strategy))
     if len(plan.arms) > 1:
-        words += f", {TOGETHER[plan.guarantee]} ({plan.guarantee})"
-    return words + (f"; {note}" if note else "")
+        guarantee = words.render(guarantee_message(plan.guarantee))
+        text += f", {TOGETHER[plan.guarantee]} ({guarantee})"
+    return "; ".join((text, *map(words.render, remarks)))
 
 
 def _covered(cell: Cell, plans: Sequence[Plan]) -> str:

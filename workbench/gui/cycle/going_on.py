@@ -9,12 +9,12 @@ from collections.abc import Callable
 import viser
 
 from workbench.app.core.commands import FindParts, GoOn, MakePlan, TakeScan
-from workbench.app.core.rights import JOBS
 from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.model.messages.states import task_message
 
 SAYS = "Scans, finds the parts and plans; then a person looks and approves."
 
@@ -72,7 +72,7 @@ class GoOnButton:
 def _said(state: State, ahead: Ahead) -> str:
     """How far the next cycle is while this one moves."""
     if state.job is not None:
-        return f"Beside the motion runs {JOBS[state.job.name]}."
+        return f"Beside the motion runs {task_message(state.job.name)}."
     if ahead.brought:
         return "The next cycle is prepared; it counts once the plan has ended well."
     return BESIDE

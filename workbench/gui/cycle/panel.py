@@ -158,7 +158,7 @@ class CyclePanel:
         self._visitor.admit(self._move_bin, state, ChangeCell)
         sizes = new.live.wrong_sizes(state.detections)
         self._parts_line.content = parts_line(state, sizes, check)
-        self._plan_line.content = plan_line(state)
+        self._plan_line.content = plan_line(state, self._visitor.words)
         self._row.show(new)
         joints = new.live.joints
         visitor = self._visitor

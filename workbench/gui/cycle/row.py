@@ -11,6 +11,7 @@ from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.plan import Proven, parts_taken
+from workbench.words.words import IN_ENGLISH, Words
 
 SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
 
@@ -74,13 +75,13 @@ class RowInputs:
     def show(self, new: View) -> None:
         """Bring it up to date."""
         state, visitor = new.state, self._visitor
-        words = row_words(state)
+        words = row_words(state, visitor.words)
         self._wanted.visible = can_have_rows(state.cell)
         self._line.visible = self._wanted.visible or bool(words)
         shown = f"{sentence(words)}." if words else SAYS
         self._line.content = line(shown, kind="result" if words else "hint", span=2)
         self._table.visible = bool(state.row or state.left_out or state.sent_before)
-        self._table.content = row_html(state) if self._table.visible else ""
+        self._table.content = row_html(state, visitor.words) if self._table.visible else ""
         is_open = bool(state.row or state.left_out) and state.phase in (
             Phase.PLANNED,
             Phase.APPROVED,
@@ -97,10 +98,11 @@ def can_have_rows(cell: Cell) -> bool:
     return cell.policy.pair_gap > 0
 
 
-def row_html(state: State) -> str:
+def row_html(state: State, words: Words = IN_ENGLISH) -> str:
     """What each plan of the row takes, how long that is, and how near it comes to anything."""
     rows = "".join(
-        _row(state, number, one) for number, one in enumerate((*state.whole_row, *state.left_out))
+        _row(state, number, one, words)
+        for number, one in enumerate((*state.whole_row, *state.left_out))
     )
     heads = "".join(f"<th>{title}</th>" for title in ("", "Takes", "Time", "Proof"))
     return (
@@ -109,20 +111,20 @@ def row_html(state: State) -> str:
     )
 
 
-def row_words(state: State) -> str:
+def row_words(state: State, words: Words = IN_ENGLISH) -> str:
     """How long the row is, and why it ends there; empty where one plan alone was asked for."""
     count = len(state.plans)
-    words = f"{counted(count, 'pick')} in a row"
+    text = f"{counted(count, 'pick')} in a row"
     if any(plan.stations for plan in state.plans):
-        words += ", two of them for a part that goes over a station"
+        text += ", two of them for a part that goes over a station"
     if state.left_out:
-        words += f", {len(state.left_out)} left out"
+        text += f", {len(state.left_out)} left out"
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):
         return ""
-    return words + (f"; {state.row_ends}" if state.row_ends else "")
+    return text + (f"; {words.render(state.row_ends)}" if state.row_ends else "")
 
 
-def _row(state: State, number: int, one: Proven) -> str:
+def _row(state: State, number: int, one: Proven, words: Words) -> str:
     now, count = len(state.sent_before), len(state.plans)
     is_out = number >= count
     mark = str(number + 1)
@@ -131,7 +133,7 @@ def _row(state: State, number: int, one: Proven) -> str:
     elif number == now and state.phase is Phase.SENDING:
         mark = "▶"
     takes = _takes(state, one)
-    proof = clearance_words(one.proof) if one.proof.holds else "does not hold"
+    proof = clearance_words(one.proof, words) if one.proof.holds else "does not hold"
     title = f"plan {short(one.plan.digest)}, proof {short(one.proof.digest)}"
     style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
     return (

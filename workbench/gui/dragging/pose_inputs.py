@@ -117,7 +117,7 @@ class PoseInputs:
         room = Room.NONE if self._gizmo is None else Room.EMPTY
         if self._gizmo is not None and self._visitor.bench.state.detections:
             room = Room.TOLD
-        content = dragged_html(self._visitor.own.now.dragged, room)
+        content = dragged_html(self._visitor.own.now.dragged, room, self._visitor.words)
         if self._told.content != content:
             self._told.content = content
 

@@ -15,6 +15,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.worker import Question
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.visitor import Visitor
+from workbench.model.messages.message import Message
 from workbench.model.scan import Obstacle
 
 log = logging.getLogger(__name__)
@@ -39,7 +40,7 @@ class LiveVerdicts:
         self._visitor, self._command = visitor, command
         self._lock = threading.RLock()
         self._state: State | None = None
-        self._avoided: tuple[tuple[int, str], ...] = ()
+        self._avoided: tuple[tuple[int, Message], ...] = ()
         self._drag = self._asked = self._shown = 0
         self._brought: tuple[State, tuple[Obstacle, ...]] | None = None
         visitor.on_end(self.end)

@@ -8,6 +8,7 @@ from workbench.gui.scene.live import kinds_in, live_words
 from workbench.gui.shared.colours import KINDS, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.views import line
+from workbench.words.words import IN_ENGLISH, Words
 
 BEFORE = "While you drag, this says how many candidates would work there."
 
@@ -20,7 +21,7 @@ class Room(enum.Enum):
     TOLD = enum.auto()
 
 
-def dragged_html(dragged: Dragged | None, room: Room = Room.NONE) -> str:
+def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words = IN_ENGLISH) -> str:
     """How many candidates would work, and how many would be refused why; for None the `room`."""
     if dragged is None and room is Room.NONE:
         return ""
@@ -30,7 +31,7 @@ def dragged_html(dragged: Dragged | None, room: Room = Room.NONE) -> str:
     counts = Counter(kinds_in(dragged.glance))
     chips = "".join(
         f'<span class="wb-told-kind" style="--wb-own:{verdict_colour(kind)}">'
-        f"{escape(kind)} <b>{counts[kind]}</b></span>"
+        f"{escape(words.render(kind.message))} <b>{counts[kind]}</b></span>"
         for kind in KINDS
         if counts[kind]
     )

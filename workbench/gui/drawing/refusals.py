@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.gui.shared.look import Placed, Pose
-from workbench.gui.shared.views import verdict_words
 from workbench.model.candidate import Candidate, Stage
 from workbench.model.geometry import Floats
+from workbench.model.messages.verdicts import VerdictText
 from workbench.planning.collision.bodies import part_label, tool_shapes
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.pairing import Phase
@@ -38,7 +38,7 @@ def refused_pose(world: World, candidate: Candidate) -> Pose | None:
     """
     verdict = candidate.verdict
     q = None if verdict.q is None else np.asarray(verdict.q)
-    label, note = f"where it failed: {verdict.stage.words}", verdict_words(verdict)
+    label, note = VerdictText.FAILED_AT(stage=verdict.stage.message), verdict.message
     if q is not None:
         if len(q) != len(world.arm(candidate.arm).joints):
             return None

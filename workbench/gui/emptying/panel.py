@@ -159,7 +159,7 @@ class EmptyingPanel:
         )
         plot = taken_plot(plain)
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
-        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows))
+        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, self._visitor.words))
         if self._brought.visible:
             self._ranked.content = changes_html(ranked(found.piles, **takes))
 

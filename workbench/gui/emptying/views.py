@@ -10,6 +10,7 @@ from workbench.gui.shared.colours import left_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, sentence, table_html
 from workbench.model.prediction import EmptiedPile, Emptying
+from workbench.words.words import IN_ENGLISH, Words
 
 Column = Literal["seed", "taken", "left", "failed", "touches", "plans", "motion"]
 
@@ -181,13 +182,16 @@ def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
     return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 
-def left_html(pile: EmptiedPile, chosen: int | None, rows: Sequence[str]) -> str:
+def left_html(
+    pile: EmptiedPile, chosen: int | None, rows: Sequence[str], words: Words = IN_ENGLISH
+) -> str:
     """The parts that stayed in a pile, each with why and what would take it.
 
     Args:
         pile: whose.
         chosen: number of the part that is looked at, from 0 on.
         rows: ids of unseen buttons, by place.
+        words: of who reads it.
     """
     if not pile.left:
         return line("Nothing stays of this pile.", kind="hint")
@@ -195,7 +199,8 @@ def left_html(pile: EmptiedPile, chosen: int | None, rows: Sequence[str]) -> str
         f"<tr{marked(one.part == _name(chosen))} {clickable(rows[place])}>"
         f"<td>{escape(one.part)}</td>"
         f'<td><span class="wb-verdict" style="background:{left_colour(one.kind)}">'
-        f"{escape(one.kind)}</span> {escape(sentence(one.reason))}."
+        f"{escape(words.render(one.kind_message))}</span> "
+        f"{escape(sentence(words.render(one.reason)))}."
         f'<div class="wb-pair">{escape(fix_words(one.nearest_fix))}</div></td></tr>'
         for place, one in enumerate(pile.left[: len(rows)])
     )

@@ -110,7 +110,7 @@ class GraspPose:
     def tell(self, old: View | None, new: View) -> None:
         """Bring what is told while the hand is dragged from `old` to `new`."""
         if old is None or old.own.dragged is not new.own.dragged:
-            self._told.content = dragged_html(new.own.dragged)
+            self._told.content = dragged_html(new.own.dragged, words=self._visitor.words)
 
     def hide(self) -> None:
         """Take the gizmo away."""

@@ -18,6 +18,7 @@ from workbench.model.geometry import Floats
 from workbench.model.part import TURNED, Entry, Grasp, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.collision.legs import grips
+from workbench.words.words import IN_ENGLISH, Words
 
 NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
 """[rad, m] What is told of a turn and of a shift would be 0."""
@@ -65,18 +66,20 @@ def _axis(entry: Entry, part: Part) -> Floats:
     return part.symmetry.axis if has_turns else grasp_of(entry).T_part_tcp.rotation[:, 2]
 
 
-def judged(copy: Grasp, part: Part, state: State) -> str:
+def judged(copy: Grasp, part: Part, state: State, words: Words = IN_ENGLISH) -> str:
     """What became of a grasp for the parts found, arm by arm; empty where nothing was judged.
 
     What it leaves free is tried within one candidate, so the verdict is of all of that together.
     """
     found = state.detections or ()
     reasons = Counter(
-        str(one.verdict.reason)
+        one.verdict.reason
         for one in state.candidates or ()
         if one.grasp.name == copy.name and found[one.detection].part == part.name
     )
-    said = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())
+    said = ", ".join(
+        f"{words.render(reason.message)} {count}" for reason, count in reasons.most_common()
+    )
     return f"In the bin: {said}" if said else ""
 
 
@@ -105,7 +108,7 @@ class CopySteps:
         self._copies: Sequence[Grasp] = ()
         self._place: int | None = None
         self._of = ""
-        gui = visitor.gui
+        gui, self._visitor = visitor.gui, visitor
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._back = gui.add_button(
             "Copy before",
@@ -136,7 +139,7 @@ class CopySteps:
             return None
         copy = self._copies[place]
         says = f"Copy {place + 1} of {count}, {copy.name}: {way_to(copy, entry, part)}"
-        told = judged(copy, part, state)
+        told = judged(copy, part, state, self._visitor.words)
         self._line.content = line(says, kind="result") + (line(told, kind="hint") if told else "")
         return copy
 

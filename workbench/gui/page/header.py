@@ -79,7 +79,7 @@ class Header:
         if self._visitor.is_dark and (old is None or old.state.cell is not state.cell):
             # With the cell the floor was laid anew for all, as on a light page.
             self._lay_out()
-        self._status.content = status_html(new)
+        self._status.content = status_html(new, self._visitor.words)
         if state.job is not None and state.phase is not Phase.SENDING:
             self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:

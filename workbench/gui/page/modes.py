@@ -21,7 +21,6 @@ from workbench.gui.shared.colours import (
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
 from workbench.gui.shared.views import when
-from workbench.model.candidate import kind_of
 
 
 class Mode(enum.StrEnum):
@@ -105,7 +104,7 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     lines = _robots(view, mode)
     chosen, all_of_them = view.look.candidate, view.state.candidates or ()
     if chosen is not None and chosen < len(all_of_them):
-        colour = verdict_colour(kind_of(all_of_them[chosen].verdict))
+        colour = verdict_colour(all_of_them[chosen].verdict.kind)
         lines.append(("See-through: the chosen candidate", f"background:{colour};opacity:0.7"))
         if view.pose is not None and view.pose.meets:
             lines.append(("Red: the bodies that come too close there", f"background:{BAD}"))

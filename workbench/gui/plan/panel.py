@@ -90,7 +90,7 @@ class PlanPanel:
     def _draw_plan(self, view: View) -> None:
         state, runs, seconds = view.state, view.runs, view.plan_seconds
         cell, taken = state.cell, "" if state.plan is None else state.plan.digest
-        outlines = outlines_html(state.outlines, taken, self._plans)
+        outlines = outlines_html(state.outlines, taken, self._plans, self._visitor.words)
         if state.plan is None:
             hint = line("A plan can be played here once it was made.", kind="hint")
             self._summary.content = hint + outlines
@@ -99,7 +99,7 @@ class PlanPanel:
             self._clear_plots(0)
             self._time.value = 0.0
             return
-        self._summary.content = plan_html(state) + outlines
+        self._summary.content = plan_html(state, self._visitor.words) + outlines
         self._lanes.content = lanes_html(cell, runs, seconds)
         self._end = seconds
         # To the next step: the end can be reached, whatever comes after its second decimal.

@@ -4,10 +4,13 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import Outline, State, counted
+from workbench.app.picking.numbers import renumbered
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import floored, line, mm, sentence, short
-from workbench.model.plan import Plan, Strategy, count_taken, parts_taken, renumbered
+from workbench.gui.shared.views import line, mm, sentence, short
+from workbench.model.messages.plans import guarantee_message, strategy_message
+from workbench.model.plan import Plan, Strategy, count_taken, floored, parts_taken
+from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {
     "propose": "grasps",
@@ -20,20 +23,20 @@ STAGES = {
 """What a stage of planning computes, for people."""
 
 
-def plan_html(state: State) -> str:
+def plan_html(state: State, words: Words = IN_ENGLISH) -> str:
     """The plan in a few chips, or each plan of a row: what it takes, and what computing took."""
     row = state.plans
     times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
-    said = "".join(_plan_html(state, number) for number in range(len(row)))
+    said = "".join(_plan_html(state, number, words) for number in range(len(row)))
     if len(row) > 1:
         seconds = sum(one.cycle_seconds for one in row)
         parts = counted(count_taken(row), "part")
-        words = f"{len(row)} plans in a row, {parts}, {seconds:.1f} s in all"
-        said = f"<div><b>{escape(words)}</b></div>{said}"
+        whole = f"{len(row)} plans in a row, {parts}, {seconds:.1f} s in all"
+        said = f"<div><b>{escape(whole)}</b></div>{said}"
     return f'<div class="wb-pad">{said}<div class="wb-small">Computed: {escape(times)}</div></div>'
 
 
-def _plan_html(state: State, number: int) -> str:
+def _plan_html(state: State, number: int, words: Words) -> str:
     """One plan of the row, its parts by the numbers of the scan."""
     row, arms = state.plans, [arm.name for arm in state.cell.arms]
     plan, first = row[number], row[0]
@@ -42,13 +45,17 @@ def _plan_html(state: State, number: int) -> str:
         f"{escape(arm.arm)}: part-{part + 1}, {escape(arm.grasp)}</span>"
         for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
     ]
-    how = f"{plan.strategy.words}, {plan.guarantee}, plan {short(plan.digest)}"
+    strategy = words.render(strategy_message(plan.strategy))
+    guarantee = words.render(guarantee_message(plan.guarantee))
+    how = f"{strategy}, {guarantee}, plan {short(plan.digest)}"
     if len(row) > 1:
         # One line each: many plans leave room for the film.
-        tip = renumbered(plan.note, first, plan.detections) or plan.digest
+        remarks = (renumbered(one, first, plan.detections) for one in plan.remarks)
+        tip = "; ".join(map(words.render, remarks)) or plan.digest
         how = f"Plan {number + 1}: {plan.cycle_seconds:.1f} s, {how}"
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
-    note = f'<div class="wb-small">{escape(sentence(plan.note))}</div>' if plan.note else ""
+    note = sentence("; ".join(map(words.render, plan.remarks)))
+    note = f'<div class="wb-small">{escape(note)}</div>' if note else ""
     small = f'<div class="wb-small" title="{escape(plan.digest)}">{escape(how)}</div>'
     return f"{''.join(chips)}{small}{note}{_loads_html(state, plan)}"
 
@@ -71,13 +78,16 @@ def _loads_html(state: State, plan: Plan) -> str:
     return lines
 
 
-def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]) -> str:
+def outlines_html(
+    outlines: tuple[Outline, ...], taken: str, rows: Sequence[str], words: Words = IN_ENGLISH
+) -> str:
     """What the plannings for these parts brought, the latest first, when there is a choice.
 
     Args:
         outlines: the latest last.
         taken: digest of the plan that is played, approved and sent; empty: there is none.
         rows: ids of the unseen buttons by place in `outlines`.
+        words: of who reads it.
     """
     if len(outlines) < 2:
         return ""
@@ -93,7 +103,7 @@ def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]
         )
     )
     body = "".join(
-        _outline_row(outline, taken, button)
+        _outline_row(outline, taken, button, words)
         for outline, button in reversed(list(zip(outlines, rows, strict=False)))
     )
     table = (
@@ -106,17 +116,17 @@ def outlines_html(outlines: tuple[Outline, ...], taken: str, rows: Sequence[str]
     return table + line(hint, kind="hint")
 
 
-def _outline_row(outline: Outline, taken: str, button: str) -> str:
-    what = outline.verdict
+def _outline_row(outline: Outline, taken: str, button: str, words: Words) -> str:
+    what = words.render(outline.verdict)
     if not what:
-        strategy = Strategy(outline.strategy).words
+        strategy = words.render(strategy_message(Strategy(outline.strategy)))
         what = f"{strategy}, {counted(outline.parts, 'part')}"
         if outline.plans > 1:
             what += f", {counted(outline.plans, 'plan')}"
     values = (
         "" if outline.cycle is None else f"{outline.cycle:.1f} s",
         f"{outline.planning * 1000:.0f} ms",
-        "" if outline.clearance is None else floored(outline.clearance),
+        "" if outline.clearance is None else mm(floored(outline.clearance)),
         "" if outline.apart is None else mm(outline.apart, 0),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)

@@ -19,8 +19,8 @@ class RecordedPanel:
     def __init__(self, visitor: Visitor, history: History):
         """Add the controls."""
         self._history = history
-        self._events = events_of(history.moments)
-        gui = visitor.gui
+        self._events = events_of(history.moments, visitor.words)
+        gui, self._visitor = visitor.gui, visitor
         self._entry = gui.add_slider(
             "Entry",
             min=0,
@@ -48,7 +48,8 @@ class RecordedPanel:
         number, moment = self._history.number, self._history.entry
         words = f"Entry {number + 1} of {self._history.count}"
         if moment is not None:
-            words += f", {clock(moment.at)}, {moment.actor}: {said(new.state.message)}"
+            message = said(new.state.message, self._visitor.words)
+            words += f", {clock(moment.at)}, {moment.actor}: {message}"
         self._facts.content = line(words)
         page, place = divmod(place_of(self._events, number), PAGE)
         self._mark.content = chosen_html(place if number else None)

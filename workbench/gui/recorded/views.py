@@ -10,6 +10,7 @@ from workbench.app.records.record import COMMANDS
 from workbench.app.review.history import Moment
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import said, sentence, time_of_day, zone
+from workbench.words.words import IN_ENGLISH, Words
 
 PAGE = 50
 """Rows of the list; each has an unseen button."""
@@ -34,7 +35,9 @@ class Event:
     is_fault: bool
 
 
-def events_of(moments: Sequence[tuple[Moment | None, State]]) -> tuple[Event, ...]:
+def events_of(
+    moments: Sequence[tuple[Moment | None, State]], words: Words = IN_ENGLISH
+) -> tuple[Event, ...]:
     """The events of a session in order; messages that were sent one after the other are one."""
     found: list[Event] = []
     before = ""
@@ -45,7 +48,7 @@ def events_of(moments: Sequence[tuple[Moment | None, State]]) -> tuple[Event, ..
         first = found.pop().first if is_more else number
         what = sentence(RIGHTS[COMMANDS[moment.kind]].says)
         is_fault = state.phase is Phase.FAULT
-        says = state.fault if is_fault else said(state.message)
+        says = state.fault if is_fault else said(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))
         before = moment.kind
     return tuple(found)

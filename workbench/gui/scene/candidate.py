@@ -11,7 +11,7 @@ from workbench.gui.shared.colours import rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View
 from workbench.gui.shared.solids import by_colour
 from workbench.gui.shared.views import candidate_label
-from workbench.model.candidate import Candidate, kind_of
+from workbench.model.candidate import Candidate
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.kinematics.robot import Kinematics
@@ -90,13 +90,13 @@ class DrawnCandidates:
             [candidate.T_world_tcp.rotation @ candidate.grasp.approach for candidate in candidates]
         )
         colours = np.array(
-            [rgb_of(verdict_colour(kind_of(candidate.verdict))) for candidate in candidates]
+            [rgb_of(verdict_colour(candidate.verdict.kind)) for candidate in candidates]
         )
         strokes, painted = strokes_of(ends, approaches, colours)
         add_lines(self._scene, "/grasps", strokes, painted, 2.0)
 
     def _draw_chosen(self, candidate: Candidate, pose: Pose | None) -> None:
-        colour = rgb_of(verdict_colour(kind_of(candidate.verdict)))
+        colour = rgb_of(verdict_colour(candidate.verdict.kind))
         arm = self._cell.arm(candidate.arm)
         T_world_tcp, opening = candidate.T_world_tcp, candidate.grasp.opening
         if pose is not None and pose.T_world_tcp is not None:

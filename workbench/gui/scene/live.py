@@ -15,7 +15,7 @@ from workbench.gui.scene.surroundings import Camera
 from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
 from workbench.gui.shared.own import Carried, Dragged
 from workbench.gui.shared.solids import with_hard_edges
-from workbench.model.candidate import kind_said
+from workbench.model.candidate import Reason, kind_of
 from workbench.model.geometry import Floats
 
 WORDS = "/dragged"
@@ -142,10 +142,10 @@ def beside(camera: Camera, points: Floats) -> Floats:
     return points.mean(axis=0) + (float((offsets @ right * nearer).max()) + BESIDE) * right
 
 
-def kinds_in(glance: Glance) -> list[str]:
+def kinds_in(glance: Glance) -> list[Reason]:
     """What is said of each candidate."""
     return [
-        kind_said(reason, is_apart=is_apart)
+        kind_of(reason, is_apart=is_apart)
         for reason, is_apart in zip(glance.reasons, glance.is_apart.tolist(), strict=True)
     ]
 

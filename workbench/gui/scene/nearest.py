@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import nearest_of, nearest_place
+from workbench.app.picking.numbers import label_in
 from workbench.formats.plans.certificates import certificate_bytes
 from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
@@ -17,13 +18,8 @@ from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, short, straight_bound, table_html
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import MOST_PICKS
-from workbench.model.plan import (
-    Plan,
-    Proof,
-    Proven,
-    at_least,
-    renumbered,
-)
+from workbench.model.messages.message import Message
+from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.proof.spot import Spot
 from workbench.proof.stages import STRAIGHT
 
@@ -70,7 +66,7 @@ def _nearest_words(state: State, plan: Plan, proof: Proof) -> str:
         run = _run(runs, place.arm, place.leg)
         words += f" at {run.start + spot.seconds:.2f} s{_others(runs, run, spot)}"
     # Parts by the numbers of the scan, that of the first plan.
-    first, second = (renumbered(one, state.plans[0], plan.detections) for one in place.pair)
+    first, second = (label_in(one, state.plans[0], plan.detections) for one in place.pair)
     return f"{words}: {first} and {second}"
 
 
@@ -97,7 +93,7 @@ def proof_html(state: State, links: "PlanLinks") -> str:
     """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
     for number, one in enumerate(state.whole_row):
         if not one.proof.holds:
-            words = f"The proof does not hold: {one.proof.violations[0]}"
+            words = f"The proof does not hold: {links.render(one.proof.violations[0].message)}"
             return line(_of_plan(state.whole_row, number, words), kind="bad")
     rows = [
         ("Free ways", free_words(state)),
@@ -149,6 +145,10 @@ class PlanLinks:
             "Free ways": go_html(free_words(state), self._nearest, "Shows the plan there"),
             name: ", ".join(go_html(one, button, tip) for one, button in saves),
         }
+
+    def render(self, message: Message) -> str:
+        """A message in the language of who looks."""
+        return self._visitor.words.render(message)
 
     def _go(self) -> None:
         visitor, state = self._visitor, self._visitor.bench.state

@@ -1,7 +1,7 @@
 """The colours of the page and the scene: each means one thing everywhere."""
 
 from workbench.gui.shared.solids import Colour
-from workbench.model.candidate import MARGIN_NOT_KEPT, Reason
+from workbench.model.candidate import Reason
 
 MUTED = "#868e96"
 BRAND = "#1c64b4"
@@ -24,17 +24,18 @@ VERDICTS: dict[Reason, str] = {
     Reason.NO_RETURN: "#9c36b5",
     Reason.NO_PLACE: "#ae3ec9",
     Reason.OUT_OF_TIME: "#0b7285",
+    Reason.WITHIN_MARGIN: BUSY,
 }
 """Green works, grey was not asked for, red touches, orange and ochre get stuck on the way,
-violet finds no way, cyan ran out of time, blue wants another scan."""
+violet finds no way, cyan ran out of time, blue wants another scan; a margin is a warning."""
 
-KINDS = (*(str(reason) for reason in Reason), MARGIN_NOT_KEPT)
-"""All that is said of a candidate, in the order in which the page lists it."""
+KINDS = tuple(Reason)
+"""All kinds of verdicts, in the order in which the page lists them."""
 
 
-def verdict_colour(kind: str) -> str:
-    """Of what is said of a candidate: a margin that is not kept is a warning."""
-    return BUSY if kind == MARGIN_NOT_KEPT else VERDICTS[Reason(kind)]
+def verdict_colour(kind: Reason) -> str:
+    """Of a kind of verdict."""
+    return VERDICTS[kind]
 
 
 def left_colour(kind: str) -> str:

@@ -16,6 +16,7 @@ from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
 from workbench.gui.shared.playback import Moment, Run, moments
 from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
+from workbench.model.messages.message import Message
 from workbench.model.scan import RejectedHypothesis
 from workbench.planning.collision.contact import Contact
 from workbench.planning.picking.nearest_fix import Fix
@@ -112,10 +113,10 @@ class Pose:
     close, in the world, empty when none do.
     """
 
-    label: str
+    label: Message | str
     q: Floats | None
     opening: float
-    note: str
+    note: Message | str
     meets: tuple[Placed, ...] = ()
     T_world_tcp: pin.SE3 | None = None
 

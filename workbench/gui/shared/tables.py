@@ -11,8 +11,9 @@ from html import escape
 from typing import Literal
 
 from workbench.gui.shared.colours import KINDS, verdict_colour
-from workbench.gui.shared.views import mm, verdict_words
-from workbench.model.candidate import Candidate, Reason, Stage, kind_of
+from workbench.gui.shared.views import mm
+from workbench.model.candidate import Candidate, Reason, Stage
+from workbench.words.words import IN_ENGLISH, Words
 
 Column = Literal["part", "grasp", "arm", "verdict", "distance", "rank"]
 
@@ -33,7 +34,7 @@ PAGE = 60
 class Order:
     """What one browser wants to see of the table."""
 
-    only: str | None = None
+    only: Reason | None = None
     words: str = ""
     column: Column = "verdict"
     is_descending: bool = True
@@ -60,40 +61,44 @@ def sort_key(candidate: Candidate, column: Column) -> tuple[float, ...] | tuple[
             return (candidate.rank,)
 
 
-def holds(candidate: Candidate, words: str) -> bool:
-    """Whether a row has all these words: of part, grasp, arm, verdict, stage or bodies."""
+def holds(candidate: Candidate, typed: str, words: Words = IN_ENGLISH) -> bool:
+    """Whether a row has all words that were typed: of part, grasp, arm, verdict, stage, bodies."""
     verdict = candidate.verdict
     said = (
         f"part-{candidate.detection + 1}",
         candidate.grasp.name,
         candidate.arm,
-        kind_of(verdict),
-        verdict.stage.words,
+        words.render(verdict.kind.message),
+        words.render(verdict.stage.message),
         *(verdict.pair or ()),
     )
     whole = " ".join(said).casefold()
-    return all(word in whole for word in words.casefold().split())
+    return all(word in whole for word in typed.casefold().split())
 
 
-def stages_html(candidates: Sequence[Candidate]) -> str:
+def stages_html(candidates: Sequence[Candidate], words: Words = IN_ENGLISH) -> str:
     """How many candidates came to each stage, and how many it refused, as `explain` counts them."""
     refused = Counter(c.verdict.stage for c in candidates if not c.verdict.is_ok)
     left, told = len(candidates), list[str]()
     for stage in Stage:
         if refused[stage]:
-            told.append(f"{escape(stage.words)} <b>{left}</b> \u2212{refused[stage]}")
+            told.append(
+                f"{escape(words.render(stage.message))} <b>{left}</b> \u2212{refused[stage]}"
+            )
         left -= refused[stage]
     told.append(f"remaining <b>{left}</b>")
     return f'<div class="wb-stages">{", ".join(told)}</div>'
 
 
-def ordered(candidates: Sequence[Candidate], order: Order) -> tuple[int, ...]:
+def ordered(
+    candidates: Sequence[Candidate], order: Order, words: Words = IN_ENGLISH
+) -> tuple[int, ...]:
     """Indices of the candidates of all pages, in the order wanted."""
     wanted = [
         number
         for number, candidate in enumerate(candidates)
-        if (order.only is None or kind_of(candidate.verdict) == order.only)
-        and holds(candidate, order.words)
+        if (order.only is None or candidate.verdict.kind is order.only)
+        and holds(candidate, order.words, words)
     ]
     return tuple(
         sorted(
@@ -161,13 +166,22 @@ def marked(is_chosen: bool) -> str:
 
 
 def funnel_html(
-    candidates: Sequence[Candidate], only: str | None, buttons: Mapping[str | None, str]
+    candidates: Sequence[Candidate],
+    only: Reason | None,
+    buttons: Mapping[Reason | None, str],
+    words: Words = IN_ENGLISH,
 ) -> str:
     """Of how many candidates the same is said; a click shows those alone."""
-    counts = Counter(kind_of(candidate.verdict) for candidate in candidates)
+    counts = Counter(candidate.verdict.kind for candidate in candidates)
     chips = [_filter_chip("all", len(candidates), "#495057", only is None, buttons[None])]
     chips += [
-        _filter_chip(kind, counts[kind], verdict_colour(kind), only == kind, buttons[kind])
+        _filter_chip(
+            words.render(kind.message),
+            counts[kind],
+            verdict_colour(kind),
+            only is kind,
+            buttons[kind],
+        )
         for kind in KINDS
         if counts[kind]
     ]
@@ -189,6 +203,7 @@ def candidates_html(
     *,
     headings: Mapping[Column, str],
     rows: Sequence[str],
+    words: Words = IN_ENGLISH,
 ) -> str:
     """One page of the table.
 
@@ -198,13 +213,16 @@ def candidates_html(
         order: how they are sorted, for the arrow in the heading.
         headings: button ids by column.
         rows: button ids by place on the page.
+        words: of who reads it.
     """
     head = "".join(
         f'<th class="wb-col-{column}" title="{escape(tip)}" {clickable(headings[column])}>'
         f"{escape(title)}{_arrow(order, column)}</th>"
         for column, (title, tip) in COLUMNS.items()
     )
-    body = "".join(_row_html(candidates[number], rows[place]) for place, number in enumerate(shown))
+    body = "".join(
+        _row_html(candidates[number], rows[place], words) for place, number in enumerate(shown)
+    )
     return (
         f'<div class="wb-rows"><table class="wb-table"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>"
@@ -228,17 +246,17 @@ def _arrow(order: Order, column: Column) -> str:
     return " ▾" if order.is_descending else " ▴"
 
 
-def _row_html(candidate: Candidate, button: str) -> str:
-    verdict, kind = candidate.verdict, kind_of(candidate.verdict)
-    pair = " · ".join(verdict.pair) if verdict.pair is not None else verdict.note
+def _row_html(candidate: Candidate, button: str, words: Words) -> str:
+    verdict, kind = candidate.verdict, candidate.verdict.kind
+    pair = " · ".join(verdict.pair) if verdict.pair is not None else words.render(verdict.note)
     distance = "" if verdict.distance is None else mm(verdict.distance)
     return (
-        f'<tr title="{escape(verdict_words(verdict))}" {clickable(button)}>'
+        f'<tr title="{escape(words.render(verdict.message))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
         f"<td>{escape(candidate.grasp.name)}</td>"
         f"<td>{escape(candidate.arm)}</td>"
         f'<td><span class="wb-verdict" style="background:{verdict_colour(kind)}">'
-        f'{escape(kind)}</span><div class="wb-pair">{escape(pair)}</div></td>'
+        f'{escape(words.render(kind.message))}</span><div class="wb-pair">{escape(pair)}</div></td>'
         f'<td class="wb-number">{escape(distance)}</td>'
         f'<td class="wb-number">{candidate.rank:.2f}</td></tr>'
     )

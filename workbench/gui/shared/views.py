@@ -5,24 +5,25 @@ Everything that comes from outside (names of parts and people, messages of machi
 """
 
 import math
-import re
 import time
 from collections.abc import Mapping, Sequence
 from html import escape
 
 from workbench.app.core.commands import FindParts, MakePlan, TakeScan
 from workbench.app.core.results import is_failure
-from workbench.app.core.rights import JOBS, what_is_missing
+from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.model.calibration import BinCheck
-from workbench.model.candidate import MARGIN_NOT_KEPT, Candidate, Verdict, kind_of
+from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
-from workbench.model.plan import Proof, at_least, cycle_words
+from workbench.model.messages.message import Message
+from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.plan import Proof, cycle_words, floored
 from workbench.model.prediction import Predictions
-from workbench.model.scan import GOES_UNSEEN
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.proof.stages import STRAIGHT
+from workbench.words.words import IN_ENGLISH, Words
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
 
@@ -39,9 +40,6 @@ REACHED = {
 """How many of the steps are done."""
 
 NOTHING_MADE: Mapping[str, str] = {}
-
-PLAN_READY, NO_PLAN = "plan ready", "no plan"
-"""Begins what is on record of a planning; the page names both clearances, and margins."""
 
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
@@ -85,10 +83,9 @@ def zone(at: float) -> str:
     return time.strftime("%Z", time.localtime(at))
 
 
-def said(message: str) -> str:
-    """What is on record of a moment, with the words that people have for tasks."""
-    words = re.sub(r"task '(\w+)'", lambda found: JOBS.get(found[1], found[0]), message)
-    return sentence(words.replace(" cancelled by ", " was cancelled by "))
+def said(message: Message | str, words: Words = IN_ENGLISH) -> str:
+    """What is on record of a moment."""
+    return sentence(words.render(message))
 
 
 def short(digest: str) -> str:
@@ -119,39 +116,41 @@ def strip_html(state: State) -> str:
     return f'<ol class="wb-strip" data-phase="{escape(state.phase)}">{"".join(items)}</ol>'
 
 
-def status_html(view: View) -> str:
+def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     """What happened last, or what goes on now with its elapsed time."""
     state, live = view.state, view.live
     if view.is_recorded:
-        words = f"Fault: {state.fault}" if state.phase is Phase.FAULT else said(state.message)
-        return _box("recorded", f"<b>Recorded:</b> {escape(words)}")
+        is_fault = state.phase is Phase.FAULT
+        text = f"Fault: {state.fault}" if is_fault else said(state.message, words)
+        return _box("recorded", f"<b>Recorded:</b> {escape(text)}")
     if live.unrecorded:
         what = "The sending" if state.phase is Phase.SENDING else "The task"
         return _box("fault", f"<b>{what} has ended without a record:</b> {escape(live.unrecorded)}")
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
-        waiting = "" if state.job is None else f"; then: {state.message}"
+        waiting = "" if state.job is None else f"; then: {words.render(state.message)}"
         note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
     if state.job is not None and state.phase is not Phase.SENDING:
-        note = live.told_of(state.job.number)[1] or state.message
+        note = live.told_of(state.job.number)[1] or words.render(state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:
         case Phase.FAULT:
             return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
         case Phase.SENDING:
-            return _box("busy", escape(said(state.message)), parts_placed(state))
+            return _box("busy", escape(said(state.message, words)), parts_placed(state))
         case Phase.DONE:
             is_good = all(one.is_picked for one in state.outcomes) and not is_failure(state.message)
-            return _box("good" if is_good else "fault", escape(said(state.message)))
+            return _box("good" if is_good else "fault", escape(said(state.message, words)))
         case _:
-            message = said(state.message) or "Ready. Take a scan to begin."
-            if state.plan is None and state.verdict and state.message.startswith(NO_PLAN):
-                message = f"No plan: {verdict_words(state.verdict)}"
-            if state.proof is not None and state.message.startswith(PLAN_READY):
-                message = f"Plan ready: {_takes(state)}, {clearance_words(state.proof)}"
-            return _box("fault" if is_failure(state.message) else "plain", escape(message))
+            text = said(state.message, words) or "Ready. Take a scan to begin."
+            is_ready = isinstance(state.message, Message) and state.message.mentions(
+                StateText.PLAN_READY
+            )
+            if state.proof is not None and is_ready:
+                text = f"Plan ready: {_takes(state)}, {clearance_words(state.proof, words)}"
+            return _box("fault" if is_failure(state.message) else "plain", escape(text))
 
 
 def changes_html(state: State) -> str:
@@ -277,39 +276,36 @@ def _takes(state: State) -> str:
     return f"{len(state.plans)} in a row, number {len(state.sent_before) + 1}: {words}"
 
 
-def plan_line(state: State) -> str:
+def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     """What planning has brought."""
     purpose = "Judges every grasp with every arm, plans the motion and proves it again."
     if state.plan is None:
         if state.verdict is not None:
-            kind = "warn" if kind_of(state.verdict) == MARGIN_NOT_KEPT else "bad"
-            return line(f"No plan: {verdict_words(state.verdict)}", kind=kind, tip=purpose)
+            kind = "warn" if state.verdict.kind is Reason.WITHIN_MARGIN else "bad"
+            no_plan = StateText.NO_PLAN(verdict=state.verdict.message)
+            return line(sentence(words.render(no_plan)), kind=kind, tip=purpose)
         if state.stale:
             return line(f"{sentence(state.stale)}.", kind="bad", tip=purpose)
         return hint(state, MakePlan, purpose, 3)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:
-        why = str(proof.violations[0]) if proof is not None else "there is none"
+        why = words.render(proof.violations[0].message) if proof is not None else "there is none"
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     takes = _takes(state)
-    text = f"{takes}, {clearance_words(proof)}"
+    text = f"{takes}, {clearance_words(proof, words)}"
     unknown = sum(not one.part for one in plan.obstacles)
     if unknown:
         text += f", clear of {unknown} unknown obstacles"
-    text = sentence(f"{text}; {plan.note}" if plan.note else text)
-    return line(text, kind="warn" if GOES_UNSEEN in plan.note else "result", tip=text)
+    text = sentence("; ".join((text, *map(words.render, plan.remarks))))
+    return line(text, kind="warn" if plan.goes_unseen else "result", tip=text)
 
 
-def clearance_words(proof: Proof) -> str:
-    """How near a plan comes to anything: on its free ways, and on its straight ones."""
-    straight = straight_bound(proof)
-    more = "" if straight is None else f", {floored(max(straight, 0.0))} on straight ones"
-    return f"clear by {floored(proof.clearance)} on free ways{more}"
-
-
-def floored(bound: float) -> str:
-    """A distance [m] that is kept, rounded down: the same in a table as in a sentence."""
-    return at_least(bound).removeprefix("at least ")
+def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:
+    """How near a plan comes to anything on its free and on its linear motion."""
+    free, linear = floored(proof.clearance), straight_bound(proof)
+    if linear is None:
+        return words.render(ClearanceText.FREE(free=free))
+    return words.render(ClearanceText.BOTH(free=free, linear=floored(max(linear, 0.0))))
 
 
 def straight_bound(proof: Proof) -> float | None:
@@ -330,32 +326,22 @@ def table_html(
 
 
 def verdict_text(verdict: Verdict) -> str:
-    """The evidence of a verdict, without its reason."""
+    """The evidence of a verdict in English, without its reason."""
     pieces: list[str] = []
     if verdict.pair is not None:
         pieces.append(f"{verdict.pair[0]} · {verdict.pair[1]}")
     if verdict.distance is not None:
         pieces.append(mm(verdict.distance))
-    if verdict.note:
-        pieces.append(verdict.note)
+    if verdict.note is not None:
+        pieces.append(str(verdict.note))
     return ", ".join(pieces)
-
-
-def verdict_words(verdict: Verdict) -> str:
-    """A verdict as the page says it: what touches, and what only does not keep its margin."""
-    kind = kind_of(verdict)
-    if verdict.pair is None or verdict.distance is None:
-        return str(verdict)
-    far = f"{mm(abs(verdict.distance))} {'apart' if verdict.distance > 0 else 'into each other'}"
-    words = f"{kind}: {verdict.pair[0]} and {verdict.pair[1]}, {far}"
-    return f"{words} ({verdict.note})" if verdict.note else words
 
 
 def candidate_label(candidate: Candidate) -> str:
     """A candidate for the scene: which, its verdict, and the evidence, a line each."""
     lines = [
         f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm} arm",
-        kind_of(candidate.verdict),
+        str(candidate.verdict.kind.message),
         verdict_text(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)

@@ -58,7 +58,7 @@ class StatisticsPanel:
         if old is not None and old.statistics is counted:
             return
         whole = line(WHOLE, kind="hint") if new.is_recorded else ""
-        self._tables.content = whole + statistics_html(counted)
+        self._tables.content = whole + statistics_html(counted, self._visitor.words)
         self._save.disabled = not counted.picks
         timed = [cycle for cycle in counted.cycles if "send" in cycle.seconds]
         self._cycles.content = _stages(timed) if len(timed) > 1 else ""

@@ -8,6 +8,8 @@ from workbench.app.records.restoring import Thing
 from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import line, table_html, time_of_day, zone
+from workbench.model.candidate import Reason
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
@@ -59,7 +61,7 @@ def _named(thing: Thing) -> str:
             return f"Session {thing.name}"
 
 
-def statistics_html(counted: Statistics) -> str:
+def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
     """What a session has brought so far."""
     if not counted.cycles:
         return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
@@ -86,7 +88,10 @@ def statistics_html(counted: Statistics) -> str:
         ),
         _bars(
             "Why candidates were refused",
-            [(reason, count, f"{count:,}") for reason, count in counted.refusals],
+            [
+                (words.render(Reason(reason).message), count, f"{count:,}")
+                for reason, count in counted.refusals
+            ],
         ),
     ]
     return table_html(rows) + "".join(charts)

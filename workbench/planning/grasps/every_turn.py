@@ -13,6 +13,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part, turned
 from workbench.model.scan import Detection
 from workbench.planning.collision.legs import grips
@@ -26,9 +28,9 @@ DIGITS = 7
 
 @dataclass(frozen=True, slots=True)
 class Uneven:
-    """What differs between the turns of a part: in words, and by how much [m]."""
+    """What differs between the turns of a part, and by how much [m]."""
 
-    text: str
+    message: Message
     amount: float
 
 
@@ -56,8 +58,8 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
         room = _room_checker(part, arm.tool, axis)
         if room.clearance(T, wide, within=0.0)[0] < -allowed - ROUNDING:
             depth, at = room.clearance(T, closed, within=0.0)
-            text = f"closed to {closed * 1e3:.0f} mm, {at} meets it at some turn"
-            found.append(Uneven(f"{text}, {-depth * 1e3:.1f} mm deep", -depth))
+            note = VerdictNote.CUTS_INTO(closed=closed, body=at, depth=-depth)
+            found.append(Uneven(note, -depth))
             continue
         key = (np.round(_unturned(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
         found.append(_held(part, arm.tool, axis, key, grasp.opening, grasp.approach_length))
@@ -104,12 +106,14 @@ def _held(
         grasp = Grasp("", T, 0.0, 0.0, approach_length=approach_length)
         seals = (checker.seal_findings(replace(grasp, T_part_tcp=hand)) for hand in hands)
         leak = next((found[0] for found in seals if found), None)
-        return None if leak is None else Uneven(f"at some turn {leak.text}", leak.amount)
+        if leak is None:
+            return None
+        return Uneven(VerdictNote.AT_SOME_TURN(problem=plain(leak.text)), leak.amount)
     if checker.pads is None:
-        return Uneven(f"nobody can tell how {len(tool.fingers)} fingers hold it", 0.0)
+        return Uneven(VerdictNote.MANY_FINGERS(count=len(tool.fingers)), 0.0)
     holds = [checker.hold(hand, opening) for hand in hands]
     if not all(holds):
-        return Uneven("at some turn there is nothing between the fingers", 0.0)
+        return Uneven(VerdictNote.NOTHING_HELD(), 0.0)
     return _compared([one for one in holds if one is not None], tool.press)
 
 
@@ -118,14 +122,10 @@ def _compared(holds: list[Hold], press: float) -> Uneven | None:
     widths, middles = [one.width for one in holds], [one.offset for one in holds]
     wide, aside = float(np.ptp(widths)), float(np.ptp(middles))
     if wide > press:
-        low, high = min(widths) * 1e3, max(widths) * 1e3
-        text = f"it is {low:.1f} to {high:.1f} mm wide between the fingers, by its turn"
-        return Uneven(text, wide)
+        return Uneven(VerdictNote.WIDTH_VARIES(low=min(widths), high=max(widths)), wide)
     if aside > press:
-        text = f"its middle lies {aside * 1e3:.1f} mm to one side between the fingers, by its turn"
-        return Uneven(text, aside)
+        return Uneven(VerdictNote.OFF_CENTRE(aside=aside), aside)
     steepest = [max(one.slants) for one in holds]
     if max(steepest) > FRICTION >= min(steepest):
-        text = f"at some turn a finger meets a face inclined by {np.rad2deg(max(steepest)):.0f} deg"
-        return Uneven(text, 0.0)
+        return Uneven(VerdictNote.INCLINED(angle=float(max(steepest))), 0.0)
     return None

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm
+from workbench.model.messages.message import all_of, found_part
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part
 from workbench.model.scan import Detection
 from workbench.planning.collision.bodies import part_label, tool_shapes
@@ -12,8 +14,6 @@ from workbench.planning.collision.hands import NOTHING, cut_of, turns_of
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.grasps.every_turn import uneven
-
-UNSEEN = "the scan does not show its roll, so that every turn has to do"
 
 
 def at_every_turn(
@@ -47,13 +47,14 @@ def at_every_turn(
         return with_rolls(detections, verdict)
     if arm.needs_roll:
         count = len(arm.Ts_world_place) + len(arm.part_places)
-        note = f"the {count} places of the {arm.name} arm need it; {UNSEEN}"
+        needed = VerdictNote.PLACES_NEED_ROLL(count=count, arm=arm.name)
+        note = all_of((needed, VerdictNote.ROLL_UNSEEN()))
         return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, note=note)
     if not verdict.is_ok:
         is_own = verdict.pair is not None and verdict.pair[1] == part_label(number)
         if is_own and not _cuts(part, arm, grasp, fit):
-            note = f"{verdict.note}; {UNSEEN}" if verdict.note else UNSEEN
-            return replace(verdict, reason=Reason.ROLL_UNKNOWN, note=note)
+            unknown = replace(verdict, reason=Reason.ROLL_UNKNOWN)
+            return unknown.noted(VerdictNote.ROLL_UNSEEN())
         return with_rolls(detections, verdict)
     wrong = uneven(part, one, arm, grasp)
     first = wrong[fit.turn]
@@ -63,7 +64,8 @@ def at_every_turn(
     if any(fits and what is None for fits, what in zip(free, wrong, strict=True)):
         return verdict
     pair = (f"{arm.name} {tool_shapes(arm.tool)[-1].name}", part_label(number))
-    return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, pair, note=f"{first.text}; {UNSEEN}")
+    note = all_of((first.message, VerdictNote.ROLL_UNSEEN()))
+    return Verdict(Reason.ROLL_UNKNOWN, Stage.PROPOSE, pair, note=note)
 
 
 def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
@@ -74,8 +76,7 @@ def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
     rolled = [label for label in verdict.pair if label in labels]
     if not rolled:
         return verdict
-    words = f"{' and '.join(rolled)} with the room of every turn, as the scan shows no roll"
-    return replace(verdict, note=f"{verdict.note}; {words}" if verdict.note else words)
+    return verdict.noted(VerdictNote.ALL_TURNS(parts=map(found_part, rolled)))
 
 
 def _cuts(part: Part, arm: Arm, grasp: Grasp, fit: Fit) -> bool:

@@ -8,6 +8,9 @@ import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.plans import PlanNote, strategy_message
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
@@ -174,8 +177,8 @@ def _made(
         at_once = coordinate(world, assigned, scan_digest=request.scan_digest, seed=request.seed)
         if isinstance(at_once, Plan):
             return (at_once, *best)
-        note = f"the arms cannot work at once: {at_once}"
-        best = tuple(replace(plan, note=note) for plan in best)
+        notes = (PlanNote.NOT_AT_ONCE(verdict=at_once.message),)
+        best = tuple(replace(plan, notes=notes) for plan in best)
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 
 
@@ -184,14 +187,14 @@ def _routed(
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for just these picks, the quickest first."""
     world = request.world
-    note = _note(world, assigned, request.threshold) if request.strategy == "auto" else ""
+    is_auto = request.strategy == "auto"
     plan = route(
         world,
         assigned,
         chosen,
         scan_digest=request.scan_digest,
         seed=request.seed,
-        note=note,
+        notes=tuple(_notes(world, assigned, request.threshold)) if is_auto else (),
         since=CARRYING if is_free else 0,
     )
     if isinstance(plan, Verdict):
@@ -279,16 +282,17 @@ def _by_cost(
             yield alone, (pick,)
 
 
-def _nobody_for(picks: Sequence[Pick], strategy: str) -> str:
+def _nobody_for(picks: Sequence[Pick], strategy: str) -> Message:
     """Why a strategy has nothing to do, though there are picks."""
     arms: dict[int, set[str]] = {}
     for pick in picks:
         arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
-    can = "; ".join(f"part-{k + 1} by the {' or '.join(sorted(arms[k]))} arm" for k in sorted(arms))
-    needs = "a part for that arm"
-    if strategy in BOTH:
-        needs = "a part for each of two arms; one arm alone would do"
-    return f"strategy {strategy} needs {needs}: what can be taken is {can}"
+    text = VerdictNote.NEEDS_TWO_ARMS if strategy in BOTH else VerdictNote.NEEDS_ARM
+    possible = (
+        VerdictNote.BY_ARMS(part=FoundPart(k), arms=sorted(names))
+        for k, names in sorted(arms.items())
+    )
+    return text(strategy=strategy_message(strategy), possible=possible)
 
 
 def _of_several_heaps(world: World) -> Callable[[Sequence[Pick]], bool]:
@@ -308,16 +312,13 @@ def _apart(world: World, picks: Sequence[Pick]) -> float:
     return float(np.linalg.norm(first - second))
 
 
-def _note(world: World, picks: Sequence[Pick], threshold: float) -> str:
+def _notes(world: World, picks: Sequence[Pick], threshold: float) -> Iterator[Message]:
     """Why this strategy was taken, for people."""
     if len(world.cell.arms) < 2:
-        return ""
+        return
     if len(picks) < 2:
-        other = "the other" if len(world.cell.arms) == 2 else "another"
-        return f"one arm: no second part can be taken by {other} arm"
+        yield PlanNote.NO_OTHER_ARM()
+        return
     distance = _apart(world, picks)
-    relation = "nearer than" if distance < threshold else "at least"
-    return (
-        f"the parts lie {distance * 1000:.0f} mm apart, {relation} the threshold of "
-        f"{threshold * 1000:.0f} mm"
-    )
+    text = PlanNote.NEARER if distance < threshold else PlanNote.FARTHER
+    yield text(distance=distance, threshold=threshold)

@@ -21,6 +21,8 @@ import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.geometry import Floats
+from workbench.model.messages.plans import leg_message
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.collision.arm_sweeps import ArmContact, ArmSweep, first_contact, standing
 from workbench.planning.collision.contact import Contact
@@ -176,7 +178,9 @@ def _together(
     legs = in_step(world, (pair[0].plan, pair[1].plan), pair[0].name, rng)
     if legs is not None:
         return (pair[0].with_leg(legs[0]), pair[1].with_leg(legs[1])), one_step, True
-    where = f"the arms meet: {' and '.join(f'{task.plan.arm} {task.name}' for task in pair)}"
+    where = VerdictNote.ARMS_MEET(
+        legs=(VerdictNote.ARM_LEG(arm=task.plan.arm, leg=leg_message(task.name)) for task in pair)
+    )
     contact = touch.contact
     return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, touch.q[0], where)
 

@@ -21,6 +21,8 @@ import pinocchio as pin
 from workbench.model.candidate import RUBS, Candidate, Reason, Stage, Verdict
 from workbench.model.cell import LiftName
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Bin
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.part_ways import PartWays
@@ -39,6 +41,11 @@ STEEPEST = np.cos(np.deg2rad(60.0))
 
 ALIKE = np.cos(np.deg2rad(4.0))
 """Ways that differ by less than this angle are one."""
+
+
+def lift_message(name: str) -> Message | str:
+    """A lift for people: the policy's are called by their names."""
+    return VerdictNote.AUTHORED() if name == AUTHORED else name
 
 
 def lifts(world: World, candidate: Candidate, T_world_tcp: pin.SE3) -> Iterator[tuple[str, Floats]]:
@@ -102,7 +109,7 @@ def free_lifts(
     if free or met[0] is None:
         return free, None
     label, far = met[0]
-    note = f"after {far * 1000:.0f} mm; {len(every)} lifts tried"
+    note = VerdictNote.LIFTS_TRIED(way=far, lifts=len(every))
     pair = (part_label(candidate.detection), label)
     return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, note=note)
 
@@ -133,8 +140,9 @@ def clear_lifts(
             if len(clear) == most:
                 break
         elif refusal is None:
-            note = f"after {met[1] * 1000:.0f} mm of {np.linalg.norm(way) * 1000:.0f}"
-            note = f"{note}, lift {lift[0]}"
+            note = VerdictNote.LIFT_ENDS(
+                way=met[1], whole=float(np.linalg.norm(way)), lift=lift_message(lift[0])
+            )
             refusal = Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, met[0], note=note)
     return clear, None if clear else refusal
 

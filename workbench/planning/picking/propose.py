@@ -11,6 +11,7 @@ import pinocchio as pin
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, Solid
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
@@ -171,10 +172,10 @@ def _told(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: F
     """That a hand fits; or else what refuses its first way."""
     if fit.pair is None:
         return _FITS
-    opening, note = 0.0, ""
+    opening, note = 0.0, None
     if arm.tool.fingers:
         opening = grasp.grip if fit.is_closed else fit.opening
-        note = f"fingers {opening * 1e3:.0f} mm apart"
+        note = VerdictNote.FINGERS(opening=opening)
     labels, distance = check.told(arm, T_world_tcp, opening, fit.pair)
     return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)
 
@@ -184,17 +185,15 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
     if not grasp.is_enabled:
         return Verdict(Reason.DISABLED, Stage.PROPOSE)
     if grasp.arms and arm.name not in grasp.arms:
-        return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=f"only {', '.join(grasp.arms)}")
+        note = VerdictNote.ONLY_ARMS(arms=grasp.arms)
+        return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     if grasp.tool and grasp.tool != arm.tool.name:
-        can = "can carry it" if grasp.tool in {one.name for one in arm.tools} else "cannot"
-        note = f"is for {grasp.tool}; the arm carries {arm.tool.name} and {can}"
+        may_change = grasp.tool in {one.name for one in arm.tools}
+        text = VerdictNote.CHANGE_TOOL if may_change else VerdictNote.OTHER_TOOL
+        note = text(tool=grasp.tool, carried=arm.tool.name)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     low, high = arm.tool.stroke
     if arm.tool.fingers and not low <= grasp.opening <= high:
-        return Verdict(
-            Reason.TOOL_COLLISION,
-            Stage.PROPOSE,
-            note=f"opening {grasp.opening * 1e3:.0f} mm is outside the stroke "
-            f"{low * 1e3:.0f}-{high * 1e3:.0f} mm",
-        )
+        note = VerdictNote.STROKE(opening=grasp.opening, low=low, high=high)
+        return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=note)
     return None

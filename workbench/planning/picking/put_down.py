@@ -12,6 +12,7 @@ import pinocchio as pin
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import DOWN, PartPlace
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
@@ -121,7 +122,7 @@ def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | 
     if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
         yield from ways_to_lie(place, part.symmetry)
     else:
-        note = "the place asks for one turn of the part, and the scan does not show its roll"
+        note = VerdictNote.PLACE_NEEDS_ROLL()
         yield Verdict(Reason.ROLL_UNKNOWN, Stage.PLACE, note=note)
 
 
@@ -151,7 +152,7 @@ def _straight(
         T_world_before = _back(T_world_tcp, hands.approach)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
-            note = f"the arm can follow only {share:.0%} of the line"
+            note = VerdictNote.LINE_ENDS(share=share)
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
             continue
         path = world.motion.rounded(path[::-1])
@@ -232,11 +233,8 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
             return AtPlaces(near, None)
     if ways == 0:
         return AtPlaces([], roll or why_full(world, arm, number))
-    note = (
-        f"held so, the part could lie right in {ways} way{'s' * (ways != 1)}: "
-        f"{stands} in something, {len(far)} out of reach, "
-        f"{ways - stands - len(far)} with the arm too near to something"
-    )
+    close = ways - stands - len(far)
+    note = VerdictNote.TARGET_POSES(count=ways, blocked=stands, far=len(far), close=close)
     if met:
         # That which came nearest to being right: where the arm is meant, by how much is known.
         nearest = max(met, key=lambda one: (one.q is not None, one.distance or 0.0))
@@ -328,7 +326,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> 
     for T_world_out in (T_world_tcp * T_grasp_pregrasp, T_world_back):
         path, share = follow(chain, q_place, T_world_out, policy.straight_points)
         if share < 1.0:
-            note = f"the hand can follow only {share:.0%} of its way out"
+            note = VerdictNote.RETREAT_ENDS(share=share)
             refusal = refusal or Verdict(Reason.NO_PLACE, Stage.PLACE, q=path[-1], note=note)
             continue
         path = world.motion.rounded(path)
@@ -339,7 +337,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> 
         if found is None:
             return path
         contact, q, _ = found
-        note = "on the hand's way out"
+        note = VerdictNote.ON_RETREAT()
         refusal = refusal or Verdict(
             Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q, note
         )

@@ -9,6 +9,8 @@ import pinocchio as pin
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import all_of
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips
@@ -17,7 +19,7 @@ from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
-from workbench.planning.grasps.rolls import UNSEEN, with_rolls
+from workbench.planning.grasps.rolls import with_rolls
 from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
 from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
@@ -27,8 +29,6 @@ from workbench.planning.picking.put_down import at_places, ways_down
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
-
-TOO_DEEP = "the part lies too deep in what it lies on: its pose is wrong"
 
 SAME = np.deg2rad(5.0)
 """Two solutions closer than this in every joint are one."""
@@ -96,7 +96,7 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
         wrong = uneven(world.cell.part(one.part), one, arm, grasp)
         fits = fits & np.array([what is None for what in wrong])
         if not fits.any():
-            return Verdict(Reason.ROLL_UNKNOWN, Stage.GRASP, note=UNSEEN)
+            return Verdict(Reason.ROLL_UNKNOWN, Stage.GRASP, note=VerdictNote.ROLL_UNSEEN())
     fitting = [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
     if not has_several(world, candidate):
         return fitting
@@ -193,9 +193,9 @@ def _grasp_solutions(
 def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     """The verdict on hands that no configuration was found for, by that which comes nearest."""
     nearest = min(every, key=lambda one: float(one.away @ (1.0, 0.1)))
-    note = ""
+    note = None
     if not all(one.is_complete for one in every):
-        note = f"no configuration was found from {sum(one.starts for one in every)} starts"
+        note = VerdictNote.NO_CONFIGURATION(starts=sum(one.starts for one in every))
     away = float(nearest.away @ (1.0, 0.1))
     return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
 
@@ -226,7 +226,7 @@ def _refused(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdi
 
 def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdict:
     """The verdict on a straight line that the arm can follow only up to `q`."""
-    return Verdict(reason, stage, q=q, note=f"the arm can follow only {share:.0%} of the line")
+    return Verdict(reason, stage, q=q, note=VerdictNote.LINE_ENDS(share=share))
 
 
 def _completed(
@@ -321,7 +321,8 @@ def _extract(
     base = world.configuration({})
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
-        return replace(_refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp), note=TOO_DEEP)
+        refused = _refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
+        return refused.noted(VerdictNote.TOO_DEEP())
     found = path_contact(world, columns, base, path)
     if found is None:
         with world.at_full_margins():
@@ -342,8 +343,9 @@ def _held_back(caught: Caught) -> Verdict:
     """The verdict on a part that does not come off what it lies on at every turn."""
     pair, distance = (caught.part, caught.bed), caught.distance
     if caught.is_sunk:
-        return Verdict(Reason.IN_COLLISION, Stage.EXTRACT, pair, distance, note=TOO_DEEP)
-    note = f"it does not come off at every turn; {UNSEEN}"
+        note = VerdictNote.TOO_DEEP()
+        return Verdict(Reason.IN_COLLISION, Stage.EXTRACT, pair, distance, note=note)
+    note = all_of((VerdictNote.STAYS_ON(), VerdictNote.ROLL_UNSEEN()))
     return Verdict(Reason.ROLL_UNKNOWN, Stage.EXTRACT, pair, distance, note=note)
 
 
@@ -380,9 +382,9 @@ def _place(
 def _no_place(world: World, candidate: Candidate, arm: Arm) -> Verdict:
     """That an arm comes to none of its places, or has none."""
     part = world.detections[candidate.detection].part
-    note = "the cell has no place for this arm"
+    note = VerdictNote.NO_PLACE_FOR_ARM()
     if arm.part_places:
-        note = f"none of the {len(arm.part_places)} places of parts is for {part}"
+        note = VerdictNote.NO_PLACE_FOR_PART(count=len(arm.part_places), part=part)
     if arm.Ts_world_place or arm.places_for(part):
-        note = "the arm reaches none of its places"
+        note = VerdictNote.PLACES_UNREACHABLE()
     return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)

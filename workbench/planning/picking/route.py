@@ -10,16 +10,10 @@ from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
 from workbench.model.load import loads_of
-from workbench.model.plan import (
-    LEG_NAMES,
-    ArmPlan,
-    Guarantee,
-    Leg,
-    LegName,
-    Plan,
-    Step,
-    Strategy,
-)
+from workbench.model.messages.message import Message
+from workbench.model.messages.plans import leg_message
+from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
@@ -53,7 +47,7 @@ def route(
     *,
     scan_digest: str,
     seed: int,
-    note: str = "",
+    notes: tuple[Message, ...] = (),
     since: int = 0,
 ) -> Plan | Verdict:
     """A plan in which the arms work one after the other, in the order of `picks`.
@@ -67,7 +61,7 @@ def route(
         strategy: what to call the plan; it says which arms work.
         scan_digest: what the detections were found in.
         seed: of the request.
-        note: for people, why this strategy.
+        notes: for people, why this strategy.
         since: see `arm_plan`; 0 where one arm has done all its legs before the next begins.
 
     Returns:
@@ -93,7 +87,7 @@ def route(
         obstacles=world.obstacles,
         arms=tuple(arms),
         sequence=tuple(steps),
-        note=note,
+        notes=notes,
         seconds={"route": working_time() - began},
     )
 
@@ -181,7 +175,7 @@ def _without_return(verdict: Verdict, name: LegName) -> Verdict:
     """The verdict on a way back that was not found; where time ran out, nothing else is known."""
     if verdict.reason is Reason.OUT_OF_TIME:
         return verdict
-    return replace(verdict, reason=Reason.NO_RETURN, note=f"leg {name}")
+    return replace(verdict, reason=Reason.NO_RETURN, note=VerdictNote.LEG(leg=leg_message(name)))
 
 
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
@@ -212,9 +206,8 @@ def free_path(
     for q in (lead[-1], goal):
         contact = world.contact(world.configuration({arm.name: q}))
         if contact is not None:
-            return Verdict(
-                Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, "at its end"
-            )
+            note = VerdictNote.AT_END()
+            return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, note)
     check = curve_check(world, columns, base)
 
     chain = world.chains[arm.name]

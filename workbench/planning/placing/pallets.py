@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Arm
+from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Obstacle
 from workbench.planning.collision.pairing import Phase
@@ -44,15 +45,9 @@ def why_full(world: World, arm: Arm, number: int) -> Verdict:
     """That no place for a part found is open."""
     places = arm.places_for(world.detections[number].part)
     count = len(_kept(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
-    note = (
-        f"the pallets of the {arm.name} arm are full: each of their {len(places)} places has a "
-        "part; say so when they are empty"
-    )
+    note = VerdictNote.PALLETS_FULL(arm=arm.name, places=len(places))
     if count < len(places):
-        note = (
-            f"of the {len(places)} places on pallets of the {arm.name} arm {count} have a part, "
-            "and none of the others may take one: parts lie above them, or nothing carries yet"
-        )
+        note = VerdictNote.PALLETS_CLOSED(arm=arm.name, places=len(places), taken=count)
     return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
 
 

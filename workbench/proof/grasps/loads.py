@@ -12,6 +12,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere, finest
 from workbench.model.load import Load, is_closed
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.proof.tolerances import STATED
@@ -31,19 +32,23 @@ def load_violations(cell: Cell, plan: Plan, one: ArmPlan) -> Iterator[Violation]
     tool, part = cell.arm(one.arm).tool, cell.part(plan.detections[one.detection].part)
     if tool.mass is None:
         if one.loads is not None:
-            problem = f"the plan states a load, and the cell no mass of the tool {tool.name}"
-            yield Violation(problem, one.arm)
+            yield Violation(ProofText.NO_LOAD_KNOWN(tool=tool.name), one.arm)
         return
     if one.loads is None:
-        yield Violation(f"the plan states no load, and the cell has that of {tool.name}", one.arm)
+        yield Violation(ProofText.NO_LOAD_STATED(tool=tool.name), one.arm)
         return
     wanted = (
-        ("tool", one.loads.tool, _of_tool(tool), 0.0),
-        ("part", one.loads.part, (tool.T_flange_tcp * one.T_tcp_part).act(_of_part(part)), STATED),
+        (ProofText.TOOL_LOAD, one.loads.tool, _of_tool(tool), 0.0),
+        (
+            ProofText.PART_LOAD,
+            one.loads.part,
+            (tool.T_flange_tcp * one.T_tcp_part).act(_of_part(part)),
+            STATED,
+        ),
     )
-    for what, stated, meant, off in wanted:
+    for text, stated, meant, off in wanted:
         if not _is_alike(stated, meant, off):
-            yield Violation(f"the load of the {what} is not that of the cell", one.arm)
+            yield Violation(text(), one.arm)
 
 
 def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:

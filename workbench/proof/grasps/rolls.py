@@ -8,6 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Shape, Solid
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
@@ -35,7 +36,7 @@ def roll_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterato
     arm, part = cell.arm(one.arm), cell.part(found.part)
     if not found.roll_known:
         if arm.needs_roll:
-            yield Violation("its places need the roll of the part, which is not known", arm.name)
+            yield Violation(ProofText.PLACES_NEED_ROLL(), arm.name)
         T_tcp_part = in_hand(cell, tree, plan, one)
         yield from _held_violations(arm, part, found, one, T_tcp_part)
     if not all(other.roll_known for other in plan.detections):
@@ -69,8 +70,7 @@ def _held_violations(
                 for solid, T in before
             )
         if deep < -NEARLY or far > arm.tool.press + NEARLY:
-            degrees = 360 * turn / count
-            problem = f"does not hold the part if it is turned by {degrees:.0f} deg about its axis"
+            problem = ProofText.NOT_HELD(angle=2 * np.pi * turn / count)
             yield Violation(problem, arm.name, "approach", distance=min(far, deep))
             return
 
@@ -106,8 +106,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterato
     rounds = {k for k, piece in enumerate(mine) if len(piece) == 1}
     impossible = {turn for k, turn in sunk if k not in rounds}
     if any(k in rounds for k, _ in sunk) or len(impossible) == count:
-        problem = "a part lies too deep in what it lies on at every turn: its pose is wrong"
-        yield Violation(problem, arm.name, "extract")
+        yield Violation(ProofText.TOO_DEEP_ANY_TURN(), arm.name, "extract")
         return
     lift = _Lift(tree, arm, np.asarray(one.leg("extract").q), policy.release)
     for k, turn, bed, _ in close:
@@ -120,8 +119,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterato
             keeps = min(policy.near_margin, kept(begins))
             gap = lift.too_near(mine[k][turn], where, begins, keeps)
             if gap is not None:
-                problem = "a part does not come off what it lies on at every turn"
-                pair = (f"part-{one.detection + 1}", name)
+                problem, pair = ProofText.STAYS_ON(), (f"part-{one.detection + 1}", name)
                 yield Violation(problem, arm.name, "extract", pair=pair, distance=gap)
                 return
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.proof.robot import Tree
 from workbench.proof.stages import in_hand, tcp
@@ -39,7 +40,7 @@ def straight_violations(
     start = tcp(tree, tree.rest, arm, rows[0])
     gone = tcp(tree, tree.rest, arm, rows[-1]).translation - start.translation
     if way is not None and np.linalg.norm(gone - way) > OFF_LINE:
-        yield Violation("does not go the way that the grasp says", arm.name, leg)
+        yield Violation(ProofText.OTHER_DIRECTION(), arm.name, leg)
     length = float(np.linalg.norm(gone))
     along = gone / length if length > 0 else gone
     most_along, is_waypoint = -np.inf, np.diff(at, prepend=-1).astype(bool)
@@ -55,7 +56,7 @@ def straight_violations(
         is_off = aside > np.where(is_waypoint[k : k + STRETCH], OFF_LINE, OFF_ARC)
         is_off |= (most - far > OFF_LINE) | (cosines < np.cos(largest_turn(reach)))
         if is_off.any():
-            yield Violation("is not straight", arm.name, leg, int(at[k + is_off.argmax()]))
+            yield Violation(ProofText.NOT_STRAIGHT(), arm.name, leg, int(at[k + is_off.argmax()]))
             return
         most_along = most[-1]
 

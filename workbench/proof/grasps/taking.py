@@ -7,6 +7,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
+from workbench.model.messages.message import Message
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.proof.form import HOLDING
@@ -29,18 +31,18 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
     arm, part = cell.arm(one.arm), cell.part(plan.detections[one.detection].part)
     grasp = next((g for g in part.grasps if g.name == one.grasp), None)
     if grasp is None:
-        yield Violation(f"the part has no grasp {one.grasp!r}", arm.name)
+        yield Violation(ProofText.NO_GRASP(grasp=one.grasp), arm.name)
         return
     found = plan.detections[one.detection]
     if found.T_world_found is None and not cell.bin.gives(part, found.T_world_part):
-        yield Violation("the part lies outside of the regions of interest", arm.name)
+        yield Violation(ProofText.OUTSIDE_REGIONS(), arm.name)
     yield from _permitted(arm, grasp)
     yield from _openings(cell, arm, grasp, one)
     points, T_tcp_part = np.asarray(part.mesh.points), in_hand(cell, tree, plan, one)
     if displacement(points, one.T_tcp_part, T_tcp_part) > STATED:
-        yield Violation("the part is not where the hand closes", arm.name, "approach")
+        yield Violation(ProofText.NOT_AT_HAND(), arm.name, "approach")
     if not _takes(arm, grasp, points, T_tcp_part):
-        yield Violation(f"the part is not in the hand as grasp {grasp.name} takes it", arm.name)
+        yield Violation(ProofText.NOT_IN_HAND(grasp=grasp.name), arm.name)
     turn = found.T_world_part.rotation @ grasp.T_part_tcp.rotation
     ways = {
         "approach": turn @ grasp.approach * grasp.approach_length,
@@ -62,11 +64,11 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
 def _permitted(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
     """Whether an arm may use a grasp at all."""
     if not grasp.is_enabled:
-        yield Violation(f"grasp {grasp.name} is switched off", arm.name)
+        yield Violation(ProofText.GRASP_DISABLED(grasp=grasp.name), arm.name)
     if grasp.arms and arm.name not in grasp.arms:
-        yield Violation(f"grasp {grasp.name} is for arm {' or '.join(grasp.arms)}", arm.name)
+        yield Violation(ProofText.GRASP_FOR_ARMS(grasp=grasp.name, arms=grasp.arms), arm.name)
     if grasp.tool and grasp.tool != arm.tool.name:
-        yield Violation(f"grasp {grasp.name} is for tool {grasp.tool}", arm.name)
+        yield Violation(ProofText.GRASP_FOR_TOOL(grasp=grasp.name, tool=grasp.tool), arm.name)
 
 
 def _openings(cell: Cell, arm: Arm, grasp: Grasp, one: ArmPlan) -> Iterator[Violation]:
@@ -78,7 +80,7 @@ def _openings(cell: Cell, arm: Arm, grasp: Grasp, one: ArmPlan) -> Iterator[Viol
             yield Violation(_opening(leg, grasp.opening), arm.name, leg.name)
     if abs(one.leg("reach").opening - one.leg("approach").opening) > OPENING:
         # Nothing is looked at between two legs.
-        yield Violation("does not begin with its fingers as reach has them", arm.name, "approach")
+        yield Violation(ProofText.OPENING_CHANGES(), arm.name, "approach")
 
 
 def _place_violations(
@@ -102,11 +104,11 @@ def pair_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
             kinds = [plan.detections[one.detection].part for one in (first, second)]
             library = cell.part(kinds[0]).library
             if kinds[0] == kinds[1] and not library.allows(first.grasp, second.grasp):
-                yield Violation(f"grasps {first.grasp} and {second.grasp} are no pair of the part")
+                yield Violation(ProofText.NO_PAIR(first=first.grasp, second=second.grasp))
 
 
-def _opening(leg: Leg, wanted: float) -> str:
-    return f"fingers at {leg.opening * 1e3:.1f} mm, the grasp says {wanted * 1e3:.1f} mm"
+def _opening(leg: Leg, wanted: float) -> Message:
+    return ProofText.OPENING(opening=leg.opening, wanted=wanted)
 
 
 def _fits(opening: float, grasp: Grasp, arm: Arm, cell: Cell) -> bool:

@@ -8,6 +8,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, PartPlace
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -50,7 +52,7 @@ def pallet_violations(
         problem = occupation(cell, arm, place, scene.obstacles) or _falls_over(
             cell, scene, place, found, T_world_put
         )
-        if problem:
+        if problem is not None:
             yield Violation(problem, one.arm, "place")
             return
 
@@ -76,8 +78,8 @@ def _may_fill(place: PartPlace, part: Part, T_world_put: pin.SE3) -> bool:
     return bool(abs(off[2]) <= far and np.linalg.norm(off) <= reach + far)
 
 
-def occupation(cell: Cell, arm: Arm, place: PartPlace, known: Sequence[Obstacle]) -> str:
-    """Why no part may be put at a place of a pallet by what lies there; empty where one may."""
+def occupation(cell: Cell, arm: Arm, place: PartPlace, known: Sequence[Obstacle]) -> Message | None:
+    """Why no part may be put at a place of a pallet by what lies there; None where one may."""
     names = {part.name for part in cell.parts}
     filled = [
         place_at(arm, cell.part(one.part), one.T_world_put)
@@ -86,41 +88,35 @@ def occupation(cell: Cell, arm: Arm, place: PartPlace, known: Sequence[Obstacle]
     ]
     pallet = [other for other in arm.part_places if other.pallet == place.pallet]
     if any(one is place for one in filled):
-        return "a part lies at that place of the pallet already"
+        return ProofText.PLACE_TAKEN()
     above = [one.layer for one in filled if one in pallet and one.layer > place.layer]
     if above:
-        return f"a part lies above it on the pallet, in layer {max(above)}"
+        return ProofText.PART_ABOVE(layer=max(above))
     below = [other for other in pallet if other.layer == place.layer - 1]
     empty = sum(all(one is not other for one in filled) for other in below)
     if empty:
-        return (
-            f"layer {place.layer - 1} of the pallet is not full: by what is known of it {empty} of "
-            f"its {len(below)} places are empty"
-        )
-    return ""
+        return ProofText.LAYER_OPEN(layer=place.layer - 1, empty=empty, places=len(below))
+    return None
 
 
 def _falls_over(
     cell: Cell, scene: Scene, place: PartPlace, found: Detection, T_world_put: pin.SE3
-) -> str:
-    """Why a part would not come to stand at a place of a pallet; empty where it does."""
+) -> Message | None:
+    """Why a part would not come to stand at a place of a pallet; None where it does."""
     falls = fall(cell, scene.obstacles, found, T_world_put)
     most = cell.policy.margin + FALL
     if falls >= FARTHEST:
-        return "nothing is within 50 mm beneath the part when it is let go of"
+        return ProofText.NOTHING_BENEATH(far=FARTHEST)
     if falls > most:
-        return (
-            f"the part is let go of {falls * 1e3:.1f} mm above what it shall stand on; "
-            f"{most * 1e3:g} mm at most"
-        )
+        return ProofText.RELEASED_HIGH(falls=falls, most=most)
     return standing_problem(cell.part(found.part), place, T_world_put)
 
 
-def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> str:
-    """Why a part would not stay as it stands at a place of a pallet; empty where it does."""
+def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> Message | None:
+    """Why a part would not stay as it stands at a place of a pallet; None where it does."""
     centre = middle_of(part)
     if centre is None:
-        return "nobody knows where the weight of the part is: its surface is not closed"
+        return ProofText.NO_WEIGHT()
     points = part.mesh.points @ T_world_put.rotation.T + T_world_put.translation
     low, high = float(points[:, 2].min()), float(points[:, 2].max())
     middle = T_world_put.act(centre)
@@ -134,12 +130,8 @@ def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> str:
     tall = max(middle[2] - low, place.layer * (high - low) / 2)
     tilt = float(np.arctan2(within, tall))
     if tilt < STEADY:
-        return (
-            f"the part would not stand: with {place.layer} on each other they fall over when they "
-            f"are tilted by {max(0.0, np.rad2deg(tilt)):.1f} deg; "
-            f"{np.rad2deg(STEADY):g} deg are asked for"
-        )
-    return ""
+        return ProofText.STACK_FALLS(layers=place.layer, tilt=max(0.0, tilt), least=float(STEADY))
+    return None
 
 
 def fall(cell: Cell, known: Sequence[Obstacle], found: Detection, T_world_put: pin.SE3) -> float:

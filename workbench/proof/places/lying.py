@@ -7,6 +7,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, PartPlace
 from workbench.model.plan import Violation
 from workbench.model.scan import Detection
@@ -53,22 +54,17 @@ def lying_violations(
     if best is not None and best[0] <= 1.0:
         return
     if is_aside:
-        yield Violation("does not come the way that its place says", arm.name, "place")
+        yield Violation(ProofText.OTHER_APPROACH(), arm.name, "place")
         return
     if best is None:
-        problem = "the hand opens where the arm has no place"
-        if unseen:
-            problem = "its place needs the roll of the part, which is not known"
+        problem = ProofText.PLACE_NEEDS_ROLL() if unseen else ProofText.NO_PLACE()
         yield Violation(problem, arm.name, "place")
         return
     _, far, turn, place = best
-    yield Violation(
-        f"the part is put down {far * 1e3:.1f} mm and {np.rad2deg(turn):.1f} deg from where it "
-        f"shall lie; {place.tolerance * 1e3:g} mm and {np.rad2deg(place.turn_tolerance):g} deg "
-        "are allowed",
-        arm.name,
-        "place",
+    problem = ProofText.MISPLACED(
+        far=far, turn=turn, tolerance=place.tolerance, turn_tolerance=place.turn_tolerance
     )
+    yield Violation(problem, arm.name, "place")
 
 
 def place_offs(

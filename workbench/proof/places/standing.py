@@ -8,6 +8,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, Station
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection
@@ -42,41 +44,37 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
     of one material.
     """
 
-    def violation(problem: str) -> Violation:
+    def violation(problem: Message) -> Violation:
         return Violation(problem, one.arm, "place")
 
     found = plan.detections[one.detection]
     station = next((known for known in cell.stations if known.name == one.station), None)
     if station is None:
-        yield violation(f"the cell has no station {one.station!r}")
+        yield violation(ProofText.NO_STATION(station=one.station))
         return
     if not found.roll_known:
-        yield violation("a part whose roll is not known is put on no station")
+        yield violation(ProofText.STATION_ROLL())
         return
     part = cell.part(found.part)
     T_station_put = cell.T_world_station(station).actInv(put_at(cell, tree, plan, one))
     points = part.mesh.points @ T_station_put.rotation.T + T_station_put.translation
     low = float(points[:, 2].min())
     if not -FLAT <= low <= cell.policy.margin + DROP:
-        yield violation(
-            f"the part is let go of {low * 1e3:.1f} mm above station {station.name}; 0 to "
-            f"{(cell.policy.margin + DROP) * 1e3:g} mm are allowed"
-        )
+        most = cell.policy.margin + DROP
+        yield violation(ProofText.OFF_STATION(height=low, station=station.name, most=most))
         return
     stands_on = points[points[:, 2] <= low + FLAT, :2]
     if np.any(np.abs(stands_on) > station.size / 2):
-        yield violation(f"the part stands over the edge of station {station.name}")
+        yield violation(ProofText.OVER_EDGE(station=station.name))
     centre = middle_of(part)
     if centre is None:
-        yield violation("nobody knows where the weight of the part is: its surface is not closed")
+        yield violation(ProofText.NO_WEIGHT())
         return
     middle = T_station_put.act(centre)
     tilt = np.arctan2(stands_within(stands_on, middle[:2]), middle[2] - low)
     if tilt < STEADY:
-        yield violation(
-            f"the part does not stand on station {station.name}: it falls over when it is tilted "
-            f"by {max(0.0, np.rad2deg(tilt)):.1f} deg; {np.rad2deg(STEADY):g} deg are asked for"
-        )
+        tilt, least = max(0.0, float(tilt)), float(STEADY)
+        yield violation(ProofText.FALLS_OVER(station=station.name, tilt=tilt, least=least))
     stands = _standing(cell, tree, plan, one, station)
     gap = min(
         gap_of(piece, (body.shape, body.T_joint_body), 10 * NEAR)
@@ -84,11 +82,9 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
         for piece in pieces
     )
     if gap > NEAR:
-        yield violation(f"nothing is beneath the part on station {station.name} that carries it")
+        yield violation(ProofText.NOT_CARRIED(station=station.name))
     elif gap < -max(cell.policy.sink, FLAT):
-        yield violation(
-            f"the part would stand {-gap * 1e3:.1f} mm deep in something on station {station.name}"
-        )
+        yield violation(ProofText.STANDS_IN(depth=-gap, station=station.name))
 
 
 def standing_after(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Detection:

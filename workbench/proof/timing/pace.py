@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Leg, Plan, Violation, are_in_step
 from workbench.proof.timing.fastest import ceilings, fastest, seconds, uneven_at
 from workbench.proof.timing.jerk import Limits, jerky_at
@@ -23,10 +24,6 @@ ROUNDING = 1.001
 CORNER, STRAIGHT = 8, 16
 """Pieces of each half of a corner, and of the straight between two: where they are fewer than a
 planner's, what it found is missed."""
-
-TOO_FAST = "is faster than the joints may turn"
-TOO_HARD = "asks for more acceleration than the arm has"
-TOO_JERKY = "asks for more jerk than the arm may have"
 
 
 def pace_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
@@ -56,12 +53,12 @@ def _violations(cell: Cell, legs: list[tuple[Arm, Leg]]) -> Iterator[Violation]:
         row = _jerky_at(cell, steps, times, Limits(*limits, np.concatenate(jerks)))
         if row < 0:
             return
-        too_jerky = TOO_JERKY, row
+        too_jerky = ProofText.TOO_JERKY, row
     # Where it is too much speed or acceleration already, that is said.
     found = _of_any_jerk(cell, steps, times, limits) or too_jerky
     if found:
-        problem, row = found
-        yield Violation(problem, arm.name, leg.name, row)
+        text, row = found
+        yield Violation(text(), arm.name, leg.name, row)
 
 
 def _jerky_at(cell: Cell, steps: Floats, times: Floats, limits: Limits) -> int:
@@ -74,7 +71,7 @@ def _jerky_at(cell: Cell, steps: Floats, times: Floats, limits: Limits) -> int:
 
 def _of_any_jerk(
     cell: Cell, steps: Floats, times: Floats, limits: tuple[Floats, Floats]
-) -> tuple[str, int] | None:
+) -> tuple[ProofText, int] | None:
     """What is wrong with ways (m, n) [rad] in times (m,) [s], and with which of them."""
     found = None
     if cell.zone > 0.0:
@@ -88,7 +85,7 @@ def _of_any_jerk(
 
 def from_rest_to_rest(
     steps: Floats, times: Floats, velocity: Floats, acceleration: Floats
-) -> tuple[str, int] | None:
+) -> tuple[ProofText, int] | None:
     """What is wrong with ways (m, n) [rad] in times (m,) [s], a stop after each, and with which.
 
     All joints move in proportion: the way has the speed and the acceleration, in shares of it, that
@@ -104,12 +101,12 @@ def from_rest_to_rest(
     if not len(soon):
         return None
     row = int(soon[0])
-    return (TOO_FAST if times[row] < speed[row] else TOO_HARD), row
+    return (ProofText.TOO_FAST if times[row] < speed[row] else ProofText.TOO_HARD), row
 
 
 def _rounded(
     steps: Floats, times: Floats, velocity: Floats, acceleration: Floats, zone: float
-) -> tuple[str, int] | None:
+) -> tuple[ProofText, int] | None:
     """What is wrong with ways (m, n) [rad] in times (m,) [s], corners rounded, and with which."""
     slopes, widths = marks_of(steps, zone)
     pieces = len(widths) // len(steps)
@@ -117,11 +114,11 @@ def _rounded(
     for row, planned in enumerate(times.tolist()):
         first, last = row * pieces, (row + 1) * pieces
         if planned < seconds(most[first : last + 1], widths[first:last]):
-            return TOO_FAST, row
+            return ProofText.TOO_FAST, row
     # Speeds of a motion within the limits, then of any that exceed them by no more than rounding.
     quick = fastest(slopes, widths, velocity, acceleration)
     row = uneven_at(slopes, widths, quick, most, acceleration * ROUNDING, times)
-    return None if row < 0 else (TOO_HARD, row)
+    return None if row < 0 else (ProofText.TOO_HARD, row)
 
 
 def marks_of(steps: Floats, zone: float) -> tuple[Floats, Floats]:

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,9 @@ from workbench.app.emptying.changes import changed
 from workbench.app.provenance.gathering import files_digest
 from workbench.formats.files.json_keys import json_text, parse_object
 from workbench.formats.files.whole_files import MB, make_folder, read_whole, write_whole
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError
+from workbench.model.messages.catalogue import message_of
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
@@ -52,7 +54,7 @@ def emptied_all(
     def keep(task: PileTask, scene: EmptiedPile) -> None:
         known[task] = scene
         path = _path(folder, task)
-        write_whole(path, json_text(path, asdict(scene)))
+        write_whole(path, json_text(path, _content(scene)))
 
     if rest:
         run_cases(emptied, rest, workers=workers, scheduler=scheduler, report=report, keep=keep)
@@ -90,10 +92,16 @@ def _read(folder: Path, task: PileTask) -> EmptiedPile | None:
         ) from None
 
 
+def _content(scene: EmptiedPile) -> dict[str, Any]:
+    return {**asdict(replace(scene, left=())), "left": canonical(scene.left)}
+
+
 def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
     if content.pop("task") != asdict(task):
         raise ValueError
-    left = tuple(LeftPart(**one) for one in content.pop("left"))
+    left = tuple(
+        LeftPart(reason=message_of(one.pop("reason")), **one) for one in content.pop("left")
+    )
     stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
     beside = tuple((float(moves), float(took)) for moves, took in content.pop("beside"))
     lists = {key: tuple(content.pop(key)) for key in ("failed", "planning", "outcomes")}

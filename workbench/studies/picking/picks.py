@@ -13,6 +13,8 @@ from workbench.app.picking.regrasp import regrasped
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.messages.message import plain
+from workbench.model.messages.verdicts import StationNote
 from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, Scene
 from workbench.perception.simulation.piles import drop_parts
@@ -23,9 +25,6 @@ from workbench.studies.picking.exchanges import WORDS, Exchanges
 
 REGRASPED, HANDED_OVER = "ok over a station (regrasp)", "ok over a station (hand over)"
 """Of parts that the same arm takes anew from a station, and that the other one does."""
-
-SAID = "over a station: "
-"""What comes before the words for why a part cannot go over one."""
 
 STAGES = ("propose", "resolve", "route", "prove")
 
@@ -119,7 +118,7 @@ def with_stations(
         if fate != Reason.NO_PLACE:
             yield fate
             continue
-        others = {other: "not asked" for other in range(len(pile)) if other != number}
+        others = {other: plain("not asked") for other in range(len(pile)) if other != number}
         alone = replace(result, plan=None, proof=None, row=())
         over = regrasped(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
         if len({one.arm for plan in over.plans for one in plan.arms}) > 1:
@@ -127,8 +126,9 @@ def with_stations(
         elif over.row:
             yield REGRASPED
         else:
-            words = over.verdict.note.rpartition(SAID)[2]
-            yield f"{fate}: {words}" if SAID in over.verdict.note else fate
+            note = over.verdict.note
+            said = None if note is None else note.part(StationNote.NOT_OVER)
+            yield fate if said is None else f"{fate}: {said.args['why']}"
 
 
 def in_the_air(

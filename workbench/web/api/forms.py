@@ -14,6 +14,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.digest import canonical
+from workbench.model.messages.message import as_message
 from workbench.model.plan import Proof, Violation, parts_taken
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
@@ -30,7 +31,8 @@ def state_form(state: State, live: Live) -> Form:
     return {
         "number": state.number,
         "phase": str(state.phase),
-        "message": state.message,
+        "message": str(state.message),
+        "said": as_message(state.message).told,
         "fault": state.fault,
         "stale": state.stale,
         "ran": None if state.ran is None else state.ran.digest,
@@ -51,7 +53,8 @@ def state_form(state: State, live: Live) -> Form:
         "strategies": list(strategies_of(state.cell)),
         "holds": None if state.proof is None else state.proof.holds,
         "row": [_row_form(state, number) for number in range(len(state.whole_row))],
-        "row_ends": state.row_ends,
+        "row_ends": "" if state.row_ends is None else str(state.row_ends),
+        "row_ends_said": None if state.row_ends is None else state.row_ends.told,
         "row_left_out": len(state.left_out),
         "watched": list(state.watched),
         "approved_by": [] if state.approval is None else list(state.approval.people),
@@ -90,7 +93,8 @@ def job_form(state: State, live: Live) -> Form:
     return {
         "number": state.number,
         "phase": str(state.phase),
-        "message": state.message,
+        "message": str(state.message),
+        "said": as_message(state.message).told,
         "job": None
         if job is None
         else {
@@ -144,7 +148,8 @@ def verdict_form(verdict: Verdict) -> Form:
         "pair": None if verdict.pair is None else list(verdict.pair),
         "distance": None if verdict.distance is None else finite(verdict.distance),
         "q": None if verdict.q is None else verdict.q.tolist(),
-        "note": verdict.note,
+        "note": "" if verdict.note is None else str(verdict.note),
+        "said": verdict.message.told,
     }
 
 
@@ -205,7 +210,8 @@ def _rates(statistics: Statistics, name: str) -> Mapping[str, Form]:
 
 def _place_form(place: Violation) -> Form:
     return {
-        "problem": place.problem,
+        "problem": str(place.problem),
+        "said": place.message.told,
         "arm": place.arm,
         "leg": place.leg,
         "waypoint": place.waypoint,

@@ -157,7 +157,7 @@ class Api:
         done = {
             "number": state.number,
             "phase": str(state.phase),
-            "message": state.message,
+            "message": str(state.message),
             "job": None if state.job is None else state.job.number,
         }
         status = HTTPStatus.ACCEPTED if call.begins else HTTPStatus.OK

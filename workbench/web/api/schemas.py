@@ -56,6 +56,9 @@ POSE: Schema = {
 }
 POINT: Schema = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
 
+SAID = record(id=TEXT, args={"type": "object"}, text=TEXT)
+"""A message: its id and arguments, see docs/messages.md, and its English text."""
+
 VERDICT = record(
     reason={"type": "string", "enum": [reason.name for reason in Reason]},
     stage={"type": "string", "enum": [str(stage) for stage in Stage]},
@@ -63,6 +66,7 @@ VERDICT = record(
     distance=or_none(NUMBER),
     q=or_none(many(NUMBER)),
     note=TEXT,
+    said=SAID,
 )
 PREPARING = or_none(record(done=or_none(NUMBER), note=TEXT))
 """What tasks wait for: it is done once, after an installation."""
@@ -71,6 +75,7 @@ STATE = record(
     number=WHOLE,
     phase=PHASE,
     message=TEXT,
+    said=SAID,
     fault=TEXT,
     stale=TEXT,
     ran=or_none(DIGEST),
@@ -102,6 +107,7 @@ STATE = record(
         )
     ),
     row_ends=TEXT,
+    row_ends_said=or_none(SAID),
     row_left_out=WHOLE,
     watched=many(TEXT),
     approved_by=many(TEXT),
@@ -119,6 +125,7 @@ JOB = record(
     number=WHOLE,
     phase=PHASE,
     message=TEXT,
+    said=SAID,
     job=or_none(record(number=WHOLE, name=TEXT, at=NUMBER, done=or_none(NUMBER), note=TEXT)),
     getting_ready=PREPARING,
 )
@@ -159,7 +166,11 @@ EMPTYING = record(
             warned_touches=WHOLE,
             knocked_out=WHOLE,
             motion_seconds=NUMBER,
-            left=many(record(part=TEXT, kind=TEXT, reason=TEXT, nearest_fix=TEXT, any_grasp=TEXT)),
+            left=many(
+                record(
+                    part=TEXT, kind=TEXT, reason=TEXT, said=SAID, nearest_fix=TEXT, any_grasp=TEXT
+                )
+            ),
         )
     ),
     what_if=many(
@@ -231,6 +242,7 @@ PLAN: Schema = {
 }
 PLACE_OF_PROOF = record(
     problem=TEXT,
+    said=SAID,
     arm=TEXT,
     leg=TEXT,
     waypoint=or_none(WHOLE),

@@ -182,7 +182,7 @@ class OpcUa:
             log.exception("the method %s failed", method.name)
             done, says = False, f"internal error, see the log: {type(error).__name__}"
         else:
-            done, says = True, state.message
+            done, says = True, str(state.message)
         return [
             ua.Variant(done, ua.VariantType.Boolean),
             ua.Variant(says, ua.VariantType.String),

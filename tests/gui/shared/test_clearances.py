@@ -1,0 +1,26 @@
+"""How near a plan comes to anything, in its own two figures."""
+
+from dataclasses import replace
+
+from workbench.app.core.state import Outline
+from workbench.gui.plan.views import outlines_html
+from workbench.gui.shared import views
+from workbench.model.messages.states import StateText
+from workbench.model.plan import at_least
+from workbench.proof.stages import STRAIGHT
+
+
+def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
+    """A single smallest clearance was contradicted by the curve of the straight ways."""
+    proof = states.planned.proof
+    ready = StateText.PLAN_READY(strategy="alternated", cycle=9.0, clearance=proof.clearance)
+    state = replace(states.planned, message=ready)
+    free, straight = state.proof.clearance, views.straight_bound(state.proof)
+    least = min(bounds.min() for _, leg, bounds in state.proof.clearances if leg in STRAIGHT)
+    assert straight == least
+    free, straight = (at_least(one).removeprefix("at least ") for one in (free, straight))
+    words = f"minimum clearance {free} (free motion), {straight} (linear motion)"
+    for told in (views.status_html(view_of(state)), views.plan_line(state)):
+        assert words in told and told.count("minimum clearance") == told.count(words)
+    outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
+    assert "Free ways" in outlines_html(outlines, "", ("1", "2"))

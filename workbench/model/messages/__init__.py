@@ -1,0 +1,7 @@
+"""Messages as values: an id with typed arguments; the English of each stands beside its id.
+
+Code compares, stores and sends messages; their text is for people and is rendered last, in English
+by `str`, in other languages by `workbench.words`.
+
+Imports the standard library alone.
+"""

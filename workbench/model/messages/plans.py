@@ -1,0 +1,86 @@
+"""What plans say: words for legs and strategies, remarks of the planner, and why a row ends."""
+
+from workbench.model.messages.message import Message, Text, plain
+
+
+class LegText(Text, subject="leg"):
+    """The legs of an arm, by their names."""
+
+    REACH = "reach"
+    APPROACH = "approach"
+    EXTRACT = "extract"
+    RETURN = "return"
+    PLACE = "place"
+    HOME = "home"
+
+
+class StrategyText(Text, subject="strategy"):
+    """Which arms work."""
+
+    AUTO = "auto"
+    BOTH = "both"
+    SINGLE = "single"
+    ALTERNATED = "alternated"
+    COORDINATED = "coordinated"
+    ONE_ARM = "{arm} arm only"
+
+
+class GuaranteeText(Text, subject="guarantee"):
+    """Under which condition the arms stay apart."""
+
+    ONE_AT_A_TIME = "one-at-a-time"
+    TIME_INDEPENDENT = "time-independent"
+    SYNCHRONISED = "synchronised"
+
+
+class MotionText(Text, subject="motion"):
+    """How a leg moves."""
+
+    JOINT = "free"
+    LINEAR = "linear"
+
+
+class PlanNote(Text, subject="plan"):
+    """Remarks of the planner on its plan."""
+
+    NO_OTHER_ARM = "one arm: no second part for the other arm"
+    NEARER = "parts {distance:mm0} apart, below the threshold of {threshold:mm0}"
+    FARTHER = "parts {distance:mm0} apart, threshold {threshold:mm0}"
+    NOT_AT_ONCE = "the arms cannot work at once: {verdict}"
+    QUICKER_REFUSED = "the proof refuses a quicker plan: {violation}"
+    GOES_UNSEEN = "collision possible with parts not found where the scan shows nothing"
+    PUT_ON_STATION = "regrasp: put on station {station}, picked again from there"
+    TAKEN_FROM_STATION = "regrasp: picked from station {station}"
+
+
+class RowEnd(Text, subject="row"):
+    """Why no further plan follows in a row."""
+
+    NO_PART = "no part is left"
+    NO_PLAN = "no plan after that: {verdict}"
+    REFUSED = "the proof of the next plan does not hold: {violation}"
+    MOST = "a row has at most {count} plans"
+
+
+def strategy_message(strategy: str) -> Message:
+    """A strategy, or what a request can ask for instead of one, for people."""
+    known = StrategyText.__members__.get(strategy.upper())
+    if known is None or known is StrategyText.ONE_ARM:
+        return StrategyText.ONE_ARM(arm=str(strategy))
+    return known()
+
+
+def guarantee_message(guarantee: str) -> Message:
+    """A guarantee for people."""
+    return GuaranteeText[guarantee.upper().replace("-", "_")]()
+
+
+def leg_message(leg: str) -> Message:
+    """The name of a leg for people; one that no plan has is shown as it is."""
+    known = LegText.__members__.get(leg.upper())
+    return plain(leg) if known is None else known()
+
+
+def motion_message(motion: str) -> Message:
+    """How a leg moves, for people."""
+    return MotionText[motion.upper()]()
