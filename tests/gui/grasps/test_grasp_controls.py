@@ -11,7 +11,7 @@ import workbench.gui.grasps.coverage
 import workbench.gui.shared.visitor
 from workbench.app.core.commands import ChangeCell, UndoCell
 from workbench.app.core.people import Role
-from workbench.app.filling import fill
+from workbench.app.filling import fill_apart
 from workbench.app.filling.fill import Filled
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
@@ -152,7 +152,7 @@ def found_by_filling(*entries):
 def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor, monkeypatch):
     before = bench.state.cell.part(PART).library
     new = (replace(HAND, name="across"), replace(HAND, name="end"))
-    monkeypatch.setattr(fill, "filled", lambda cell, part, **_: found_by_filling(*new))
+    monkeypatch.setattr(fill_apart, "fill_apart", lambda *_: found_by_filling(*new))
     controls = FillControls(visitor, Editing(visitor))
     controls._work()
     names = [entry.name for entry in bench.state.cell.part(PART).library.entries]
@@ -162,23 +162,23 @@ def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor,
 
 
 def test_a_filling_that_is_stopped_adds_nothing(bench, visitor, monkeypatch):
-    def stopped(cell, part, *, cancelled, **_):
+    def stopped(cell, part, report, given_up):
         controls._cancelled.set()
-        assert cancelled()
+        assert given_up.is_set()
         raise JobCancelled("it was cancelled")
 
     before = bench.state.cell.digest
-    monkeypatch.setattr(fill, "filled", stopped)
+    monkeypatch.setattr(fill_apart, "fill_apart", stopped)
     controls = FillControls(visitor, Editing(visitor))
     controls._work()
     assert bench.state.cell.digest == before and "nothing was added" in controls._line.content
 
 
 def test_what_cannot_be_filled_is_said_in_a_sentence(visitor, monkeypatch):
-    def refused(cell, part, **_):
+    def refused(*_):
         raise InputError("part plate is too large for the bin")
 
-    monkeypatch.setattr(fill, "filled", refused)
+    monkeypatch.setattr(fill_apart, "fill_apart", refused)
     controls = FillControls(visitor, Editing(visitor))
     controls._work()
     assert "part plate is too large for the bin" in controls._line.content

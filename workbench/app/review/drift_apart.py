@@ -4,24 +4,16 @@ Imported by that process as well: its `JOBS` are here.
 """
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
-from queue import Empty, Queue
 from threading import Event
 from typing import Any
 
 from workbench.app.review.scanner_drift import RecordedDrift, Told, recorded_drift
-from workbench.app.runtime.jobs import Jobs
+from workbench.app.runtime.own_process import in_own_process
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.plugins.progress import Cancelled, Report
-
-NUMBER = 1
-"""Of the only job."""
-
-POLL = 0.2
-"""[s] How soon it is noticed that somebody gives up."""
 
 
 def drift(
@@ -56,24 +48,5 @@ def drift_apart(
             has ended.
         JobCancelled: it was given up.
     """
-    ends: Queue[Any] = Queue()
-    jobs = Jobs(
-        cell,
-        lambda _, result: ends.put(result),
-        lambda _, done, note: report(done, note),
-        module=__name__,
-    )
-    try:
-        jobs.start(NUMBER, "drift", {"folders": [str(one) for one in folders]})
-        is_cancelled, result = False, None
-        while result is None:
-            if given_up.is_set() and not is_cancelled:
-                jobs.cancel(NUMBER)
-                is_cancelled = True
-            with suppress(Empty):
-                result = ends.get(timeout=POLL)
-    finally:
-        jobs.close()
-    if isinstance(result, Exception):
-        raise result
-    return result
+    asked = {"folders": [str(one) for one in folders]}
+    return in_own_process(__name__, "drift", cell, asked, report, given_up)

@@ -27,11 +27,11 @@ from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import CommandForm, command_form, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import begin
+from workbench.app.records.vote_ages import VoteAges
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.observers import Observer, ObserverThread
 from workbench.app.runtime.robot_link import Clock, Do
-from workbench.app.runtime.vote_ages import VoteAges
 from workbench.app.runtime.worker import Question
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell

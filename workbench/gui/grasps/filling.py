@@ -55,13 +55,13 @@ class FillControls:
 
     def _work(self) -> None:
         # Physics, which most sessions spare.
-        from workbench.app.filling.fill import filled
+        from workbench.app.filling.fill_apart import fill_apart
         from workbench.app.filling.words import filled_words
 
         part, cell = self._editing.part, self._visitor.cell  # as they are when it begins
         says: list[str] = []
         try:
-            found = filled(cell, part, report=self._report, cancelled=self._cancelled.is_set)
+            found = fill_apart(cell, part, self._report, self._cancelled)
             says = filled_words(found)
             count = len(found.entries)
             if self._editing.part.name != part.name:

@@ -39,6 +39,9 @@ SAMPLES = 400
 ENOUGH = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is looked for."""
 
+TURNS_TRIED = (0.0, np.pi / 2)
+"""[rad] Of the tool about the vertical, at each place in a bin."""
+
 MOST_TRIED = 32
 """Bins of one size for which homes and places are looked for, the best first."""
 
@@ -193,19 +196,27 @@ def _feet(cell: Cell) -> Floats:
 
 
 def _share_reached(cell: Cell) -> float:
-    """The share of a few poses in the bin that the worse arm takes up clear of everything."""
+    """The share of a few poses in the bin that the worse arm takes up clear of everything.
+
+    0 where an arm does not reach the middle: searches that find nothing take longest.
+    """
     length, width, height = cell.bin.size
     poses = [
         cell.bin.T_world_bin * pose_from_rpy((x * length, y * width, height / 3), (np.pi, 0, turn))
         for x, y in ((0, 0), (0.3, 0.3), (-0.3, 0.3), (0.3, -0.3), (-0.3, -0.3))
-        for turn in (0.0, np.pi / 2)
+        for turn in TURNS_TRIED
     ]
+    middle, rest = poses[: len(TURNS_TRIED)], poses[len(TURNS_TRIED) :]
     world = World(cell, ())
     shares: list[float] = []
     for arm in cell.arms:
         moving = frozenset({arm.name})
         world.enter(Phase(moving, {arm.name: arm.tool.stroke[1]}, straight=moving))
-        found = judged(world, arm, poses, 0, among=world.pairs.alone(arm.name))
+        among = world.pairs.alone(arm.name)
+        found = judged(world, arm, middle, 0, among=among)
+        if all(target.q is None for target in found):
+            return 0.0
+        found += judged(world, arm, rest, 0, among=among)
         shares.append(sum(target.q is not None for target in found) / len(found))
     return min(shares)
 
