@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import LARGE, canonical, digest_of
 from workbench.model.geometry import Capsule, Cylinder, Mesh
 
@@ -58,3 +59,27 @@ def test_shapes_of_different_kinds_differ():
 def test_what_has_no_form_is_refused():
     with pytest.raises(TypeError, match="no canonical form for object"):
         canonical(object())
+
+
+@pytest.mark.parametrize("of", [lambda cell: cell, lambda cell: cell.robot, lambda cell: cell.arms])
+def test_a_text_that_is_made_once_is_the_canonical_json(of):
+    value = of(read_cell("yumi"))
+    text = json.dumps(
+        canonical(value),
+        sort_keys=True,
+        separators=(",", ":"),
+        ensure_ascii=False,
+    )
+    for _ in range(2):
+        assert digest_of(value) == hashlib.sha256(text.encode()).hexdigest()
+
+
+def test_a_cell_with_another_robot_has_another_digest():
+    cell = read_cell("yumi")
+    first, *others = cell.robot.joints
+    robot = replace(cell.robot, joints=(replace(first, velocity=9.0), *others))
+    changed = replace(cell, robot=robot)
+    assert changed.digest != cell.digest
+    assert replace(changed, robot=cell.robot).digest == cell.digest
+    del robot, changed
+    assert digest_of(replace(cell)) == digest_of(cell)

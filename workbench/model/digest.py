@@ -9,9 +9,10 @@ import dataclasses
 import enum
 import hashlib
 import json
-from collections.abc import Mapping
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -30,6 +31,12 @@ def called(name: str) -> dict[str, str]:
 
 LARGE = 4096
 """Arrays with more elements than this enter by the digest of their bytes."""
+
+
+class Shared:
+    """A value that many others hold, as cells hold a robot: its canonical text is made once."""
+
+    __slots__ = ("__weakref__",)
 
 
 class Told:
@@ -93,14 +100,17 @@ def canonical(value: Any, *, without: frozenset[str] = frozenset()) -> Any:
         case frozenset() | set():
             return sorted(canonical(item) for item in value)
         case _ if dataclasses.is_dataclass(value):
-            left_out = without | {"digest"}
-            return {
-                field.metadata.get("called", field.name): canonical(getattr(value, field.name))
-                for field in dataclasses.fields(value)
-                if field.name not in left_out and not _is_silent(field, value)
-            }
+            return {name: canonical(item) for name, item in _entering(value, without)}
         case _:
             raise TypeError(f"no canonical form for {type(value).__name__}")
+
+
+def _entering(value: Any, without: frozenset[str]) -> Iterator[tuple[str, Any]]:
+    """The fields of a dataclass that enter its canonical form, by their names there."""
+    left_out = without | {"digest"}
+    for field in dataclasses.fields(value):
+        if field.name not in left_out and not _is_silent(field, value):
+            yield field.metadata.get("called", field.name), getattr(value, field.name)
 
 
 def _is_silent(field: "dataclasses.Field[Any]", owner: Any) -> bool:
@@ -117,14 +127,40 @@ def _is_silent(field: "dataclasses.Field[Any]", owner: Any) -> bool:
 
 def digest_of(value: Any, *, without: frozenset[str] = frozenset()) -> str:
     """SHA-256 over the canonical form, as 64 hexadecimal digits."""
-    text = json.dumps(
-        canonical(value, without=without),
-        sort_keys=True,
-        separators=(",", ":"),
-        ensure_ascii=False,
-        allow_nan=True,
-    )
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashlib.sha256(_text_of(value, without).encode()).hexdigest()
+
+
+_texts: dict[int, tuple[weakref.ref[Shared], str]] = {}
+"""Of shared values by their `id`, as long as they live."""
+
+
+def _text_of(value: Any, without: frozenset[str] = frozenset()) -> str:
+    """The canonical form as JSON, with sorted keys and without blanks."""
+    match value:
+        case Shared() if not without:
+            known = _texts.get(id(value))
+            if known is None or known[0]() is not value:
+                number, text = id(value), _object_text(value, without)
+                known = (weakref.ref(value, lambda _: _texts.pop(number, None)), text)
+                _texts[number] = known
+            return known[1]
+        case list() | tuple():
+            return f"[{','.join(_text_of(item) for item in cast(Sequence[Any], value))}]"
+        case _ if dataclasses.is_dataclass(value) and not isinstance(value, Message):
+            return _object_text(value, without)
+        case _:
+            return json.dumps(
+                canonical(value),
+                sort_keys=True,
+                separators=(",", ":"),
+                ensure_ascii=False,
+                allow_nan=True,
+            )
+
+
+def _object_text(value: Any, without: frozenset[str]) -> str:
+    texts = sorted((name, _text_of(item)) for name, item in _entering(value, without))
+    return "{" + ",".join(f"{json.dumps(name)}:{text}" for name, text in texts) + "}"
 
 
 def _canonical_array(array: np.ndarray) -> Any:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, Told, digest_of
+from workbench.model.digest import LATER, Shared, Told, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import (
     Bools,
@@ -299,7 +299,7 @@ TURNED = "@"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Part(Told):
+class Part(Shared, Told):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.digest import Shared
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copied, frozen, put
 
@@ -56,7 +57,7 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Robot:
+class Robot(Shared):
     """Links and joints, parents before children, and the link pairs that need no check."""
 
     name: str
