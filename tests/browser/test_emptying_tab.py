@@ -53,7 +53,8 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
     expect(row).to_have_count(1)
     expect(row).to_contain_text(f"{pile.taken} of 4")
     expect(screen.page.locator(".wb-left tbody tr")).to_have_count(len(pile.left))
-    expect(screen.page.locator(".wb-left tbody tr").first).to_contain_text(pile.left[0].kind)
+    kind = str(pile.left[0].kind_message)
+    expect(screen.page.locator(".wb-left tbody tr").first).to_contain_text(kind)
     screen.shoot("emptying")
 
     screen.press("Play film")

@@ -51,7 +51,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     pause(screen.page, 300)
     screen.press("Veto")
     wait(lambda: len(bench.state.detections or ()) == 2, "the veto")
-    assert "part-3 (keyed_cylinder) was vetoed" in bench.state.message
+    assert "part-3 (keyed_cylinder) was vetoed" in str(bench.state.message)
     for one, other in zip(bench.state.detections, found[:2], strict=True):
         assert one.T_world_part == other.T_world_part and one.score == other.score
 
@@ -65,7 +65,7 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     axis = int(np.argmin(np.abs(axes)))  # the one that is seen best from the side
     tip = T.translation + 0.9 * GIZMO * T.rotation[:, axis]
     drag(screen.page, camera.pixel(tip), camera.pixel(tip + 0.02 * T.rotation[:, axis]))
-    wait(lambda: "corrected by hand" in bench.state.message, "the correction")
+    wait(lambda: "corrected by hand" in str(bench.state.message), "the correction")
     U = bench.state.detections[0].T_world_part
     moved = T.actInv(U).translation
     assert 0.014 < moved[axis] < 0.026, moved
