@@ -212,3 +212,13 @@ def test_a_client_that_is_too_slow_is_stopped_by_its_controller(made, released):
         with pytest.raises(workbench.LinkError, match=r"protective stop|was silent"):
             list(sending)
         assert twin.q == stood
+
+
+def test_who_names_a_folder_reads_which_robot_files_it_has(tmp_path, capfd):
+    (tmp_path / "arm" / "urdf").mkdir(parents=True)
+    words = ("cell", "new", "arm", "--urdf", str(tmp_path / "arm"))
+    assert main(words) == 2
+    assert "holds no .urdf or .xacro file" in capfd.readouterr().err
+    (tmp_path / "arm" / "urdf" / "six.urdf.xacro").write_text("<robot/>")
+    assert main(words) == 2
+    assert "name one of its files: urdf/six.urdf.xacro" in capfd.readouterr().err

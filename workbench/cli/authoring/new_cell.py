@@ -37,6 +37,9 @@ from workbench.studies.layout.bins import laid_out
 from workbench.studies.layout.flanges import mounts_of, named_mounts
 
 ACCELERATION_DEG = 600
+MOST_NAMED = 8
+"""Files of a folder that are named in a message."""
+
 ACCELERATION = (
     f"no file says how fast joints may accelerate: {ACCELERATION_DEG} degrees/s2 is assumed; "
     "acceleration_deg of each [[arm]] in cell.toml"
@@ -105,6 +108,8 @@ def import_world(typed: arguments.Import) -> int:
 
 def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
     """The robot with its meshes as they are, and what stands around it where the file tells."""
+    if typed.urdf.is_dir():
+        raise InputError(_file_to_name(typed.urdf))
     kind = typed.urdf.suffix.lower()
     if kind == ".xml":
         world = read_klampt_world(typed.urdf)
@@ -120,6 +125,16 @@ def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
         )
     T_world_robot = pose_from_rpy(np.array(typed.position_mm) / 1000)
     return KlamptWorld(found.robot, T_world_robot, np.empty(0), ()), found
+
+
+def _file_to_name(folder: Path) -> str:
+    """Which robot files a folder has, for who names the folder itself."""
+    files = sorted(path for kind in ("*.urdf", "*.xacro") for path in folder.rglob(kind))
+    if not files:
+        return f"{folder} is a folder, and holds no .urdf or .xacro file"
+    names = ", ".join(str(path.relative_to(folder)) for path in files[:MOST_NAMED])
+    more = f" and {len(files) - MOST_NAMED} more" if len(files) > MOST_NAMED else ""
+    return f"{folder} is a folder; name one of its files: {names}{more}"
 
 
 def _named(option: str, typed: str, sign: str) -> tuple[str, str]:
