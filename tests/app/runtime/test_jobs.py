@@ -180,7 +180,7 @@ def test_a_worker_killed_in_a_job_is_reborn_and_the_job_ends_as_an_error(jobs, l
     os.kill(before, signal.SIGKILL)
     number, error = listener.result()
     assert (number, type(error)) == (1, WorkbenchError)
-    assert str(error) == "the worker process ended (SIGKILL) during task 'wait_stubbornly'"
+    assert str(error) == "the worker process ended (SIGKILL) during the task wait_stubbornly"
     assert worker_of(jobs, listener) != before
 
 
