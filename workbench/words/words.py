@@ -5,6 +5,7 @@ import threading
 from collections.abc import Mapping
 from functools import cache
 
+from workbench.model.messages.catalogue import TEXTS
 from workbench.model.messages.message import Message, Others, Text, plain
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
 from workbench.words.markup import html_said, markdown_said
@@ -55,7 +56,10 @@ class Words:
         """The words of a language: by English message, and templates by the ids of messages."""
         self.language = language
         self._by_id = {id: said for id, said in by_id.items() if said}
-        self._messages = {key: said for key, said in messages.items() if said}
+        # Texts that have no id yet hold others that have one: what a task is called.
+        whole = {TEXTS[id].template: said for id, said in self._by_id.items() if id in TEXTS}
+        whole = {key: said for key, said in whole.items() if "{" not in key}
+        self._messages = {key: said for key, said in (whole | dict(messages)).items() if said}
         self._plain = {_bare(key): key for key in self._messages}
         # What reads alike in both would only stand before a message that says more.
         self._templates = Templates(key for key, said in self._messages.items() if key != said)
@@ -70,9 +74,11 @@ class Words:
         A text without an id is looked for as `say` does.
         """
         if message is None or isinstance(message, str):
-            return self.say(message or "")
-        text = self._said_within(message).rendered(self._template)
-        if self._messages:
+            text = self.say(message or "")
+            is_new = text != message
+        else:
+            text, is_new = self._said_within(message).rendered(self._template), True
+        if self._messages and is_new:
             with self._lock:
                 if len(self._rendered) >= MOST_KEPT:
                     self._rendered.clear()

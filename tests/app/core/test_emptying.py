@@ -103,4 +103,4 @@ def test_one_that_is_cancelled_or_fails_leaves_the_result_before(line, cell):
         line.do(TryEmptying())
         line.ended(error)
         assert line.state.emptying is found and line.state.job is None
-    assert "they do not fit" in line.state.message
+    assert "they do not fit" in str(line.state.message)

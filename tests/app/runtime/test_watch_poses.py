@@ -121,7 +121,7 @@ def test_a_broken_file_is_told_of_and_the_next_one_taken(bench, watch, tmp_path,
     # Renamed into place: half of it would be told of otherwise.
     (tmp_path / "bad.txt").write_bytes(content)
     (tmp_path / "bad.txt").rename(tmp_path / "poses" / "bad.txt")
-    state = reaches(bench, lambda s: "cannot be used" in s.message)
+    state = reaches(bench, lambda s: "cannot be used" in str(s.message))
     assert problem in str(state.message) and "bad.txt" in str(state.message)
     assert state.detections is None
     (tmp_path / "poses" / "good.txt").write_text(halcon((10, 10, 10)))
@@ -130,14 +130,14 @@ def test_a_broken_file_is_told_of_and_the_next_one_taken(bench, watch, tmp_path,
 
 def test_poses_of_a_part_that_is_not_known_are_told_of(bench, watch, tmp_path):
     write_poses(tmp_path / "poses" / "nuts.json", (Detection("nut", pose_from_rpy((0, 0, 0))),))
-    state = reaches(bench, lambda s: "cannot be used" in s.message)
+    state = reaches(bench, lambda s: "cannot be used" in str(s.message))
     assert "has no part 'nut'" in str(state.message)
 
 
 def test_a_cell_without_parts_says_that_the_part_is_not_known(bench, watch, tmp_path):
     bench.do(ChangeCell(replace(bench.state.cell, parts=()), "no parts"), "ada")
     (tmp_path / "poses" / "Poses.txt").write_text(halcon((1, 1, 1)))
-    reaches(bench, lambda s: "poses from outside cannot be used: Poses.txt" in s.message)
+    reaches(bench, lambda s: "poses from outside cannot be used: Poses.txt" in str(s.message))
 
 
 @pytest.mark.parametrize("name", [b"\xff.txt", b"a\nb.txt", b"x" * 240 + b".txt"])
