@@ -48,7 +48,7 @@ def doctor(typed: Doctor) -> int:
                 **about,
                 "missing": lacking,
                 "extras": extras,
-                "libraries": {one.name: one.is_here for one in libraries()},
+                "libraries": {library.name: library.is_here for library in libraries()},
             }
         )
     else:
@@ -57,9 +57,9 @@ def doctor(typed: Doctor) -> int:
         for name, what in EXTRAS.items():
             state, fix = _told(extras[name], f"pip install 'workbench[{name}]'")
             rows.append((f"for {what}", state, fix))
-        for one in libraries():
-            state, fix = _told(() if one.is_here else (one.name,), one.installs)
-            rows.append((f"for {one.use}", state, fix))
+        for library in libraries():
+            state, fix = _told(() if library.is_here else (library.name,), library.installs)
+            rows.append((f"for {library.use}", state, fix))
         print_table("Installation", ("what", "is", "what installs it"), rows)
     return NO_PLAN if lacking else SUCCESS
 

@@ -149,7 +149,9 @@ def with_part(
 def differ_in_grasps_only(cell: Cell, other: Cell) -> bool:
     """Whether all else about two cells is the same, so that what was found in one holds."""
     bare = [
-        replace(one, parts=tuple(replace(part, library=GraspLibrary()) for part in one.parts))
-        for one in (cell, other)
+        replace(
+            compared, parts=tuple(replace(part, library=GraspLibrary()) for part in compared.parts)
+        )
+        for compared in (cell, other)
     ]
     return bare[0].digest == bare[1].digest

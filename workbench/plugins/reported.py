@@ -61,7 +61,7 @@ class JointBounds:
             raise ProtocolError(
                 f"the controller reports {len(q)} joints where the arm has {len(self.names)}"
             )
-        values = [_number(one, name) for one, name in zip(q, self.names, strict=True)]
+        values = [_number(position, name) for position, name in zip(q, self.names, strict=True)]
         for name, value, low, high, turns in zip(
             self.names, values, self.lower.tolist(), self.upper.tolist(), self.turns, strict=True
         ):
@@ -126,7 +126,7 @@ class Receipts:
     def __init__(self, plan: Plan, motion: MotionModel) -> None:
         self._plan, self._motion = plan, motion
         self._last: Receipt | None = None
-        self._parts = {(one.arm, one.detection) for one in plan.arms}
+        self._parts = {(arm.arm, arm.detection) for arm in plan.arms}
         self._told = set[str]()
 
     def check(self, receipt: Receipt) -> None:
@@ -160,7 +160,7 @@ class Receipts:
         if last is None or last.done != last.total:
             how_far = f"at message {last.done} of {last.total}" if last else "with nothing told"
             raise ProtocolError(f"the robot link {link} has ended too early, {how_far}")
-        missing = [one.arm for one in self._plan.arms if one.arm not in self._told]
+        missing = [arm.arm for arm in self._plan.arms if arm.arm not in self._told]
         if self._motion.reports_progress and missing:
             raise ProtocolError(
                 f"the robot link {link} has ended and told nothing of the {missing[0]} arm's part"

@@ -373,10 +373,10 @@ def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
 
 
 @contextmanager
-def _closing(one: Iterator[Any]) -> Generator[None]:
+def _closing(iterator: Iterator[Any]) -> Generator[None]:
     """At the end the connection of an iterator is closed, where it has one."""
     try:
         yield
     finally:
-        if isinstance(one, Generator):
-            one.close()
+        if isinstance(iterator, Generator):
+            iterator.close()

@@ -89,11 +89,11 @@ def _whole(
     return Batch(whole, sizes, block.at if groups is None else block.at[groups])
 
 
-def _joined(one: Batch, other: Batch) -> Batch:
+def _joined(batch: Batch, other: Batch) -> Batch:
     return Batch(
-        np.concatenate([one.corners, other.corners]),
-        np.concatenate([one.sizes, other.sizes]),
-        np.concatenate([one.at, np.full(len(other), OTHER)]),
+        np.concatenate([batch.corners, other.corners]),
+        np.concatenate([batch.sizes, other.sizes]),
+        np.concatenate([batch.at, np.full(len(other), OTHER)]),
     )
 
 
@@ -168,14 +168,14 @@ def _halved(
     for n in range(len(items)):
         a, b = items[n, 0], items[n, 1]
         is_first = a == b or lengths[a] > lengths[b]
-        one, other = (a, b) if is_first else (b, a)
-        if cut[one] < 0:
-            cut[one], number = number, number + 2
-        if a != b and whole[other] < 0:
-            whole[other], number = number, number + 1
+        longer, shorter = (a, b) if is_first else (b, a)
+        if cut[longer] < 0:
+            cut[longer], number = number, number + 2
+        if a != b and whole[shorter] < 0:
+            whole[shorter], number = number, number + 1
         for half in range(2):
-            m, mine = 2 * n + half, cut[one] + half
-            others = mine if a == b else whole[other]
+            m, mine = 2 * n + half, cut[longer] + half
+            others = mine if a == b else whole[shorter]
             asked[m, 0], asked[m, 1] = (mine, others) if is_first else (others, mine)
             asked[m, 2] = items[n, 2]
     pieces, origins = np.empty((number, most, values)), np.empty(number, np.int64)

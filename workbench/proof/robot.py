@@ -95,16 +95,16 @@ def _added(
 ) -> int:
     is_turning = joint.kind == "revolute"
     kind = pin.JointModelRevoluteUnaligned if is_turning else pin.JointModelPrismaticUnaligned
-    one = np.ones(1)
+    ones = np.ones(1)
     number = model.addJoint(
         parent,
         kind(np.array(joint.axis)),
         T,
         joint.name,
-        one * 1e3,
-        one * joint.velocity,
-        one * joint.lower,
-        one * joint.upper,
+        ones * 1e3,
+        ones * joint.velocity,
+        ones * joint.lower,
+        ones * joint.upper,
     )
     joints[number] = joint
     return number

@@ -103,13 +103,15 @@ def search(
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
         sight: [m] up to here distances are told.
     """
-    one = _Search(space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated))
+    branch_and_bound = _Search(
+        space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated)
+    )
     for blocks in sets:
         for some in product(*(block.runs(RUN) for block in blocks)):
-            one.look(some)
-            if one.is_over():
-                return one.found
-    return one.found
+            branch_and_bound.look(some)
+            if branch_and_bound.is_over():
+                return branch_and_bound.found
+    return branch_and_bound.found
 
 
 class _Wanted:
@@ -200,11 +202,11 @@ class _Search:
         space, asked, ways = self._space, self._asked, np.zeros((len(items), 3))
         looked = (-1, -1)
         for n in np.lexsort(items.T[1::-1]).tolist():
-            one, other, pair = items[n].tolist()
-            if looked != (one, other):
-                looked = (one, other)
-                space.look(self._both(q[one], q[other]))
-            row, place = int(self._pairs.rows[pair]), int(batch.at[[one, other]].max())
+            first, second, pair = items[n].tolist()
+            if looked != (first, second):
+                looked = (first, second)
+                space.look(self._both(q[first], q[second]))
+            row, place = int(self._pairs.rows[pair]), int(batch.at[[first, second]].max())
             distance, shown = space.distance(row), bool(asked.shown[pair])
             self._noted(row, distance, float(asked.margins[pair]), place, shown)
             ways[n] = space.way()
@@ -296,14 +298,14 @@ class _Search:
         columns = order, *(column[order] for column in (*columns, space.known(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
-        for n, one, other, place, row, told, moves, margin, counts, is_known in zip(
+        for n, mine, theirs, place, row, told, moves, margin, counts, is_known in zip(
             *(column.tolist() for column in columns), strict=True
         ):
             if told >= margin and not (counts and told < goals[place]):
                 continue
-            if looked != (one, other):
-                looked = (one, other)
-                space.look(self._both(q[one], q[other]))
+            if looked != (mine, theirs):
+                looked = (mine, theirs)
+                space.look(self._both(q[mine], q[theirs]))
             distance = space.distance(row)
             if counts and wanted.stated is not None and distance < goals[place] - SAME:
                 found.bounds[place] = distance
@@ -329,6 +331,6 @@ class _Search:
             if found.nearest is None or distance < found.nearest.distance:
                 found.nearest = state
 
-    def _both(self, one: Floats, other: Floats) -> Floats:
+    def _both(self, first: Floats, second: Floats) -> Floats:
         """The whole configuration (nq,) of two in each of which another arm has moved."""
-        return np.where(other != self._base, other, one)
+        return np.where(second != self._base, second, first)

@@ -84,12 +84,12 @@ def reachable(
             found += 1
     others = max(count - split, 1)
     items, n = np.empty((split * others * found, 3), np.int64), 0
-    for one in range(split):
+    for index in range(split):
         for other in range(others):
             for pair in chosen[:found]:
-                second = one if count == split else split + other
-                items[n, 0] = second if sides[asked.first[pair]] else one
-                items[n, 1] = second if sides[asked.second[pair]] else one
+                second = index if count == split else split + other
+                items[n, 0] = second if sides[asked.first[pair]] else index
+                items[n, 1] = second if sides[asked.second[pair]] else index
                 items[n, 2] = pair
                 n += 1
     return items

@@ -65,15 +65,15 @@ def attempts_by_klampt(
     )
     return [
         Attempt(
-            f"Klamp't {one.planner}",
-            goals[one.goal][0],
+            f"Klamp't {klampt_path.planner}",
+            goals[klampt_path.goal][0],
             None,
             None,
-            one.seconds,
+            klampt_path.seconds,
             0.0,
-            None if one.path is None else course.tool_way(one.path),
+            None if klampt_path.path is None else course.tool_way(klampt_path.path),
         )
-        for one in found
+        for klampt_path in found
     ]
 
 

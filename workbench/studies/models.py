@@ -143,6 +143,6 @@ def _compared(model: trimesh.Trimesh, true: trimesh.Trimesh) -> dict[str, float]
     }
 
 
-def _off(one: trimesh.Trimesh, other: trimesh.Trimesh) -> Floats:
-    points = trimesh.sample.sample_surface(one, POINTS, seed=0)[0]
+def _off(mesh: trimesh.Trimesh, other: trimesh.Trimesh) -> Floats:
+    points = trimesh.sample.sample_surface(mesh, POINTS, seed=0)[0]
     return distances(points, other)

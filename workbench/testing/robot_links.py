@@ -25,8 +25,8 @@ def simulated(
     """The cell with its controller where the link's simulated controller runs, in a thread."""
     began, running = threading.Event(), list[Running]()
 
-    def ready(one: Running) -> None:
-        running.append(one)
+    def ready(running_link: Running) -> None:
+        running.append(running_link)
         began.set()
 
     wanted = Simulation(host, 0, 0, speed, None, None, (), float("inf"))
@@ -107,7 +107,7 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
     assert done == sorted(done), "receipts count upwards"
     assert done[-1] == receipts[-1].total, "the last receipt tells of the last message"
     if link.motion.reports_progress:
-        parts = {one.part.arm: one.part for one in receipts if one.part is not None}
+        parts = {receipt.part.arm: receipt.part for receipt in receipts if receipt.part is not None}
         assert set(parts) == {arm.arm for arm in plan.arms}, "each part of the plan is told of"
 
 
@@ -115,7 +115,7 @@ def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receip
     """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
     began = time.monotonic()
     reports = states(cell, lambda: time.monotonic() - began > PATIENCE)
-    is_told = any(one.part is not None for one in receipts)
+    is_told = any(receipt.part is not None for receipt in receipts)
     is_told = is_told or not getattr(link, "tells_of_parts", True)
     for state in reports:
         # `states` has looked at every number of it.

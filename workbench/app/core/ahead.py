@@ -93,21 +93,21 @@ def _sees(state: State, ahead: Ahead) -> bool:
     sees_from, told = ahead.wanted.sees_from, state.receipts
     if state.row or state.stopped_by or not sees_from or _failed(state):
         return False
-    return max((one.step for one in told), default=0) >= sees_from
+    return max((report.step for report in told), default=0) >= sees_from
 
 
 def _failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
-    told = (one.part for one in state.receipts if one.part is not None)
+    told = (receipt.part for receipt in state.receipts if receipt.part is not None)
     is_told = any(part.is_picked is False for part in (*told, *state.part_reports))
-    return is_told or any(not one.is_picked for one in state.outcomes)
+    return is_told or any(not outcome.is_picked for outcome in state.outcomes)
 
 
 def _as_if_ended(state: State, at: float) -> State:
     """The state that a good end of the plan that is sent would leave, at [s since the epoch]."""
     if state.plan is None or state.ahead is None:
         return state
-    parts = tuple(PartReport(one.arm, one.detection, True) for one in state.plan.arms)
+    parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.arms)
     ended = LinkEnded("", len(parts), parts, state.ahead.wanted.placed)
     return replace(after_sending(state, ended, at), job=None, ahead=None)
 

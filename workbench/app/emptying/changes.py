@@ -84,7 +84,7 @@ def changed(cell: Cell, words: str) -> Cell:
     """The cell with the change of those words; with none it is as it was."""
     if not words:
         return cell
-    change = next(one for one in changes_of(cell) if one.words == words)
+    change = next(known_change for known_change in changes_of(cell) if known_change.words == words)
     return change.made(cell) or cell
 
 
@@ -111,7 +111,7 @@ def _with_tools(cell: Cell, made: Callable[[Tool], Tool | None]) -> Cell | None:
 def _thinner(cell: Cell, by: float) -> Cell | None:
     """Fingers that are boxes, less thick on the outside."""
     return _with_tools(
-        cell, lambda tool: _with_fingers(tool, lambda one: np.asarray(one.direction), -by)
+        cell, lambda tool: _with_fingers(tool, lambda finger: np.asarray(finger.direction), -by)
     )
 
 
@@ -120,7 +120,7 @@ def _longer(cell: Cell, by: float) -> Cell | None:
 
     def made(tool: Tool) -> Tool | None:
         T, out = tool.T_flange_tcp, tool.T_flange_tcp.rotation[:, 2]
-        longer = _with_fingers(tool, lambda one: out, by)
+        longer = _with_fingers(tool, lambda finger: out, by)
         tcp = pin.SE3(T.rotation, T.translation + by * out)
         return None if longer is None else replace(longer, T_flange_tcp=tcp)
 
@@ -129,10 +129,10 @@ def _longer(cell: Cell, by: float) -> Cell | None:
 
 def _with_fingers(tool: Tool, way: Callable[[Finger], np.ndarray], by: float) -> Tool | None:
     """The tool with every finger resized along its way; None where one cannot be, or none is."""
-    solids = [_resized(one.solid, way(one), by) for one in tool.fingers]
+    solids = [_resized(finger.solid, way(finger), by) for finger in tool.fingers]
     fingers = tuple(
-        replace(one, solid=solid)
-        for one, solid in zip(tool.fingers, solids, strict=True)
+        replace(finger, solid=solid)
+        for finger, solid in zip(tool.fingers, solids, strict=True)
         if solid is not None
     )
     is_whole = fingers and len(fingers) == len(tool.fingers)
@@ -170,16 +170,16 @@ def _with_grasps(cell: Cell, made: Callable[[Part], tuple[Entry, ...] | None]) -
 def _each(part: Part, made: Callable[[Grasp], Grasp]) -> tuple[Entry, ...] | None:
     """The library with every grasp made into another; None where none is."""
     entries = tuple(
-        replace(one, grasp=made(one.grasp)) if isinstance(one, GraspPattern) else made(one)
-        for one in part.library.entries
+        replace(entry, grasp=made(entry.grasp)) if isinstance(entry, GraspPattern) else made(entry)
+        for entry in part.library.entries
     )
     return None if all(a is b for a, b in zip(_bare(entries), _bare(part.library.entries),
                                               strict=True)) else entries  # fmt: skip
 
 
 def _bare(entries: tuple[Entry, ...]) -> Iterator[Grasp]:
-    for one in entries:
-        yield one.grasp if isinstance(one, GraspPattern) else one
+    for entry in entries:
+        yield entry.grasp if isinstance(entry, GraspPattern) else entry
 
 
 def _opened(cell: Cell, by: float) -> Cell | None:
@@ -211,10 +211,10 @@ def _turned(cell: Cell) -> Cell | None:
 
     def made(part: Part) -> tuple[Entry, ...] | None:
         entries = tuple(
-            replace(one, angles=(*one.angles, *more))
-            if isinstance(one, GraspPattern) and (more := _between(one.angles))
-            else one
-            for one in part.library.entries
+            replace(entry, angles=(*entry.angles, *more))
+            if isinstance(entry, GraspPattern) and (more := _between(entry.angles))
+            else entry
+            for entry in part.library.entries
         )
         same = all(a is b for a, b in zip(entries, part.library.entries, strict=True))
         return None if same else entries
@@ -258,7 +258,7 @@ def _suggested(cell: Cell) -> Cell | None:
             name="what-if",
             acceleration=tool_acceleration(cell, tool),
         )
-        more = tuple(replace(one.grasp, priority=SPARE) for one in found)
+        more = tuple(replace(suggestion.grasp, priority=SPARE) for suggestion in found)
         return (*part.library.entries, *more)
 
     return _with_grasps(cell, made)
@@ -328,6 +328,9 @@ def _places(cell: Cell, rise: float, turn: float) -> Cell | None:
 
 
 def _with_tool(cell: Cell, arm: str, tool: str) -> Cell:
-    known: Mapping[str, Tool] = {one.name: one for one in cell.arm(arm).tools}
-    arms = tuple(replace(one, tool=known[tool]) if one.name == arm else one for one in cell.arms)
+    known: Mapping[str, Tool] = {known_tool.name: known_tool for known_tool in cell.arm(arm).tools}
+    arms = tuple(
+        replace(arm_plan, tool=known[tool]) if arm_plan.name == arm else arm_plan
+        for arm_plan in cell.arms
+    )
     return replace(cell, arms=arms)

@@ -91,8 +91,10 @@ def write_bundle(
         content |= derived
         moments, broke = _moments(journal, len(entries))
         rows = itertools.islice(journal.entries(), len(moments) + 1)
-        for one in certificates(rows, journal.read):
-            content[f"certificates/{one.number}-{one.digest[:12]}.json"] = one.certificate
+        for certificate in certificates(rows, journal.read):
+            content[f"certificates/{certificate.number}-{certificate.digest[:12]}.json"] = (
+                certificate.certificate
+            )
         head = _head(journal, entries, at)
         tables = tables_of(head, moments, broke)
         title = f"Evidence of session {journal.folder.name}"

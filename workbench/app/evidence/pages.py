@@ -125,7 +125,7 @@ def _lines(title: str, tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
 
 def _cells(row: tuple[str, ...], widths: list[int]) -> list[str]:
     """A row of a table; what the last cell says goes on under itself."""
-    row = tuple("".join(one if one.isprintable() else " " for one in cell) for cell in row)
+    row = tuple("".join(letter if letter.isprintable() else " " for letter in cell) for cell in row)
     *before, last = row
     head = "".join(
         cell.ljust(width) + "  " for cell, width in zip(before, widths[:-1], strict=True)

@@ -165,9 +165,9 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
-    for one in plan.arms:
-        told = "not stated" if one.loads is None else one.loads.words
-        yield f"load, {one.arm} arm", told
+    for arm in plan.arms:
+        told = "not stated" if arm.loads is None else arm.loads.words
+        yield f"load, {arm.arm} arm", told
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",
@@ -212,7 +212,7 @@ def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
     messages = [e.command.receipt for e, _ in after if isinstance(e.command, Sent)]
     if messages:
         began, ended = messages[0].at, messages[-1].at
-        answered = sum(bool(one.heard) for one in messages)
+        answered = sum(bool(message.heard) for message in messages)
         yield "messages", f"{len(messages)} in {ended - began:.1f} s, {answered} answered; wire.txt"
     for entry, state in after:
         match entry.command:

@@ -97,7 +97,11 @@ def row_plans(result: Any) -> list[Any]:
     """The plan that a planning has brought, and those after it."""
     fields = _fields(result)
     after = fields.get("row")
-    others = [_fields(one).get("plan") for one in after] if isinstance(after, list) else []
+    others = (
+        [_fields(proven_plan).get("plan") for proven_plan in after]
+        if isinstance(after, list)
+        else []
+    )
     return [fields.get("plan"), *others]
 
 
@@ -122,8 +126,8 @@ def row_problem(given: Any, body: Any) -> str:
     if (after.get("plan"), after.get("proof")) != said:
         return "lets another plan follow than the one approved"
     command = _fields(_fields(body).get("command"))
-    parts = [_fields(one).get("is_picked") for one in command.get("parts") or ()]
-    if command.get("fault") or not parts or any(one is not True for one in parts):
+    parts = [_fields(part).get("is_picked") for part in command.get("parts") or ()]
+    if command.get("fault") or not parts or any(part is not True for part in parts):
         return "lets a plan follow after one that did not end well"
     return ""
 

@@ -101,7 +101,7 @@ def _takes(
     """Whether a family takes a part; it is told so."""
     tried = 0
     for hand in hands:
-        for family in sorted(hand.families, key=lambda one: -len(one.took)):
+        for family in sorted(hand.families, key=lambda other_family: -len(other_family.took)):
             if not family.fits(world, hand.arm, number):
                 continue
             free = np.flatnonzero(family.free(world, hand.arm, number))
@@ -163,7 +163,7 @@ def _firmest(
             holding.append((k, found))
         if len(holding) == GRIPS:
             break
-    return sorted(holding, key=lambda one: -hand.goodness(*one[1]))
+    return sorted(holding, key=lambda hold: -hand.goodness(*hold[1]))
 
 
 def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
@@ -177,11 +177,15 @@ def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
 
 def _without(cell: Cell, rest: Sequence[Detection], gone: Sequence[int]) -> list[Detection]:
     """What is left as some parts are gone and the last of them is lifted straight up."""
-    stays = [one for number, one in enumerate(rest) if number not in gone]
+    stays = [detection for number, detection in enumerate(rest) if number not in gone]
     if not stays:
         return []
     last = rest[gone[-1]]
     T = last.T_world_part
     way = [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, RISE]))]
     settled = unloaded(cell, [*stays, last], len(stays), way)
-    return [one for one in settled if is_in_bin(cell.bin, cell.parts[0], one.T_world_part)]
+    return [
+        detection
+        for detection in settled
+        if is_in_bin(cell.bin, cell.parts[0], detection.T_world_part)
+    ]

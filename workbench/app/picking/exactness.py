@@ -21,7 +21,10 @@ def with_exactness(
         detections: the parts found.
         candidates: with their verdicts.
     """
-    return tuple(replace(one, verdict=_noted(cell, detections, one.verdict)) for one in candidates)
+    return tuple(
+        replace(candidate, verdict=_noted(cell, detections, candidate.verdict))
+        for candidate in candidates
+    )
 
 
 def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:

@@ -170,10 +170,10 @@ class _Reach:
 
     def said_at_every_turn(self, number: int, grasp: Grasp) -> _Said:
         """Of a part whose roll the scan does not show, which takes longer."""
-        one = candidate_of(self._world, number, grasp, self._arm)
-        if one.verdict.is_ok:
-            return self._reason(number, one.grasp, one.T_world_tcp), False
-        return one.verdict.reason, (one.verdict.distance or 0.0) > 0.0
+        candidate = candidate_of(self._world, number, grasp, self._arm)
+        if candidate.verdict.is_ok:
+            return self._reason(number, candidate.grasp, candidate.T_world_tcp), False
+        return candidate.verdict.reason, (candidate.verdict.distance or 0.0) > 0.0
 
     def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
         """Why the arm cannot take the part there and bring it to a place; or that it can."""

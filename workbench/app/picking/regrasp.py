@@ -104,7 +104,11 @@ def _that_have_no_place(
     scene: Scene, refused: PlanResult, avoided: Mapping[int, Message]
 ) -> list[int]:
     """Parts that can be taken and not put down, in the order of their candidates."""
-    numbers = [one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE]
+    numbers = [
+        candidate.detection
+        for candidate in refused.candidates
+        if candidate.verdict.reason is Reason.NO_PLACE
+    ]
     return [
         number
         for number in dict.fromkeys(numbers)
@@ -117,7 +121,7 @@ def _why_not(refusals: Sequence[Verdict]) -> Reason:
 
     Whether it can be put down is asked first: what is said of grasps by which it can counts more.
     """
-    later = Counter(one.reason for one in refusals if one.reason is not Reason.NO_PLACE)
+    later = Counter(refusal.reason for refusal in refusals if refusal.reason is not Reason.NO_PLACE)
     return later.most_common(1)[0][0] if later else Reason.NO_PLACE
 
 
@@ -169,7 +173,7 @@ def _as_in(cell: Cell, plan: Plan, station: str, note: Message) -> Plan:
     return replace(
         plan,
         cell_digest=cell.digest,
-        arms=tuple(replace(one, station=station) for one in plan.arms),
+        arms=tuple(replace(arm, station=station) for arm in plan.arms),
         notes=(note,),
     )
 

@@ -134,8 +134,16 @@ def _rows(
     if strategy != "both" or picks == 1:
         return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
     rows = [
-        _row(cell, scene, picks, avoided, _of(report, one, k, len(BOTH)), strategy=one, **asked)
-        for k, one in enumerate(BOTH)
+        _row(
+            cell,
+            scene,
+            picks,
+            avoided,
+            _of(report, each_strategy, k, len(BOTH)),
+            strategy=each_strategy,
+            **asked,
+        )
+        for k, each_strategy in enumerate(BOTH)
     ]
     return best_of(cell, rows)
 
@@ -237,7 +245,7 @@ def _holds(result: PlanResult) -> bool:
 
 def _left(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
     """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
-    taken = {one.detection for one in plan.arms}
+    taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
 

@@ -58,10 +58,13 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
         yield f"the files of workbench {new.workbench} are others"
     before, now = _versions(old), _versions(new)
     yield from _told(before, now)
-    records = {one.name: one.record for one in old.distributions}
-    for one in new.distributions:
-        if before.get(one.name) == one.version and records[one.name] != one.record:
-            yield f"the files of {one.name} {one.version} are others"
+    records = {distribution.name: distribution.record for distribution in old.distributions}
+    for distribution in new.distributions:
+        if (
+            before.get(distribution.name) == distribution.version
+            and records[distribution.name] != distribution.record
+        ):
+            yield f"the files of {distribution.name} {distribution.version} are others"
     for name in ("python", "processor", "system", "cell"):
         was, has = getattr(old, name), getattr(new, name)
         if was != has:
@@ -79,7 +82,7 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
 
 
 def _versions(inventory: Inventory) -> Mapping[str, str]:
-    return {one.name: one.version for one in inventory.distributions}
+    return {distribution.name: distribution.version for distribution in inventory.distributions}
 
 
 def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:

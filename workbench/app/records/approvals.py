@@ -63,9 +63,9 @@ class ApprovalRecord:
         with self._opened() as journal:
             shown = [body for kind, body in _entries(journal) if kind == SHOWN]
         mine = [
-            one
-            for one in shown
-            if one["plan_digest"] == digest and is_same_person(one["actor"], actor)
+            view
+            for view in shown
+            if view["plan_digest"] == digest and is_same_person(view["actor"], actor)
         ]
         if not mine:
             raise CommandRefused(
@@ -93,11 +93,11 @@ class ApprovalRecord:
         """
         with self._opened() as journal:
             entries = _entries(journal)
-            for one in approvals:
-                _refuse_second(entries, one.plan_digest)
+            for approval in approvals:
+                _refuse_second(entries, approval.plan_digest)
             try:
-                for one in approvals:
-                    journal.append(APPROVAL, _bytes(canonical(one)))
+                for approval in approvals:
+                    journal.append(APPROVAL, _bytes(canonical(approval)))
             except JournalError as error:
                 raise CommandRefused(
                     f"another command approves at this moment; nothing was sent ({error})"

@@ -74,7 +74,7 @@ def _put(file: McapFile, session: str, entry: Entry, last: State | None, state: 
     if state.scan is not None and (last is None or state.scan is not last.scan):
         file.put("/scan", "foxglove.PointCloud", at, foxglove.cloud(at, state.scan))
     if last is None or state.detections is not last.detections:
-        poses = [one.T_world_part for one in state.detections or ()]
+        poses = [detection.T_world_part for detection in state.detections or ()]
         file.put("/parts", "foxglove.PosesInFrame", at, foxglove.parts(at, poses))
     if state.verdict is not None and (last is None or state.verdict is not last.verdict):
         judged = foxglove.verdicts(at, state.verdict, state.candidates or ())

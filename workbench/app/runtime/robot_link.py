@@ -244,8 +244,8 @@ class LinkRunner:
         told = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
         why = f"{self._cell.controller.link} had told nothing of it at the end"
         return tuple(
-            told.get(one.arm, PartReport(one.arm, one.detection, None, why))
-            for one in run.plan.arms
+            told.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
+            for arm in run.plan.arms
         )
 
     def _end(self, fault: str, placed: int = 0, parts: tuple[PartReport, ...] = ()) -> None:

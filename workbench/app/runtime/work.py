@@ -46,7 +46,9 @@ def find_parts(
         report=report,
         cancelled=cancelled,
     )
-    sure = tuple(one for one in found.detections if one.score >= overrides.least_score)
+    sure = tuple(
+        detection for detection in found.detections if detection.score >= overrides.least_score
+    )
     return replace(found, detections=sure)
 
 

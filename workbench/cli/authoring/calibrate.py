@@ -72,7 +72,9 @@ def calibrate(typed: arguments.Calibrate) -> int:
     if typed.json:
         form = _form(cell, calibration, missed)
         if typed.next:
-            form["next"] = [_next_form(cell.arm(found.arm), one) for one in following[:1]]
+            form["next"] = [
+                _next_form(cell.arm(found.arm), next_pose) for next_pose in following[:1]
+            ]
         print_json(form)
     else:
         _print(cell, calibration)
@@ -145,26 +147,26 @@ def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
     print(f"joints_deg = {_list(np.rad2deg(arm.to_axes(best.q)), 1)}")
 
 
-def _next_form(arm: Arm, one: NextPose) -> dict[str, object]:
+def _next_form(arm: Arm, pose: NextPose) -> dict[str, object]:
     return {
-        "after": one.after,
-        "steps": list(one.steps),
-        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(one.q))],
-        "largest_corner_mm": round(one.error_with * 1000, 4),
+        "after": pose.after,
+        "steps": list(pose.steps),
+        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(pose.q))],
+        "largest_corner_mm": round(pose.error_with * 1000, 4),
     }
 
 
 def _print(cell: Cell, calibration: Calibration) -> None:
     rows = (
         (
-            one.name,
-            f"{one.distance * 1000:.2f}",
-            f"{np.rad2deg(one.angle):.2f}",
-            *_predicted(one.predicted),
-            one.light if not one.left_out else "left out",
-            one.left_out,
+            residual.name,
+            f"{residual.distance * 1000:.2f}",
+            f"{np.rad2deg(residual.angle):.2f}",
+            *_predicted(residual.predicted),
+            residual.light if not residual.left_out else "left out",
+            residual.left_out,
         )
-        for one in calibration.residuals
+        for residual in calibration.residuals
     )
     print_table(
         f"{calibration.used} poses, {calibration.rms * 1000:.2f} mm RMS",
@@ -211,15 +213,15 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
         "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
         "poses": [
             {
-                "name": one.name,
-                "off_mm": round(one.distance * 1000, 4),
-                "off_deg": round(float(np.rad2deg(one.angle)), 4),
-                "predicted_mm": _rounded(one.predicted, 0),
-                "predicted_deg": _rounded(one.predicted, 1),
-                "light": one.light,
-                "left_out": one.left_out,
+                "name": residual.name,
+                "off_mm": round(residual.distance * 1000, 4),
+                "off_deg": round(float(np.rad2deg(residual.angle)), 4),
+                "predicted_mm": _rounded(residual.predicted, 0),
+                "predicted_deg": _rounded(residual.predicted, 1),
+                "light": residual.light,
+                "left_out": residual.left_out,
             }
-            for one in calibration.residuals
+            for residual in calibration.residuals
         ],
         "not_seen": missed,
         "rms_mm": round(calibration.rms * 1000, 4),

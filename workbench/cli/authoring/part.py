@@ -67,11 +67,11 @@ def _print_solids(several: SeveralSolids) -> None:
     """List the solids of a file, so that somebody can choose."""
     rows = [
         (
-            one.name,
-            millimetres(np.ptp(one.own.points, axis=0) * several.scale),
-            millimetres(one.placed.points.mean(axis=0) * several.scale),
+            solid.name,
+            millimetres(np.ptp(solid.own.points, axis=0) * several.scale),
+            millimetres(solid.placed.points.mean(axis=0) * several.scale),
         )
-        for one in several.solids
+        for solid in several.solids
     ]
     print_table("Solids", ("--solid", "size mm", "middle in the file mm"), rows)
 
@@ -136,17 +136,17 @@ def list_parts(typed: PartList) -> int:
                 continue
             seen.add(place.name)
             try:
-                one = read_part(place)
+                part = read_part(place)
             except FileError as error:
                 rows.append({"name": place.name, "problem": str(error)})
                 continue
-            size = np.ptp(one.mesh.points, axis=0)
+            size = np.ptp(part.mesh.points, axis=0)
             rows.append(
                 {
                     "name": place.name,
                     "size_mm": np.round(size * 1000, 2).tolist(),
-                    "mass_g": round(one.mass * 1000, 3),
-                    "grasps": len(one.library.grasps),
+                    "mass_g": round(part.mass * 1000, 3),
+                    "grasps": len(part.library.grasps),
                     "folder": str(place),
                 }
             )

@@ -88,13 +88,13 @@ def short(typed: BenchShort) -> int:
     failed: list[str] = []
     with progress("bench") as report:
         make_ready(report)
-        for number, (name, one) in enumerate(SHORT.items()):
+        for number, (name, benchmark) in enumerate(SHORT.items()):
             report(number / len(SHORT), name)
-            said, problem = _run(one.words)
+            said, problem = _run(benchmark.words)
             if problem:
                 failed.append(f"{name}: {problem}")
             else:
-                now[name] = {k: round(float(v), 2) for k, v in one.figures(said).items()}
+                now[name] = {k: round(float(v), 2) for k, v in benchmark.figures(said).items()}
     result = {"machine": _machine(), "figures": now}
     if typed.keep and not failed:
         write_whole(typed.against, json_text(typed.against, result))

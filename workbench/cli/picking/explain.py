@@ -63,12 +63,12 @@ def explain(typed: arguments.Explain) -> int:
                     {"stage": str(stage), "entered": entered, "refused": refused}
                     for stage, entered, refused in funnel(candidates)
                 ],
-                "blockers": [_blocker_form(one) for one in blockers(cell, candidates)],
+                "blockers": [_blocker_form(blocker) for blocker in blockers(cell, candidates)],
                 "fixes": [
                     {"change": change, "parts": [number + 1 for number in parts]}
                     for change, parts in fixes
                 ],
-                "placing": [_sure_form(one, budget) for one, budget in sure],
+                "placing": [_sure_form(candidate, budget) for candidate, budget in sure],
                 "nearest_fix": None if fix is None else _fix_form(fix),
             }
         )
@@ -118,18 +118,18 @@ def _parts(numbers: Sequence[int]) -> str:
     return ", ".join(f"part-{number + 1}" for number in numbers)
 
 
-def _blocker_words(one: Blocker) -> str:
-    reasons = ", ".join(f"{count} {reason.message}" for reason, count in one.reasons)
-    candidates = "1 candidate" if one.candidates == 1 else f"{one.candidates} candidates"
-    return f"{one.label} blocks {candidates} of {_parts(one.parts)} ({reasons})"
+def _blocker_words(blocker: Blocker) -> str:
+    reasons = ", ".join(f"{count} {reason.message}" for reason, count in blocker.reasons)
+    candidates = "1 candidate" if blocker.candidates == 1 else f"{blocker.candidates} candidates"
+    return f"{blocker.label} blocks {candidates} of {_parts(blocker.parts)} ({reasons})"
 
 
-def _blocker_form(one: Blocker) -> dict[str, object]:
+def _blocker_form(blocker: Blocker) -> dict[str, object]:
     return {
-        "blocker": one.label,
-        "candidates": one.candidates,
-        "parts": [number + 1 for number in one.parts],
-        "reasons": {str(reason): count for reason, count in one.reasons},
+        "blocker": blocker.label,
+        "candidates": blocker.candidates,
+        "parts": [number + 1 for number in blocker.parts],
+        "reasons": {str(reason): count for reason, count in blocker.reasons},
     }
 
 

@@ -45,7 +45,7 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
         "note": "; ".join(map(str, plan.remarks)),
-        "notes": [one.told for one in plan.remarks],
+        "notes": [remark.told for remark in plan.remarks],
     }
 
 
@@ -57,7 +57,7 @@ def proof_form(proof: Proof) -> dict[str, Any]:
         "resolution_mm": _mm(proof.resolution),
         "clearance_mm": _mm(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
-        "violations": [_place_form(one) for one in proof.violations],
+        "violations": [_place_form(violation) for violation in proof.violations],
     }
 
 
@@ -73,7 +73,7 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     )
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
-    remarks = [str(renumbered(one, first, plan.detections)) for one in plan.remarks]
+    remarks = [str(renumbered(remark, first, plan.detections)) for remark in plan.remarks]
     return f"{words} ({'; '.join(remarks)})" if remarks else words
 
 

@@ -30,11 +30,11 @@ def row_facts(cell: Cell, plans: Sequence[Proven], told: str, start: str) -> dic
     facts = facts_of(cell, first.plan, first.proof, told, start)
     if len(plans) == 1:
         return facts
-    row = row_digest([one.plan for one in plans])
+    row = row_digest([plan.plan for plan in plans])
     facts = {"Row": f"{row}: {len(plans)} plans by one approval", **facts}
-    for number, one in enumerate(plans[1:], 2):
+    for number, plan in enumerate(plans[1:], 2):
         told = f"by what is left of plan {number - 1}"
-        more = facts_of(cell, one.plan, one.proof, told, "", first.plan)
+        more = facts_of(cell, plan.plan, plan.proof, told, "", first.plan)
         for name in ("Cell", "Robot", "Controller", "Preview"):
             del more[name]
         facts |= {f"{number}. {name}": value for name, value in more.items()}
@@ -56,16 +56,16 @@ def facts_of(
     """
     first = first or plan
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
-    for part, one in zip(parts_taken(first, plan), plan.arms, strict=True):
-        kind = plan.detections[one.detection].part
-        takes = f"{FoundPart(part)} ({kind}), grasp {one.grasp}"
-        facts[f"Arm {one.arm}"] = takes + (f", to station {one.station}" if one.station else "")
-    kept = sum(bool(one.part) for one in plan.obstacles)
+    for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True):
+        kind = plan.detections[arm.detection].part
+        takes = f"{FoundPart(part)} ({kind}), grasp {arm.grasp}"
+        facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
+    kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
     near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
-        near += ": " + " and ".join(label_in(one, first, plan.detections) for one in nearest.pair)
+        near += ": " + " and ".join(label_in(body, first, plan.detections) for body in nearest.pair)
     return facts | {
         "Strategy": f"{plan.strategy.words}, {plan.guarantee}",
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",

@@ -153,7 +153,7 @@ class Cycle:
             raise NoPlan(str(state.message))
         self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
-        row = tuple(one.plan.digest for one in state.row)
+        row = tuple(proven_plan.plan.digest for proven_plan in state.row)
         self._bench.do(WatchPlan(plan.digest, is_told=True, row=row), ACTOR)
         self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
         if then is not None:

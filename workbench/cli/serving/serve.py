@@ -44,7 +44,7 @@ CONNECT_SECONDS = 0.5
 def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
-    places = {one: place(one) for one in typed.anchor}
+    places = {anchor: place(anchor) for anchor in typed.anchor}
     begin_log(typed.log)
     cell, goes_on = read_cell(typed.cell), None
     if typed.session is not None:

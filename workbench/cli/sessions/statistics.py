@@ -79,9 +79,15 @@ def _print(counted: Statistics, sessions: int) -> None:
     named = f"{number_of(sessions, 'session')}, {number_of(len(counted.cycles), 'cycle')}"
     print(f"{named}, {number_of(counted.picked, 'part')} taken{said}")
     rows = [
-        (group, one.name, str(one.picked), str(one.failed), f"{one.share:.0%}")
+        (
+            group,
+            group_rate.name,
+            str(group_rate.picked),
+            str(group_rate.failed),
+            f"{group_rate.share:.0%}",
+        )
         for group, of in GROUPS.items()
-        for one in counted.rates(of)
+        for group_rate in counted.rates(of)
     ]
     print_table("Success", ("by", "", "taken", "failed", "share"), rows)
     stages = [

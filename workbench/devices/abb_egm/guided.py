@@ -151,9 +151,9 @@ class Guidance:
         if _periods(rate) != 1:
             raise RapidStop("EGMActJoint with another \\SampleRate than 4 is not executed here")
         count = len(self._arm.here)
-        if any(one is None for one in windows[:count]):
+        if any(window is None for window in windows[:count]):
             raise RapidStop(f"EGMActJoint without \\J1 to \\J{count} is not executed here")
-        limits = np.array([self._window(one) for one in windows[:count]])
+        limits = np.array([self._window(window) for window in windows[:count]])
         delay = 1 / (2 * math.pi * bandwidth) if bandwidth else 0.0
         self._active[number] = {
             "to": to, "from": given, "limits": limits, "delay": delay,

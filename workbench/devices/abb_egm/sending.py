@@ -111,7 +111,7 @@ class Sending:
 
     @property
     def _where(self) -> str:
-        legs = sum(isinstance(one, Run) for one in self._score.items)
+        legs = sum(isinstance(item, Run) for item in self._score.items)
         return f"leg {self._leg} of {legs}"
 
     def _look(self, cancelled: Cancelled) -> None:
@@ -248,7 +248,9 @@ class Sending:
 
     def _news(self) -> Iterator[tuple[str, list[wire.Feedback]]]:
         """What was reported since, within a moment, of the arms that have not ended."""
-        open_ones = {n: one for n, one in self._channels.items() if n not in self._ended}
+        open_ones = {
+            n: open_channel for n, open_channel in self._channels.items() if n not in self._ended
+        }
         ready = select.select(list(open_ones.values()), [], [], POLL)[0]
         for name, channel in open_ones.items():
             if (channel in ready or not ready) and channel.hear() is not None:
@@ -361,8 +363,8 @@ class Sending:
         return told is not None and told.told[1:3] == orders
 
     def _tell(self, phase: str, stopped: float | None = None, stop: str = "") -> None:
-        joints = {name: one.q for name, one in self._channels.items()}
-        legs, at = sum(isinstance(one, Run) for one in self._score.items), self._now()
+        joints = {name: channel.q for name, channel in self._channels.items()}
+        legs, at = sum(isinstance(item, Run) for item in self._score.items), self._now()
         heard = f"leg {self._leg}"
         self._show(
             LinkStatus("abb-egm", phase, self._leg, legs, heard, at, at, stopped, stop, joints)

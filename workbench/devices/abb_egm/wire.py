@@ -211,9 +211,9 @@ def _classes() -> dict[str, Any]:
         message = file.message_type.add(name=name)
         for field, (number, kind, of) in fields.items():
             label = REPEATED if of == "*" else OPTIONAL
-            one = message.field.add(name=field, number=number, type=kind, label=label)
+            descriptor = message.field.add(name=field, number=number, type=kind, label=label)
             if kind in (MESSAGE, ENUM):
-                one.type_name = f".abb.egm.{of or 'State'}"
+                descriptor.type_name = f".abb.egm.{of or 'State'}"
     pool = pools.DescriptorPool()
     pool.Add(file)
     return {

@@ -129,8 +129,8 @@ def _found(library: Aravis, serial: str) -> str:
     """What aravis calls the camera of a serial number, or the only one."""
     library.plain("arv_update_device_list")
     here = [
-        tuple(library.text(f"arv_get_device_{what}", one) for what in ("id", "serial_nbr"))
-        for one in range(library.plain("arv_get_n_devices"))
+        tuple(library.text(f"arv_get_device_{what}", index) for what in ("id", "serial_nbr"))
+        for index in range(library.plain("arv_get_n_devices"))
     ]
     told = ", ".join(number for _, number in here) or "none"
     meant = [name for name, number in here if serial in ("", number)]

@@ -246,4 +246,4 @@ def _clock(place: Place) -> Clock:
 
 
 def _names(tasks: Place) -> list[str]:
-    return [one[0] for one in tasks[0][tasks[1]]]
+    return [task[0] for task in tasks[0][tasks[1]]]

@@ -192,7 +192,9 @@ def _recording(context: Any, options: RealsenseOptions) -> Any:
 
 def _camera(sdk: Any, context: Any, options: RealsenseOptions) -> Any:
     """The camera of that number, or the only one."""
-    devices = {one.get_info(sdk.camera_info.serial_number): one for one in context.query_devices()}
+    devices = {
+        device.get_info(sdk.camera_info.serial_number): device for device in context.query_devices()
+    }
     if options.serial in devices:
         return devices[options.serial]
     if options.serial or len(devices) != 1:

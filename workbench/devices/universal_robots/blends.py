@@ -128,8 +128,8 @@ def _corners(
         r = math.floor(min(most, into, out, *(APART * gap for gap in gaps)) * 1e4) / 1e4
         if r < LEAST:
             continue
-        one, other = (Segment(q[n], steps[n], 1.0, 1.0) for n in (k, k + 1))
-        if shares := shares_within(one, other, r, flange.at):
+        first, second = (Segment(q[n], steps[n], 1.0, 1.0) for n in (k, k + 1))
+        if shares := shares_within(first, second, r, flange.at):
             found[k] = Corner(r, *shares)
     return found
 

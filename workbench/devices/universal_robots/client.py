@@ -27,7 +27,7 @@ VARIABLES = (
     "robot_mode",
     "safety_status_bits",
     "runtime_state",
-    *(f"output_int_register_{one}" for one in (PROGRESS, *BEGUN)),
+    *(f"output_int_register_{register}" for register in (PROGRESS, *BEGUN)),
 )
 
 
@@ -68,7 +68,7 @@ def _serve(host: str, script_port: int, sends: bool, say: Any) -> None:
             safety=robot.getSafetyStatusBits(),
             runtime=robot.getRuntimeState(),
             leg=robot.getOutputIntRegister(PROGRESS),
-            begun=[robot.getOutputIntRegister(one) for one in BEGUN],
+            begun=[robot.getOutputIntRegister(register) for register in BEGUN],
         )
         if not select.select([0], [], [], PERIOD)[0]:
             continue

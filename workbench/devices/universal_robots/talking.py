@@ -48,7 +48,8 @@ class Client:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             # Where we were found, it finds us.
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)},
+            env=os.environ
+            | {"PYTHONPATH": os.pathsep.join(folder for folder in sys.path if folder)},
         )
         assert self._process.stdin is not None and self._process.stdout is not None
         self._in, self._out = self._process.stdin, self._process.stdout

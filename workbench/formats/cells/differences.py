@@ -46,12 +46,12 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
             yield from _moved(name, were[name].T_world_fixture, are[name].T_world_fixture)
     if digest_of(before.stations) != digest_of(after.stations):
         yield "the stations are others"
-    for one, other in zip(before.arms, after.arms, strict=False):
-        yield from _arm(one, other)
-    for one in fields(before.policy):
-        old, new = getattr(before.policy, one.name), getattr(after.policy, one.name)
+    for arm, other in zip(before.arms, after.arms, strict=False):
+        yield from _arm(arm, other)
+    for arm in fields(before.policy):
+        old, new = getattr(before.policy, arm.name), getattr(after.policy, arm.name)
         if old != new:
-            yield f"{one.name} was {old}, now it is {new}"
+            yield f"{arm.name} was {old}, now it is {new}"
     yield from _parts(before.parts, after.parts)
 
 

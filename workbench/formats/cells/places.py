@@ -58,13 +58,13 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
             pallets += 1
         place.finish()
         if is_of_part:
-            one = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
+            part_place = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
             for layer, T in product(range(layers), shifts):
                 up = np.array([0.0, 0.0, layer * height])
                 T_world_part = pin.SE3(T_part.rotation, (T_part * T).translation + up)
                 pallet = pallets if layers > 1 else 0
                 of_part.append(
-                    replace(one, T_world_part=T_world_part, pallet=pallet, layer=layer + 1)
+                    replace(part_place, T_world_part=T_world_part, pallet=pallet, layer=layer + 1)
                 )
         else:
             of_tool += [T_tool * T for T in shifts]
@@ -92,25 +92,31 @@ def read_stations(table: Table, fixtures: Sequence[Fixture]) -> tuple[Station, .
     Raises:
         FileError: names the file, the key, its value and what was expected.
     """
-    poses = {one.name: one.T_world_fixture for one in fixtures}
+    poses = {known_fixture.name: known_fixture.T_world_fixture for known_fixture in fixtures}
     found: list[Station] = []
     where: list[pin.SE3] = []
-    for one in table.tables("station"):
-        name, fixture = one.text("name"), one.text("fixture", "", empty=True)
+    for station_table in table.tables("station"):
+        name, fixture = station_table.text("name"), station_table.text("fixture", "", empty=True)
         if fixture and fixture not in poses:
             known = ", ".join(poses) or "none"
-            raise one.error("fixture", f"{fixture!r:.60} is no fixture of the cell: {known}")
-        size = one.numbers("size_mm", 2, low=10, high=5000) / 1000
-        station = Station(name, read_pose(one), size, fixture)
+            raise station_table.error(
+                "fixture", f"{fixture!r:.60} is no fixture of the cell: {known}"
+            )
+        size = station_table.numbers("size_mm", 2, low=10, high=5000) / 1000
+        station = Station(name, read_pose(station_table), size, fixture)
         where.append(poses.get(fixture, pin.SE3.Identity()) * station.T_base_station)
         if where[-1].rotation[2, 2] < np.cos(LEVEL):
-            raise one.error("rpy_deg", "does not lie level, so that parts would slide or roll off")
-        one.finish()
+            raise station_table.error(
+                "rpy_deg", "does not lie level, so that parts would slide or roll off"
+            )
+        station_table.finish()
         found.append(station)
-    table.once("station.name", (one.name for one in found))
-    for (one, T), (other, U) in combinations(zip(found, where, strict=True), 2):
-        if _share_room(T.actInv(U), one.size, other.size):
-            raise table.error("station", f"{one.name} and {other.name} lie over each other")
+    table.once("station.name", (known_station.name for known_station in found))
+    for (station_table, T), (other, U) in combinations(zip(found, where, strict=True), 2):
+        if _share_room(T.actInv(U), station_table.size, other.size):
+            raise table.error(
+                "station", f"{station_table.name} and {other.name} lie over each other"
+            )
     return tuple(found)
 
 

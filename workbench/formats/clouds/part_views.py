@@ -65,7 +65,7 @@ def read_views(folder: Path) -> PartViews:
     listed = tuple(table.tables("scan"))
     if not FEWEST <= len(listed) <= MOST:
         raise table.error("scan", f"{FEWEST} to {MOST} scans are expected, {len(listed)} are given")
-    placed = [_placed(one, T_scanner_table) for one in listed]
+    placed = [_placed(scan_table, T_scanner_table) for scan_table in listed]
     paths = [path for path, _ in placed]
     for path in paths:
         if paths.count(path) > 1:

@@ -152,7 +152,7 @@ def check_contents(file: IO[bytes], members: Iterable[Member], length: int) -> N
     file.seek(0)
     block = file.read(512)
     others = block[:148] + b" " * 8 + block[156:]
-    signed = sum(others) - 256 * sum(one > 127 for one in others)
+    signed = sum(others) - 256 * sum(byte > 127 for byte in others)
     checksum = re.match(rb"[ \0]*([0-7]+)", block[148:156])
     if checksum and int(checksum[1], 8) in (sum(others), signed):
         raise ValueError("it is a tar file as well")

@@ -122,8 +122,8 @@ def _end(file: IO[bytes], length: int) -> tuple[int, int, int]:
         if at != (0, place, 1) or disk or first or (form, here) != (44, count):
             raise ValueError("its two ends do not agree")
         if not record.startswith(LARGE_END) or any(
-            one not in (other, full)
-            for one, other, full in zip(
+            stated not in (expected, full)
+            for stated, expected, full in zip(
                 told, (count, size, start), (FULL, FULL_LARGE, FULL_LARGE), strict=True
             )
         ):
@@ -171,17 +171,17 @@ def _large(extra: bytes, *told: int) -> tuple[int, ...]:
     found: dict[int, bytes] = {}
     while extra:
         kind, length = struct.unpack("<2H", extra[:4].ljust(4, b"\0"))
-        one, extra = extra[: 4 + length], extra[4 + length :]
-        if len(one) != 4 + length or kind in found:
+        field, extra = extra[: 4 + length], extra[4 + length :]
+        if len(field) != 4 + length or kind in found:
             raise ValueError("it has a field that cannot be read, or is there twice")
-        if kind != LARGE_FIELD and not TIMES_AND_OWNERS.fullmatch(one):
+        if kind != LARGE_FIELD and not TIMES_AND_OWNERS.fullmatch(field):
             raise ValueError(f"it has a field {kind:#06x} that is not read")
-        found[kind] = one[4:]
+        found[kind] = field[4:]
     count = told.count(FULL_LARGE)
     if (LARGE_FIELD in found) != bool(count) or len(found.get(LARGE_FIELD, b"")) != 8 * count:
         raise ValueError("it has large numbers where none belong, or lacks them")
     numbers = iter(struct.unpack(f"<{count}Q", found.get(LARGE_FIELD, b"")))
-    return tuple(next(numbers) if one == FULL_LARGE else one for one in told)
+    return tuple(next(numbers) if number == FULL_LARGE else number for number in told)
 
 
 def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
@@ -201,7 +201,7 @@ def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
             behind = struct.pack(form, LENGTHS, *entry.fields[1:])
         except struct.error:
             raise ValueError(f"{name!r} is longer than it may say behind it") from None
-        told = [one or other for one, other in zip(told, entry.fields[1:], strict=True)]
+        told = [stated or expected for stated, expected in zip(told, entry.fields[1:], strict=True)]
     is_same = (name, flags, (method, *told)) == (entry.name, entry.flags, entry.fields)
     if not is_same or not head.startswith(FILE) or version & 0xFF > LARGE_VERSION:
         raise ValueError(f"{entry.name!r} has another header than the directory says")

@@ -316,9 +316,9 @@ def _mounted(path: Path, robot: Robot, names: list[str], line: list[str], depth:
     elif values and values[0].lower() != "as":
         raise FileError(path, "mount: 12 numbers are expected after the file")
     sub = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file, depth=depth + 1)
-    known = {one.name for one in robot.links}
-    prefix = f"{sub.name}_" if any(one.name in known for one in sub.links) else ""
-    if any(prefix + one.name in known for one in sub.links):
+    known = {known_link.name for known_link in robot.links}
+    prefix = f"{sub.name}_" if any(sub_link.name in known for sub_link in sub.links) else ""
+    if any(prefix + sub_link.name in known for sub_link in sub.links):
         raise FileError(path, f"mount: {line[1]} is mounted twice under the same names")
 
     def called(name: str) -> str:
@@ -327,18 +327,18 @@ def _mounted(path: Path, robot: Robot, names: list[str], line: list[str], depth:
     mount = Joint(called(sub.root), "fixed", link, called(sub.root), T, np.array([0.0, 0.0, 1.0]))
     return Robot(
         robot.name,
-        (*robot.links, *(replace(one, name=called(one.name)) for one in sub.links)),
+        (*robot.links, *(replace(sub_link, name=called(sub_link.name)) for sub_link in sub.links)),
         (
             *robot.joints,
             mount,
             *(
                 replace(
-                    one,
-                    name=called(one.name),
-                    parent=called(one.parent),
-                    child=called(one.child),
+                    joint,
+                    name=called(joint.name),
+                    parent=called(joint.parent),
+                    child=called(joint.child),
                 )
-                for one in sub.joints
+                for joint in sub.joints
             ),
         ),
         robot.disabled_pairs

@@ -52,8 +52,8 @@ def read_klampt_world(path: Path) -> KlamptWorld:
     robot = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file)
     count = len(robots[0].text("config", "").split())
     values = robots[0].numbers("config", count)[1:] if count else np.empty(0)
-    things = [_thing(one, BLUE, k) for k, one in enumerate(root.all("rigidObject"))]
-    things += [_thing(one, BROWN, k) for k, one in enumerate(root.all("terrain"))]
+    things = [_thing(user, BLUE, k) for k, user in enumerate(root.all("rigidObject"))]
+    things += [_thing(user, BROWN, k) for k, user in enumerate(root.all("terrain"))]
     names = [thing.name for thing in things]
     for name in names:
         if names.count(name) > 1:

@@ -247,14 +247,14 @@ def verdicts(at: float, verdict: Verdict, candidates: Iterable[Candidate]) -> Js
         "verdict": _verdict(verdict),
         "candidates": [
             {
-                "detection": one.detection,
-                "grasp": one.grasp.name,
-                "arm": one.arm,
-                "rank": float(one.rank),
-                "pose": _pose(one.T_world_tcp),
-                **_verdict(one.verdict),
+                "detection": candidate.detection,
+                "grasp": candidate.grasp.name,
+                "arm": candidate.arm,
+                "rank": float(candidate.rank),
+                "pose": _pose(candidate.T_world_tcp),
+                **_verdict(candidate.verdict),
             }
-            for one in candidates
+            for candidate in candidates
         ],
     }
 

@@ -109,12 +109,12 @@ def raw_bodies(path: Path) -> Answer:
     """
     found = read_bodies(path)
     return Answer(
-        {"names": [one.name for one in found.bodies], "scale": found.scale, "kind": found.kind},
+        {"names": [body.name for body in found.bodies], "scale": found.scale, "kind": found.kind},
         {
-            "points": np.vstack([one.mesh.points for one in found.bodies]),
-            "triangles": np.vstack([one.mesh.triangles for one in found.bodies]),
+            "points": np.vstack([body.mesh.points for body in found.bodies]),
+            "triangles": np.vstack([body.mesh.triangles for body in found.bodies]),
             "counts": np.array([(len(b.mesh.points), len(b.mesh.triangles)) for b in found.bodies]),
-            "places": np.array([one.T for one in found.bodies]),
+            "places": np.array([body.T for body in found.bodies]),
         },
     )
 
@@ -234,8 +234,8 @@ def _solids(body: Body) -> list[Body]:
     found: list[Body] = []
     for number, solid in enumerate(solids, 1):
         used, triangles = np.unique(mesh.triangles[outer[of_shell] == solid], return_inverse=True)
-        one = Mesh(mesh.points[used], triangles.reshape(-1, 3))
-        found.append(replace(body, name=f"{body.name}/{number}", mesh=one))
+        solid_mesh = Mesh(mesh.points[used], triangles.reshape(-1, 3))
+        found.append(replace(body, name=f"{body.name}/{number}", mesh=solid_mesh))
     return found
 
 
@@ -243,16 +243,16 @@ def _unzipped(path: Path, folder: Path) -> Path:
     """The only CAD file in an archive, unpacked with what lies beside it."""
     try:
         with zipfile.ZipFile(BytesIO(read_whole(path, LARGEST_MESH))) as archive:
-            members = [one for one in archive.infolist() if _is_wanted(one)]
-            named = [one.filename for one in members if _suffix(one.filename) in KINDS]
+            members = [info for info in archive.infolist() if _is_wanted(info)]
+            named = [member.filename for member in members if _suffix(member.filename) in KINDS]
             if len(named) != 1:
                 held = f"{len(named)} CAD files: {', '.join(named[:8])}" if named else "no CAD file"
                 raise FileError(path, f"holds {held}; one is expected")
             left = 4 * LARGEST_MESH
-            for one in members:
-                place = folder / PurePosixPath(one.filename)
+            for member in members:
+                place = folder / PurePosixPath(member.filename)
                 place.parent.mkdir(parents=True, exist_ok=True)
-                with archive.open(one) as source:
+                with archive.open(member) as source:
                     content = source.read(left + 1)
                 left -= len(content)
                 if left < 0:

@@ -51,16 +51,16 @@ def _loaded(path: Path, kind: str, content: bytes) -> np.ndarray:
     try:
         loaded: Any = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)
         # As `read_mesh` has them one behind the other.
-        meshes = [one for one in loaded.dump() if isinstance(one, trimesh.Trimesh)]
+        meshes = [piece for piece in loaded.dump() if isinstance(piece, trimesh.Trimesh)]
         of = _of_glb if kind == ".glb" else _of_visual
         colours = [of(mesh) for mesh in meshes]
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"its colours cannot be read: {shown(str(error))}") from None
-    if all(one is None for one in colours):
+    if all(colour is None for colour in colours):
         raise FileError(path, "has no colours, which use_colours asks for")
-    if any(one is None for one in colours):
+    if any(colour is None for colour in colours):
         raise FileError(path, "has colours of some of its bodies, and use_colours asks for all")
-    return np.concatenate([one for one in colours if one is not None])
+    return np.concatenate([colour for colour in colours if colour is not None])
 
 
 def _of_visual(mesh: Any) -> np.ndarray | None:

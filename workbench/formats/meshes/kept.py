@@ -49,9 +49,9 @@ def kept(recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None
         make: makes it; None is not kept, and neither is an error.
     """
     key = hashlib.sha256(recipe.encode())
-    for one in content:
-        key.update(f" {len(one)} ".encode())
-        key.update(one)
+    for piece in content:
+        key.update(f" {len(piece)} ".encode())
+        key.update(piece)
     path = cache_folder() / f"{key.hexdigest()}.npz"
     found = _found(path)
     if found is not None:

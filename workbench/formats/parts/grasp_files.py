@@ -84,14 +84,16 @@ def add_grasps(path: Path, grasps: Iterable[Grasp]) -> tuple[str, ...]:
 def _unused(name: str, taken: set[str]) -> str:
     """The name, with the first number behind it that makes it new."""
     numbered = (f"{name}-{number}" for number in count(2))
-    return next(one for one in chain([name], numbered) if one not in taken)
+    return next(joint for joint in chain([name], numbered) if joint not in taken)
 
 
 def are_written_alike(library: GraspLibrary, other: GraspLibrary) -> bool:
     """Whether two libraries make the same file, but for its comments."""
 
-    def keys(one: GraspLibrary) -> list[dict[str, Any]]:
-        return [keys_of(entry) for entry in one.entries] + [_pair_keys(p) for p in one.pairs]
+    def keys(grasp_library: GraspLibrary) -> list[dict[str, Any]]:
+        return [keys_of(entry) for entry in grasp_library.entries] + [
+            _pair_keys(p) for p in grasp_library.pairs
+        ]
 
     return keys(library) == keys(other)
 

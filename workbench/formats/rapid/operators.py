@@ -81,7 +81,7 @@ def _turned(a: list[float], b: list[float]) -> list[float]:
         w * u - x * v + y * s + z * t,
         w * v + x * u - y * t + z * s,
     )
-    return [single(one) for one in found]
+    return [single(number) for number in found]
 
 
 WAYS: dict[tuple[str, Kind, Kind], tuple[Kind, Act]] = {
@@ -101,9 +101,9 @@ WAYS: dict[tuple[str, Kind, Kind], tuple[Kind, Act]] = {
 """By operator and base types: the type of the result, and what computes it."""
 
 
-def way(word: str, one: Kind, other: Kind) -> tuple[Kind, Act] | None:
+def way(word: str, kind: Kind, other: Kind) -> tuple[Kind, Act] | None:
     """What an operator makes of two base types; None when it makes nothing."""
-    found = WAYS.get((word, one, other))
-    if found is None and word in ("=", "<>") and one == other:
+    found = WAYS.get((word, kind, other))
+    if found is None and word in ("=", "<>") and kind == other:
         return BOOL, RELATIONS[word]
     return found

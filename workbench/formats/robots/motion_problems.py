@@ -117,7 +117,7 @@ def _robot(table: Table, path: Path) -> Robot:
 
 
 def _set(table: Table, name: str, robot: Robot) -> MotionSet:
-    problems = tuple(_problem(one, robot) for one in table.tables("problems"))
+    problems = tuple(_problem(problem, robot) for problem in table.tables("problems"))
     if not problems:
         raise table.error("problems", "there are none in it")
     table.once("problems", [problem.name for problem in problems])
@@ -174,12 +174,12 @@ def _movable_before(robot: Robot, link: str) -> set[str]:
 
 
 def _obstacles(table: Table) -> Iterator[Solid]:
-    for one in table.tables("obstacles"):
-        kind = one.text("shape", among=SHAPES)
-        T = _pose(one.table("pose"))
-        if one.has("object_pose") and not one.is_null("object_pose"):
-            T = _pose(one.table("object_pose")) * T
-        yield Solid(one.text("name"), _shape(one, kind), T)
+    for obstacle in table.tables("obstacles"):
+        kind = obstacle.text("shape", among=SHAPES)
+        T = _pose(obstacle.table("pose"))
+        if obstacle.has("object_pose") and not obstacle.is_null("object_pose"):
+            T = _pose(obstacle.table("object_pose")) * T
+        yield Solid(obstacle.text("name"), _shape(obstacle, kind), T)
 
 
 def _shape(table: Table, kind: str) -> Shape:

@@ -110,9 +110,12 @@ class DriftGroup:
         scans, sessions = counted(found.scans, "scan"), counted(found.sessions, "session")
         said = [
             line(f"{scans} of {sessions} since the calibration."),
-            *(line(f"{sentence(one)}.") for one in drift_words(cell, found.drift)),
-            *(course_html(one.thing, one.days, one.moved) for one in found.drift.courses),
-            *(line(one, kind="bad") for one in found.problems),
+            *(line(f"{sentence(word)}.") for word in drift_words(cell, found.drift)),
+            *(
+                course_html(course.thing, course.days, course.moved)
+                for course in found.drift.courses
+            ),
+            *(line(problem, kind="bad") for problem in found.problems),
         ]
         self._says.content = "".join(said)
         if found.drift.moved is None:

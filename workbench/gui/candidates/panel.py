@@ -150,7 +150,7 @@ class CandidatesPanel:
                 kind="hint",
             )
             return
-        held = [one for one in candidates if holds(one, order.words, words)]
+        held = [candidate for candidate in candidates if holds(candidate, order.words, words)]
         funnel = funnel_html(held, order.only, self._filters, words)
         self._funnel.content = funnel + stages_html(held, words)
         self._table.content = candidates_html(

@@ -97,11 +97,11 @@ class ToolUpload:
 
     def _show_way(self) -> None:
         by_fingers = self._way.value == TWO_FINGERS
-        for one in (self._size, self._stroke):
-            one.visible = by_fingers
+        for control in (self._size, self._stroke):
+            control.visible = by_fingers
         self._finger.show(visible=by_fingers)
-        for one in (self._radius, self._length, self._press):
-            one.visible = not by_fingers
+        for control in (self._radius, self._length, self._press):
+            control.visible = not by_fingers
 
     def _wanted(self) -> Command:
         if self._body.drawing is None:

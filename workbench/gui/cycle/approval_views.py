@@ -84,7 +84,7 @@ def facts_html(
     rows = _plans(state, words) if len(row) > 1 else _plan(plan, words)
     cycle = cycle_words(plan.cycle_seconds, state.bound)
     if len(row) > 1:
-        cycle = f"{sum(one.plan.cycle_seconds for one in row):.1f} s in all"
+        cycle = f"{sum(proven_plan.plan.cycle_seconds for proven_plan in row):.1f} s in all"
     rows += [
         ("Free ways", free_words(state)),
         ("Straight ways", straight_words(state)),
@@ -124,24 +124,26 @@ def _plans(state: State, words: Words) -> list[tuple[str, str]]:
     Each part by its number in the scan.
     """
     rows: list[tuple[str, str]] = []
-    for number, one in enumerate(state.whole_row, 1):
-        plan, first = one.plan, state.plans[0]
+    for number, proven_plan in enumerate(state.whole_row, 1):
+        plan, first = proven_plan.plan, state.plans[0]
         takes = "; ".join(
             f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
             for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
         )
-        remarks = [renumbered(one, first, plan.detections) for one in plan.remarks]
+        remarks = [renumbered(remark, first, plan.detections) for remark in plan.remarks]
         how = _strategy(plan, remarks, words)
-        near = at_least(one.proof.clearance)
-        proven = f"clear by {near}, plan {short(plan.digest)}, proof {short(one.proof.digest)}"
+        near = at_least(proven_plan.proof.clearance)
+        proven = (
+            f"clear by {near}, plan {short(plan.digest)}, proof {short(proven_plan.proof.digest)}"
+        )
         rows.append((f"Plan {number}", f"{takes}; {how}; {plan.cycle_seconds:.1f} s, {proven}"))
     return rows
 
 
 def _proven(state: State) -> str:
     row = state.whole_row
-    covered = _covered(state.cell, [one.plan for one in row])
-    looked = f"{sum(one.proof.checks for one in row):,} positions measured"
+    covered = _covered(state.cell, [proven_plan.plan for proven_plan in row])
+    looked = f"{sum(proven_plan.proof.checks for proven_plan in row):,} positions measured"
     if len(row) != 1:
         return f"{covered}; {looked}"
     took = dict(state.seconds).get("prove")

@@ -90,8 +90,8 @@ class PoseInputs:
             return
         frame = pin.SE3.Identity() if T_world_frame is None else T_world_frame
         are_same = [
-            np.array_equal(one.homogeneous, other.homogeneous)
-            for one, other in ((T, self._T), (frame, self._T_world_frame))
+            np.array_equal(new.homogeneous, old.homogeneous)
+            for new, old in ((T, self._T), (frame, self._T_world_frame))
         ]
         if not all(are_same):
             self._T_world_frame = frame

@@ -75,7 +75,7 @@ def has_lost_observation(own: Own, before: State | None, state: State) -> bool:
     if number is None or number >= len(state.observations):
         return number is not None
     was = before.observations[number : number + 1] if before is not None else ()
-    return any(one.name != state.observations[number].name for one in was)
+    return any(observation.name != state.observations[number].name for observation in was)
 
 
 def _overlay(own: Own, before: View | None, shared: View) -> Overlay | None:

@@ -167,7 +167,7 @@ class EmptyingPanel:
         """What a scan and an approval take; a browser may send any number."""
         typed = (float(self._scan_seconds.value), float(self._approval_seconds.value))
         first, second = (
-            min(max(one, 0.0), LONGEST) if math.isfinite(one) else 0.0 for one in typed
+            min(max(seconds, 0.0), LONGEST) if math.isfinite(seconds) else 0.0 for seconds in typed
         )
         return first, second
 

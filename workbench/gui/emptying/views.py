@@ -167,7 +167,7 @@ def piles_html(
 
 
 def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
-    kinds = ", ".join(f"{one.part} {one.kind}" for one in pile.left)
+    kinds = ", ".join(f"{left_part.part} {left_part.kind}" for left_part in pile.left)
     values = (
         f"{pile.task.seed}",
         f"{pile.taken} of {pile.parts}",
@@ -196,13 +196,13 @@ def left_html(
     if not pile.left:
         return line("Nothing stays of this pile.", kind="hint")
     body = "".join(
-        f"<tr{marked(one.part == _name(chosen))} {clickable(rows[place])}>"
-        f"<td>{escape(one.part)}</td>"
-        f'<td><span class="wb-verdict" style="background:{left_colour(one.kind)}">'
-        f"{escape(words.render(one.kind_message))}</span> "
-        f"{escape(sentence(words.render(one.reason)))}."
-        f'<div class="wb-pair">{escape(fix_words(one.nearest_fix))}</div></td></tr>'
-        for place, one in enumerate(pile.left[: len(rows)])
+        f"<tr{marked(left_part.part == _name(chosen))} {clickable(rows[place])}>"
+        f"<td>{escape(left_part.part)}</td>"
+        f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
+        f"{escape(words.render(left_part.kind_message))}</span> "
+        f"{escape(sentence(words.render(left_part.reason)))}."
+        f'<div class="wb-pair">{escape(fix_words(left_part.nearest_fix))}</div></td></tr>'
+        for place, left_part in enumerate(pile.left[: len(rows)])
     )
     return (
         '<div class="wb-list"><table class="wb-table wb-left"><thead><tr><th>Stays</th>'

@@ -197,11 +197,11 @@ class GraspFields:
         self._opening.value, self._grip.value = _mm(fitted.opening), _mm(fitted.grip)
 
 
-def _differ_in_pose(one: Entry, other: Entry) -> bool:
+def _differ_in_pose(entry: Entry, other: Entry) -> bool:
     """Whether two versions of an entry differ in where the hand is, and in nothing else."""
     T = grasp_of(other).T_part_tcp
-    same = with_grasp(one, replace(grasp_of(one), T_part_tcp=T))
-    return keys_of(same) == keys_of(other) and keys_of(one) != keys_of(other)
+    same = with_grasp(entry, replace(grasp_of(entry), T_part_tcp=T))
+    return keys_of(same) == keys_of(other) and keys_of(entry) != keys_of(other)
 
 
 def _mm(length: float) -> float:

@@ -168,12 +168,12 @@ class Suggestions:
         if not wanted:
             return
         taken, grasps = set(names_in(self._editing.part.library.entries)), list[Grasp]()
-        for one in wanted:
-            grasps.append(replace(one.grasp, name=free_name(taken, one.grasp.name)))
+        for suggestion in wanted:
+            grasps.append(replace(suggestion.grasp, name=free_name(taken, suggestion.grasp.name)))
             taken.add(grasps[-1].name)
         count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
         if self._editing.add(grasps, f"{count} added"):
-            left = tuple(one for one in self._found if one not in wanted)
+            left = tuple(suggestion for suggestion in self._found if suggestion not in wanted)
             if left:
                 self._show(left, min(self._chosen, len(left) - 1))
             else:

@@ -124,7 +124,10 @@ class LibraryControls:
         for button in (self._take, self._drop):
             self._visitor.allow(button, problem)
         self._list.content = versions_html(known)
-        options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(known)))
+        options = (
+            NOW,
+            *(f"{version.number}: {version.remark[:30]}" for version in reversed(known)),
+        )
         if self._version.options != options:
             self._version.options = options
         self._show_words(part)
@@ -150,7 +153,7 @@ class LibraryControls:
 
     def _chosen(self) -> Version | None:
         number = self._version.value.partition(":")[0]
-        return next((one for one in self._known if str(one.number) == number), None)
+        return next((version for version in self._known if str(version.number) == number), None)
 
     def _show_words(self, part: Part) -> None:
         version = self._chosen()

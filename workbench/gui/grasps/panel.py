@@ -202,7 +202,7 @@ class GraspsPanel:
         tools = tuple(self._editing.tools)
         if self._tool.options != tools:
             self._tool.options, self._tool.visible = tools, len(tools) > 1
-        names = tuple(one.name for one in self._visitor.cell.parts)
+        names = tuple(part.name for part in self._visitor.cell.parts)
         if self._part.options != names:
             is_made = self._upload.asked in set(names) - set(self._part.options)
             self._part.options = names

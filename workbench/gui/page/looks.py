@@ -100,7 +100,7 @@ def _selected(state: State, look: Look, thing: str) -> Floats:
     if look.candidate is not None and look.candidate < len(candidates):
         middles = [candidates[look.candidate].T_world_tcp.translation]
     else:
-        middles = [one.T_world_part.translation for one in found]
+        middles = [detection.T_world_part.translation for detection in found]
     if not middles:
         raise InputError("nothing is selected, and no part is found")
     corners = AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
@@ -115,7 +115,9 @@ def _thing(cell: Cell, thing: str) -> Floats:
         case "robot":
             return whole(cell)
         case _:
-            solids = [s for one in cell.fixtures if one.name == thing for s in one.solids]
+            solids = [
+                s for fixture in cell.fixtures if fixture.name == thing for s in fixture.solids
+            ]
             around = max([AROUND, *(solid.reach for solid in solids)])
             corners = around * np.array(list(itertools.product((-1, 1), repeat=3)))
             return pose_of(cell, thing).translation + corners

@@ -143,8 +143,8 @@ def _of_searches(view: View) -> list[tuple[str, str]]:
     """What searches have found besides, or have rejected, as far as it is drawn."""
     lines: list[tuple[str, str]] = []
     searches = view.state.searches
-    for place, one in enumerate(searches, 1):
-        if one.number == view.look.search:
+    for place, search in enumerate(searches, 1):
+        if search.number == view.look.search:
             style = f"background:rgba({_rgb(COMPARED)},0.55)"
             lines.append((f"Violet: parts of search {place}, to be compared; not taken", style))
     if view.look.rejected and view.rejected:
@@ -188,4 +188,4 @@ def _real(view: View) -> str:
 
 
 def _rgb(colour: Colour) -> str:
-    return ",".join(str(one) for one in colour)
+    return ",".join(str(channel) for channel in colour)

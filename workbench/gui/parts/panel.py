@@ -260,8 +260,8 @@ class PartsPanel:
     def _with_one_more(self) -> Command:
         cell = self._visitor.cell
         middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
-        self._chosen = one = Detection(self._kind.value, middle)
-        return UseDetections((*self._found, one), f"a {one.part} was added by hand")
+        self._chosen = detection = Detection(self._kind.value, middle)
+        return UseDetections((*self._found, detection), f"a {detection.part} was added by hand")
 
     def _read_no_more(self) -> None:
         self._sent = None
@@ -298,7 +298,7 @@ class PartsPanel:
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:
     """Where a part stands in a list; None: it does not."""
-    return next((number for number, one in enumerate(found) if one is chosen), None)
+    return next((number for number, detection in enumerate(found) if detection is chosen), None)
 
 
 def _kinds(cell: Cell) -> tuple[str, ...]:

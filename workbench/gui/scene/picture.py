@@ -304,11 +304,11 @@ class Scene:
         robot.pose(links, {arm: moment.opening for arm, moment in stands.items()})
 
 
-def is_other_robot(one: Cell, other: Cell) -> bool:
+def is_other_robot(first: Cell, second: Cell) -> bool:
     """Whether robot, arms or tools are drawn otherwise."""
 
     def drawn(cell: Cell) -> str:
         arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
         return digest_of((cell.robot, arms))
 
-    return drawn(one) != drawn(other)
+    return drawn(first) != drawn(second)

@@ -187,15 +187,17 @@ def corners_html(cell: Cell, found: Calibration) -> str:
     )
 
 
-def next_html(one: NextPose) -> str:
+def next_html(pose: NextPose) -> str:
     """How the plate gets to a suggested pose, and what that would bring."""
-    steps = "".join(line(f"{number}. {sentence(step)}") for number, step in enumerate(one.steps, 1))
+    steps = "".join(
+        line(f"{number}. {sentence(step)}") for number, step in enumerate(pose.steps, 1)
+    )
     return (
-        line(f"From {one.after} on, with the plate as it is held:")
+        line(f"From {pose.after} on, with the plate as it is held:")
         + steps
         + line(
-            f"The worst corner of the bin would be seen to {mm(one.error_with, 2)} "
-            f"instead of {mm(one.error, 2)}."
+            f"The worst corner of the bin would be seen to {mm(pose.error_with, 2)} "
+            f"instead of {mm(pose.error, 2)}."
         )
     )
 

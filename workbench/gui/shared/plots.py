@@ -85,7 +85,7 @@ def plot_html(plot: Plot, end: float, slider: str = "") -> str:
     """
     low, high = plot.bounds
     begin = min(0.0, float(plot.times[0])) if slider else float(plot.times[0])
-    lines = "".join(_line(plot.times, one, (low, high), (begin, end)) for one in plot.curves)
+    lines = "".join(_line(plot.times, curve, (low, high), (begin, end)) for curve in plot.curves)
     across = "".join(
         f'<i class="wb-grid" style="bottom:{_share(tick, low, high):.2f}%"><b>{tick:g}</b></i>'
         for tick in ticks(low, high)

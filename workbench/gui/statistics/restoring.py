@@ -148,7 +148,7 @@ class RestoreControls:
             self._check()  # that may have taken a while
             with chosen.opened() as file:
                 things = restore_apart(file, Path.cwd())
-            changed = [f"{one.kind}/{one.name}" for one in things if changes_any((one,))]
+            changed = [f"{thing.kind}/{thing.name}" for thing in things if changes_any((thing,))]
             said = {"by": self._visitor.person.name, "restored": chosen.name, "before": before.name}
             add_line(BACKUPS / LOG, {"at": utc(at), **said, "changed": changed})
         finally:

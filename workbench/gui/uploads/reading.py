@@ -102,7 +102,9 @@ def _read(
 def _told(value: Any) -> Answer:
     """A value as what comes back: its canonical form, and its large arrays by their digests."""
     arrays = large_arrays(value)
-    return Answer(canonical(value), {one: np.frombuffer(arrays[one], np.uint8) for one in arrays})
+    return Answer(
+        canonical(value), {array: np.frombuffer(arrays[array], np.uint8) for array in arrays}
+    )
 
 
 def _nothing(digest: str) -> bytes:

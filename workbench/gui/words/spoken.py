@@ -102,12 +102,12 @@ def _fields(fields: Mapping[str, Any], said: Mapping[str, Say]) -> dict[str, Any
     }
 
 
-def _with(one: Any, fields: Mapping[str, Any]) -> Any:
+def _with(message: Any, fields: Mapping[str, Any]) -> Any:
     """A copy with other fields: what is queued is not what the widget holds."""
-    one = copy.copy(one)
+    message = copy.copy(message)
     for name, value in fields.items():
-        setattr(one, name, value)
-    return one
+        setattr(message, name, value)
+    return message
 
 
 def _choices(options: tuple[str, ...], words: Words) -> dict[str, str]:

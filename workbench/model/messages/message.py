@@ -160,8 +160,8 @@ class Message:
         if self.text is text:
             return self
         for arg in self.args.values():
-            for one in cast(tuple[Any, ...], arg) if isinstance(arg, tuple) else (arg,):
-                found = one.part(text) if isinstance(one, Message) else None
+            for item in cast(tuple[Any, ...], arg) if isinstance(arg, tuple) else (arg,):
+                found = item.part(text) if isinstance(item, Message) else None
                 if found is not None:
                     return found
         return None
@@ -197,9 +197,9 @@ def as_message(said: Message | str) -> Message:
 def all_of(messages: Iterable[Message | None]) -> Message | None:
     """Several messages as one, with semicolons between them; None for none."""
     whole: Message | None = None
-    for one in messages:
-        if one is not None:
-            whole = one if whole is None else Others.ALSO(first=whole, last=one)
+    for message in messages:
+        if message is not None:
+            whole = message if whole is None else Others.ALSO(first=whole, last=message)
     return whole
 
 
@@ -219,8 +219,8 @@ def _english(text: Text) -> str:
 
 def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
     if "|" in how:
-        one, several = how.split("|")
-        return one if arg == 1 else several
+        singular, several = how.split("|")
+        return singular if arg == 1 else several
     if how in UNITS:
         factor, digits, unit = UNITS[how]
         return f"{arg * factor + 0.0:.{digits}f}{unit}"
@@ -230,7 +230,7 @@ def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
 
 
 def _listed(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
-    shown = [_shown(one, "", template_of) for one in args]
+    shown = [_shown(arg, "", template_of) for arg in args]
     joint = {"and": Others.AND, "or": Others.OR}.get(how)
     if joint is None or len(shown) < 2:
         return ", ".join(shown)
@@ -245,7 +245,7 @@ def _renumbered(arg: Any, number: Callable[[int], int | Message]) -> Any:
         case Message():
             return arg.renumbered(number)
         case tuple():
-            return tuple(_renumbered(one, number) for one in cast(tuple[Any, ...], arg))
+            return tuple(_renumbered(item, number) for item in cast(tuple[Any, ...], arg))
         case _:
             return arg
 
@@ -257,7 +257,7 @@ def _form(arg: Any) -> Any:
         case Message():
             return arg.form
         case tuple():
-            return [_form(one) for one in cast(tuple[Any, ...], arg)]
+            return [_form(item) for item in cast(tuple[Any, ...], arg)]
         case str():
             return arg
         case float():

@@ -210,7 +210,10 @@ def _deviations(
     # Traces of P_a M P_b M, where M takes from the noise what the fit follows of it.
     whole = 3.0 * len(poses)
     mixed = float(np.trace(taken[0] @ taken[1]))
-    left = [whole - 2 * float(np.trace(one)) + float(np.trace(one @ one)) for one in taken]
+    left = [
+        whole - 2 * float(np.trace(projection)) + float(np.trace(projection @ projection))
+        for projection in taken
+    ]
     sums = [float((half**2).sum()) for half in (off[:, :3], off[:, 3:])]
     found = np.linalg.lstsq(
         np.array([[left[0], mixed], [mixed, left[1]]]), np.array(sums), rcond=1e-9

@@ -68,8 +68,10 @@ class Seen:
         differ = are_unlike(self.paints[better], self.paints[worse], deviation)
         if np.count_nonzero(differ) < max(FEWEST, LEAST * len(differ)):
             return False
-        one, other = (self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse))
-        return bool((one <= FITS).all() and (other - one >= UNLIKE).all())
+        better_fit, worse_fit = (
+            self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse)
+        )
+        return bool((better_fit <= FITS).all() and (worse_fit - better_fit >= UNLIKE).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,14 +91,14 @@ def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
         scan: with or without colours.
         brought: what was found by shape, of all kinds.
     """
-    kinds = [painted(one.part, one.surface) for one in brought]
+    kinds = [painted(search.part, search.surface) for search in brought]
     if all(kind is None for kind in kinds):
         return list(brought)
     on = {
-        (k, i): points_on(scan, one.surface, chosen.pose, one.tolerance)
-        for k, one in enumerate(brought)
+        (k, i): points_on(scan, search.surface, chosen.pose, search.tolerance)
+        for k, search in enumerate(brought)
         if kinds[k] is not None
-        for i, chosen in enumerate(one.choice.chosen)
+        for i, chosen in enumerate(search.choice.chosen)
     }
     deviation = _deviation(scan, list(on.values()))
     seen = [_seen(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
@@ -125,7 +127,7 @@ def _seen(
     surfaces = [each.surface for each in brought]
     shape = Shape(brought[k], surfaces, brought[k].choice.chosen[i].pose)
     points, some = scan.points[on], shape.guesses(kinds)
-    each = [kinds[one.kind].at(points, one.pose) for one in some]  # type: ignore[union-attr]
+    each = [kinds[guess.kind].at(points, guess.pose) for guess in some]  # type: ignore[union-attr]
     paints = np.array(each)
     if scan.colours is None or not len(on):
         return Seen(k, i, shape, some, paints, None)
@@ -145,8 +147,8 @@ def _told(
     deviation: Floats,
 ) -> Told:
     """What stands of the guesses at a part; `light` is the likeliest."""
-    one = brought[seen.kind]
-    own = one.choice.chosen[seen.number]
+    search = brought[seen.kind]
+    own = search.choice.chosen[seen.number]
     shape = seen.shape
     every = range(len(seen.guesses))
     # The pose found comes first, so it stays where nothing is nearer.
@@ -194,22 +196,30 @@ def _flips_show(kind: Painted) -> bool:
 def _chosen_anew(brought: Sequence[Sought], told: Sequence[Told]) -> list[Sought]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
-        Choice(one.choice.claimed.copy(), list(one.choice.chosen), list(one.choice.rejected))
-        for one in brought
+        Choice(
+            search.choice.claimed.copy(),
+            list(search.choice.chosen),
+            list(search.choice.rejected),
+        )
+        for search in brought
     ]
-    for one in told:
-        if one.guess.kind == one.kind:
-            choices[one.kind].chosen[one.number] = one.assessed
+    for decision in told:
+        if decision.guess.kind == decision.kind:
+            choices[decision.kind].chosen[decision.number] = decision.assessed
     lost = [
-        {one.number: Objection.COLOURS for one in told if k == one.kind != one.guess.kind}
+        {
+            decision.number: Objection.COLOURS
+            for decision in told
+            if k == decision.kind != decision.guess.kind
+        }
         for k in range(len(brought))
     ]
     choices = [without(*each) for each in zip(choices, lost, strict=True)]
-    for one in told:
-        if one.guess.kind != one.kind:
-            choice, explained = choices[one.guess.kind], one.assessed.sighting.explained
+    for decision in told:
+        if decision.guess.kind != decision.kind:
+            choice, explained = choices[decision.guess.kind], decision.assessed.sighting.explained
             # Mostly that kind was found there too.
             if np.count_nonzero(choice.claimed[explained] >= 0) < len(explained) / 2:
                 choice.claimed[explained] = len(choice.chosen)
-                choice.chosen.append(one.assessed)
-    return [replace(one, choice=choice) for one, choice in zip(brought, choices, strict=True)]
+                choice.chosen.append(decision.assessed)
+    return [replace(search, choice=choice) for search, choice in zip(brought, choices, strict=True)]

@@ -71,7 +71,7 @@ def scale_check(
         tolerance: [m] see `sightings.look`.
     """
     told = [_fitted(maps, surface, pose, tolerance) for pose in poses]
-    sure = [one for one in told if one is not None and np.hypot(*one[1:]) <= TELLING]
+    sure = [fit for fit in told if fit is not None and np.hypot(*fit[1:]) <= TELLING]
     if len(sure) < FEWEST:
         return None
     scales, deviations, shared = np.array(sure).T

@@ -51,8 +51,11 @@ def loosened(found: list[Sought], compete: Compete) -> list[Sought]:
     strict = explained(found)
     if strict >= DOUBTFUL:
         return found
-    loose = [_loose(one) for one in found]
-    compete(loose, [_again(one, before) for one, before in zip(loose, found, strict=True)])
+    loose = [_loose(search) for search in found]
+    compete(
+        loose,
+        [_again(search, before) for search, before in zip(loose, found, strict=True)],
+    )
     now = explained(loose)
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
@@ -63,36 +66,36 @@ def explained(found: Sequence[Sought]) -> float:
         return 1.0
     maps = found[0].maps
     covered: Bools = np.zeros(maps.depth.size, np.bool_)
-    for one, standing in zip(found, judged(found), strict=True):
+    for search, standing in zip(found, judged(found), strict=True):
         for part in standing.choice.chosen:
-            covered[look(maps, one.surface, part.pose, one.tolerance).explained] = True
+            covered[look(maps, search.surface, part.pose, search.tolerance).explained] = True
     lying = maps.foreground.ravel()
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
 
-def _loose(one: Sought) -> Sought:
-    tolerance = LOOSE * one.tolerance
+def _loose(search: Sought) -> Sought:
+    tolerance = LOOSE * search.tolerance
     return replace(
-        one,
+        search,
         tolerance=tolerance,
-        spread=max(one.spread, LOOSE_SPREAD * tolerance),
+        spread=max(search.spread, LOOSE_SPREAD * tolerance),
         least_ends=LOOSE_ENDS,
         most=LOOSE_MOST,
         is_loose=True,
-        choice=_nothing(one),
+        choice=_nothing(search),
     )
 
 
-def _nothing(one: Sought) -> Choice:
-    return Choice(np.full(one.maps.depth.size, -1), [], [])
+def _nothing(search: Sought) -> Choice:
+    return Choice(np.full(search.maps.depth.size, -1), [], [])
 
 
-def _again(one: Sought, before: Sought) -> list[Hypothesis]:
+def _again(search: Sought, before: Sought) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
     poses = [each.pose for each in (*before.choice.chosen, *before.choice.rejected)]
     if not poses:
         return []
-    steps = tuple(step * one.surface.diameter for step in STEPS)
-    rested = settled(one.glance, one.surface, np.array(poses), one.tolerance, steps)
-    rested = rested[one.are_possible(rested)]
-    return [Hypothesis(p, look(one.maps, one.surface, p, one.tolerance)) for p in rested]
+    steps = tuple(step * search.surface.diameter for step in STEPS)
+    rested = settled(search.glance, search.surface, np.array(poses), search.tolerance, steps)
+    rested = rested[search.are_possible(rested)]
+    return [Hypothesis(p, look(search.maps, search.surface, p, search.tolerance)) for p in rested]

@@ -104,7 +104,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     parts = o3d.t.geometry.RaycastingScene(nthreads=1)
     _add_parts(parts, cell, detections, T_bin_world)
     half = cell.bin.size[:2] / 2
-    longest = max(float(np.linalg.norm(np.ptp(one.mesh.points, axis=0))) for one in cell.parts)
+    longest = max(float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) for part in cell.parts)
     eye, top = T_bin_scanner.translation, _top(cell, detections)
     room = Room(parts, eye, half, top, GOES_ON * longest)
     return Unexplained(*(_placed(cell, some) for some in _boxes_around(voxels, pitch, room)))
@@ -112,16 +112,16 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
 
 def _placed(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
     """Boxes of the bin's frame in the world."""
-    return tuple(Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size) for one in boxes)
+    return tuple(Obstacle(cell.bin.T_world_bin * box.T_world_box, box.size) for box in boxes)
 
 
 def _top(cell: Cell, detections: tuple[Detection, ...]) -> float:
     """Height [m] of the highest of the parts over the bin's floor, 0 for none."""
     T_bin_world = cell.bin.T_world_bin.inverse()
-    up = (T_bin_world * one.T_world_part for one in detections)
+    up = (T_bin_world * detection.T_world_part for detection in detections)
     heights = (
-        T.translation[2] + cell.part(one.part).mesh.points @ T.rotation[2]
-        for one, T in zip(detections, up, strict=True)
+        T.translation[2] + cell.part(detection.part).mesh.points @ T.rotation[2]
+        for detection, T in zip(detections, up, strict=True)
     )
     return max((float(some.max()) for some in heights), default=0.0)
 
@@ -137,8 +137,8 @@ def _boxes_around(voxels: Voxels, pitch: float, room: Room) -> Iterator[tuple[Ob
     np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
     edge = many * voxels.edge
     grid = Grid(edge, max(int(np.ceil(NARROWEST / edge)), 1))
-    for one in (cells, tops), hidden_columns(cells, tops, edge, room):
-        yield upright_boxes(*one, grid, roofs_over(*one, edge, room.parts))
+    for columns in (cells, tops), hidden_columns(cells, tops, edge, room):
+        yield upright_boxes(*columns, grid, roofs_over(*columns, edge, room.parts))
 
 
 def _add_parts(

@@ -146,8 +146,8 @@ def pairs_of(cell: Cell, bodies: list[Body]) -> Bools:
             disabled[a, b] = disabled[b, a] = True
     for pair in cell.robot.disabled_pairs:
         # Where a link has the name of a tool it is the tool, as another program writes it.
-        one, other = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
-        for a, b in product(one, other):
+        first, second = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
+        for a, b in product(first, second):
             if a is not None and b is not None:
                 disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])
@@ -243,7 +243,8 @@ def are_rolled(
     No unit.
     """
     rolled = np.array(
-        [one.kind == "part" and not detections[int(one.owner)].roll_known for one in bodies], bool
+        [body.kind == "part" and not detections[int(body.owner)].roll_known for body in bodies],
+        bool,
     )
     return rolled[first] | rolled[second]
 

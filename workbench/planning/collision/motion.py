@@ -102,10 +102,10 @@ def _walked(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
                 for i in range(n):
                     a, b = path[k, i], path[k + 1, i]
                     enter, leave = b + share * (a - b), b + share * (path[k + 2, i] - b)
-                    one = _rounding(enter, b, leave, piece / pieces)
-                    other = _rounding(enter, b, leave, (piece + 1) / pieces)
-                    points[at, 0, i], points[at, 1, i] = one, (one + other) / 2
-                    points[at, 2, i] = other
+                    start = _rounding(enter, b, leave, piece / pieces)
+                    end = _rounding(enter, b, leave, (piece + 1) / pieces)
+                    points[at, 0, i], points[at, 1, i] = start, (start + end) / 2
+                    points[at, 2, i] = end
                 waypoints[at] = k
                 at += 1
     return points, waypoints

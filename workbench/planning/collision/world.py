@@ -375,9 +375,9 @@ class World:
 
     def _distance(self, k: int) -> float:
         a, b = int(self._pairing.first[k]), int(self._pairing.second[k])
-        one, other, T = self._bodies[a].shape, self._bodies[b].shape, self._data.oMg
-        if has_pieces(one) or has_pieces(other):
-            return distance(one, T[a], other, T[b])
+        first, second, T = self._bodies[a].shape, self._bodies[b].shape, self._data.oMg
+        if has_pieces(first) or has_pieces(second):
+            return distance(first, T[a], second, T[b])
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:

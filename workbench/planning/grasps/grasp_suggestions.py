@@ -135,7 +135,7 @@ def suggest(
         if suggestion is not None:
             kept.add(suggestion.grasp.T_part_tcp)
             found.append(suggestion)
-    found.sort(key=lambda one: -one.score)
+    found.sort(key=lambda rated: -rated.score)
     return tuple(_named(found, {grasp.name for grasp in part.library.grasps}, name))
 
 
@@ -273,11 +273,11 @@ def _looked_at(
 def _named(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
     named: list[Suggestion] = []
     number = 0
-    for one in found:
+    for suggestion in found:
         number += 1
         while f"{name}-{number}" in taken:
             number += 1
-        named.append(replace(one, grasp=replace(one.grasp, name=f"{name}-{number}")))
+        named.append(replace(suggestion, grasp=replace(suggestion.grasp, name=f"{name}-{number}")))
     return named
 
 

@@ -133,12 +133,12 @@ _Key = tuple[bytes, bytes, bytes, bytes, bytes, bytes]
 
 def _key(chain: Chain) -> _Key:
     """Chains are made for each world: what is known of one is kept by its numbers."""
-    R, p, axes, slides, lower, upper = (one.tobytes() for one in chain.arrays)
+    R, p, axes, slides, lower, upper = (array.tobytes() for array in chain.arrays)
     return R, p, axes, slides, lower, upper
 
 
 def _arrays(key: _Key) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    Rs, ps, axes, slides, lower, upper = (np.frombuffer(one).copy() for one in key)
+    Rs, ps, axes, slides, lower, upper = (np.frombuffer(buffer).copy() for buffer in key)
     return Rs.reshape(-1, 3, 3), ps.reshape(-1, 3), axes.reshape(-1, 3), slides, lower, upper
 
 
@@ -170,7 +170,9 @@ def _by_closed_form(
             known = _answers(answers, residuals, is_complete=True)
             q = _distinct(known.q)
             if (chain.upper - chain.lower).max() >= 2 * np.pi and turns > 1:
-                q = np.vstack([_turned(one, chain, starts[0], turns) for one in q])
+                q = np.vstack(
+                    [_turned(configuration, chain, starts[0], turns) for configuration in q]
+                )
             return replace(known, q=q)
     answers, residuals = chain.solve(T_world_tcp, starts)
     return _answers(answers, residuals, is_complete=True)

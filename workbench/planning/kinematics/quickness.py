@@ -94,8 +94,8 @@ def hand_acceleration(cell: Cell, arm: Arm) -> float:
     chain, home, step = chain_of(cell, arm), np.asarray(arm.home), 1e-5
     here = chain.pose(home).translation
     ways = [
-        np.linalg.norm(chain.pose(home + step * one).translation - here) / step
-        for one in np.eye(len(home))
+        np.linalg.norm(chain.pose(home + step * direction).translation - here) / step
+        for direction in np.eye(len(home))
     ]
     return float(np.max(np.array(ways) * np.asarray(arm.acceleration)))
 
@@ -106,7 +106,7 @@ def tool_acceleration(cell: Cell, tool: Tool) -> float | None:
         (
             hand_acceleration(cell, replace(arm, tool=tool))
             for arm in cell.arms
-            if tool.name in (arm.tool.name, *(one.name for one in arm.tools))
+            if tool.name in (arm.tool.name, *(known_tool.name for known_tool in arm.tools))
         ),
         default=None,
     )

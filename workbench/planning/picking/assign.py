@@ -61,7 +61,10 @@ def is_enough(
         return any(strategy == Strategy.single(pick.candidate.arm) for pick in picks)
     if len(world.cell.arms) < 2 or not picks:
         return bool(picks)
-    heap, at = world.part_ways.heaps, [one.T_world_part.translation for one in world.detections]
+    heap, at = (
+        world.part_ways.heaps,
+        [detection.T_world_part.translation for detection in world.detections],
+    )
     apart = [
         (a, b, float(np.linalg.norm(at[a] - at[b])))
         for a, b in combinations(range(len(at)), 2)
@@ -73,7 +76,7 @@ def is_enough(
     for pick in picks:
         arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
     able = [(arms.get(a, set[str]()), arms.get(b, set[str]())) for a, b in pairs]
-    return not pairs or any(one and other and len(one | other) > 1 for one, other in able)
+    return not pairs or any(first and second and len(first | second) > 1 for first, second in able)
 
 
 def planned(
@@ -168,7 +171,7 @@ def _made(
         tried += 1
         if not is_free or tried == WOVEN:
             break
-        if best[0].cycle_seconds < ENOUGH * max(one.seconds for one in best[0].arms):
+        if best[0].cycle_seconds < ENOUGH * max(arm.seconds for arm in best[0].arms):
             break
     if request.strategy == Strategy.COORDINATED and len(best) > 1:
         # Whatever runs at once in it.
@@ -215,10 +218,10 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         return [assigned]
     choices = [
         sorted(
-            (other for other in request.picks if _is_alike(one, other)),
+            (other for other in request.picks if _is_alike(assigned_pick, other)),
             key=lambda pick: pick.seconds,
         )[:ALIKE]
-        for one in assigned
+        for assigned_pick in assigned
     ]
 
     def promise(picks: Sequence[Pick]) -> float:
@@ -228,14 +231,18 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         return more + (0.0 if ends_are_clear(world, picks) else WAITING * less)
 
     others: list[Sequence[Pick]] = sorted(product(*choices), key=promise)
-    return others if is_free else [assigned, *(one for one in others if one != tuple(assigned))]
+    return (
+        others
+        if is_free
+        else [assigned, *(choice for choice in others if choice != tuple(assigned))]
+    )
 
 
-def _is_alike(one: Pick, other: Pick) -> bool:
+def _is_alike(pick: Pick, other: Pick) -> bool:
     """Whether two picks are of one part by one arm, preferred alike, and come off alike."""
-    a, b = one.candidate, other.candidate
+    a, b = pick.candidate, other.candidate
     same = (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
-    return same and one.rubs == other.rubs
+    return same and pick.rubs == other.rubs
 
 
 def _assignments(

@@ -52,10 +52,10 @@ def propose(
         candidates = _candidates(world, numbers, grasps[part], arm)
         # All take from the same, one part after the other.
         found.update({(number, arm.name): candidates for number in numbers})
-    total = sum(len(grasps[one.part]) for one in detections) * len(world.cell.arms)
+    total = sum(len(grasps[detection.part]) for detection in detections) * len(world.cell.arms)
     every: list[Candidate] = []
-    for number, one in enumerate(detections):
-        for _, arm in product(grasps[one.part], world.cell.arms):
+    for number, detection in enumerate(detections):
+        for _, arm in product(grasps[detection.part], world.cell.arms):
             every.append(next(found[number, arm.name]))
             looked(len(every), total)
     return tuple(sorted(every, key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank)))
@@ -76,8 +76,8 @@ def groups(world: World, grasps: Mapping[str, Sequence[Grasp]]) -> Iterator[tupl
     for part in world.cell.parts:
         # Parts whose roll is unknown have pieces of their own.
         alike: dict[tuple[Solid, ...], list[int]] = {}
-        for number, one in enumerate(world.detections):
-            if one.part == part.name and grasps[part.name]:
+        for number, detection in enumerate(world.detections):
+            if detection.part == part.name and grasps[part.name]:
                 alike.setdefault(world.surroundings.pieces[number], []).append(number)
         yield from product(alike.values(), world.cell.arms)
 
@@ -151,9 +151,11 @@ def _candidates(
 
 def is_taken_there(world: World, number: int) -> bool:
     """Whether parts may be taken where one lies; always where a plan has put it on a station."""
-    one = world.detections[number]
-    is_put_down = one.T_world_found is not None
-    return is_put_down or world.cell.bin.gives(world.cell.part(one.part), one.T_world_part)
+    detection = world.detections[number]
+    is_put_down = detection.T_world_found is not None
+    return is_put_down or world.cell.bin.gives(
+        world.cell.part(detection.part), detection.T_world_part
+    )
 
 
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
@@ -188,7 +190,7 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
         note = VerdictNote.ONLY_ARMS(arms=grasp.arms)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     if grasp.tool and grasp.tool != arm.tool.name:
-        may_change = grasp.tool in {one.name for one in arm.tools}
+        may_change = grasp.tool in {tool.name for tool in arm.tools}
         text = VerdictNote.CHANGE_TOOL if may_change else VerdictNote.OTHER_TOOL
         note = text(tool=grasp.tool, carried=arm.tool.name)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)

@@ -117,9 +117,9 @@ def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Ve
 
 
 def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | Verdict]:
-    one = world.detections[number]
-    part = world.cell.part(one.part)
-    if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
+    detection = world.detections[number]
+    part = world.cell.part(detection.part)
+    if detection.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, detection)):
         yield from ways_to_lie(place, part.symmetry)
     else:
         note = VerdictNote.PLACE_NEEDS_ROLL()
@@ -143,12 +143,12 @@ def _straight(
         found += [
             (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
         ]
-    found.sort(key=lambda one: one[0])
+    found.sort(key=lambda found_pose: found_pose[0])
     soonest: list[tuple[float, Floats, pin.SE3]] = []
     for _, q, T_world_tcp in found[:DRAWN]:
         nearer = drawn(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
-    for _, q, T_world_tcp in sorted(soonest + found, key=lambda one: one[0]):
+    for _, q, T_world_tcp in sorted(soonest + found, key=lambda found_pose: found_pose[0]):
         T_world_before = _back(T_world_tcp, hands.approach)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
@@ -237,9 +237,9 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
     note = VerdictNote.TARGET_POSES(count=ways, blocked=stands, far=len(far), close=close)
     if met:
         # That which came nearest to being right: where the arm is meant, by how much is known.
-        nearest = max(met, key=lambda one: (one.q is not None, one.distance or 0.0))
+        nearest = max(met, key=lambda verdict: (verdict.q is not None, verdict.distance or 0.0))
         return AtPlaces([], replace(nearest, note=note))
-    away, q = min(far, key=lambda one: one[0])
+    away, q = min(far, key=lambda found_pose: found_pose[0])
     return AtPlaces([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 

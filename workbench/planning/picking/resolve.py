@@ -89,11 +89,11 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
 
     Where there is but one lift it is left to the closer look that follows.
     """
-    grasp, one = candidate.grasp, world.detections[candidate.detection]
+    grasp, detection = candidate.grasp, world.detections[candidate.detection]
     every = [candidate.T_world_tcp * T for T in grips(arm.tool, grasp)]
     fits = world.tool_check.free(arm, candidate.detection, turns_of(arm.tool, grasp))
-    if not one.roll_known:
-        wrong = uneven(world.cell.part(one.part), one, arm, grasp)
+    if not detection.roll_known:
+        wrong = uneven(world.cell.part(detection.part), detection, arm, grasp)
         fits = fits & np.array([what is None for what in wrong])
         if not fits.any():
             return Verdict(Reason.ROLL_UNKNOWN, Stage.GRASP, note=VerdictNote.ROLL_UNSEEN())
@@ -130,8 +130,8 @@ def _that_can_be_put(
         Solutions in their order, configurations (k, n) [rad] at a place by the hand's pose, and the
         last refusal when no solution is left.
     """
-    one = world.detections[candidate.detection]
-    if not arm.places_for(one.part):
+    detection = world.detections[candidate.detection]
+    if not arm.places_for(detection.part):
         return solutions, {}, None
     starts, near = starts_of(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
     refusals: dict[bytes, Verdict | None] = {}
@@ -139,17 +139,19 @@ def _that_can_be_put(
         key = T_world_tcp.homogeneous.tobytes()
         if key in near or key in refusals:
             continue
-        T_tcp_part = T_world_tcp.actInv(one.T_world_part)
+        T_tcp_part = T_world_tcp.actInv(detection.T_world_part)
         phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
         found = at_places(world, arm, phase, starts)
         if found.near:
             near[key] = np.array(found.near)
         else:
             refusals[key] = found.refusal
-    able = [one for one in solutions if one[1].homogeneous.tobytes() in near]
+    able = [solution for solution in solutions if solution[1].homogeneous.tobytes() in near]
     if arm.Ts_world_place:
-        able += [one for one in solutions if one[1].homogeneous.tobytes() not in near]
-    nowhere = None if able else next((one for one in refusals.values() if one), None)
+        able += [
+            solution for solution in solutions if solution[1].homogeneous.tobytes() not in near
+        ]
+    nowhere = None if able else next((refusal for refusal in refusals.values() if refusal), None)
     return able, near, nowhere
 
 
@@ -162,7 +164,7 @@ def _grasp_solutions(
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
     every = [configurations(chain, T_world_tcp, starts) for T_world_tcp in hands]
-    known = np.empty((2 * sum(len(one.q) for one in every), starts.shape[1]))
+    known = np.empty((2 * sum(len(hand_answers.q) for hand_answers in every), starts.shape[1]))
     for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
         for q in (*drawn(chain, T_world_tcp, answers.q, home, pace), *answers.q):
@@ -192,10 +194,10 @@ def _grasp_solutions(
 
 def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     """The verdict on hands that no configuration was found for, by that which comes nearest."""
-    nearest = min(every, key=lambda one: float(one.away @ (1.0, 0.1)))
+    nearest = min(every, key=lambda answers: float(answers.away @ (1.0, 0.1)))
     note = None
-    if not all(one.is_complete for one in every):
-        note = VerdictNote.NO_CONFIGURATION(starts=sum(one.starts for one in every))
+    if not all(answers.is_complete for answers in every):
+        note = VerdictNote.NO_CONFIGURATION(starts=sum(answers.starts for answers in every))
     away = float(nearest.away @ (1.0, 0.1))
     return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
 

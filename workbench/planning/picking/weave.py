@@ -80,7 +80,7 @@ class Weave:
             refused = next((move for move in moves if not self._is_possible(move)), None)
             if refused is None:
                 return moves
-            left = [one for one in left if one[0] is not refused]
+            left = [option for option in left if option[0] is not refused]
         return None
 
     def seconds(self, moves: Sequence[Move]) -> float:

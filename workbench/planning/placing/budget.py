@@ -110,15 +110,19 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
         CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
         LOCALIZATION: to_hand @ localization_error(detection) @ to_hand.T,
     }
-    kept = {name: grip.keeps @ one @ grip.keeps.T for name, one in before.items()}
+    kept = {
+        name: grip.keeps @ covariance_of @ grip.keeps.T for name, covariance_of in before.items()
+    }
     kept[GRIP] = grip.covariance(before[CALIBRATION] + before[LOCALIZATION])
-    shares = {name: frozen(to_part @ one @ to_part.T) for name, one in kept.items()}
+    shares = {
+        name: frozen(to_part @ covariance_of @ to_part.T) for name, covariance_of in kept.items()
+    }
     covariance = sum(shares.values(), np.zeros((6, 6)))
     places = arm.places_for(part.name)
     place = places[0] if places else None
     what = counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
-    shift, turn = (float(np.quantile(one, SURE)) for one in off)
+    shift, turn = (float(np.quantile(samples, SURE)) for samples in off)
     return Budget(
         covariance,
         shares,
@@ -196,8 +200,10 @@ def _largest(
         along = R_part_hand.T @ axis
         counts[3:, 3:] = counts[3:, 3:] - np.outer(along, along @ counts[3:, 3:])
     weights = np.repeat([allowed.tolerance, allowed.turn_tolerance], 3)
-    weighed = {name: np.diag(counts @ one @ counts.T) / weights**2 for name, one in shares.items()}
-    name = max(weighed, key=lambda one: float(weighed[one].sum()))
+    weighed = {
+        name: np.diag(counts @ share @ counts.T) / weights**2 for name, share in shares.items()
+    }
+    name = max(weighed, key=lambda key: float(weighed[key].sum()))
     axis = int(np.argmax(weighed[name]))
     return name, (*ALONG[has_fingers], *ABOUT[has_fingers])[axis]
 

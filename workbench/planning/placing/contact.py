@@ -122,16 +122,16 @@ class _Felt:
         """By how much the middle of what is between the fingers is off, for each error (6,)."""
         found = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
         for k in (0, 2):
-            one, other = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
-            if one is not None and other is not None:
-                found[3 + k] = (one[1] - other[1]) / (2 * TRIED)
+            forward, backward = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
+            if forward is not None and backward is not None:
+                found[3 + k] = (forward[1] - backward[1]) / (2 * TRIED)
         return found
 
     def _length(self, axis: Floats) -> float:
         """How much wider [m/rad] a turn about an axis makes what is between the fingers."""
         assert self.width is not None
         holds = [self._hold(axis, angle) for angle in (TRIED, -TRIED)]
-        return min(0.0 if one is None else (one[0] - self.width) / TRIED for one in holds)
+        return min(0.0 if hold is None else (hold[0] - self.width) / TRIED for hold in holds)
 
     @cached_property
     def lengths(self) -> Floats:

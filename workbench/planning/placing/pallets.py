@@ -57,7 +57,7 @@ def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPl
     pallets = [place for place in arm.part_places if place.pallet]
     for part, T in parts:
         near = [(_off(place, part, T), place) for place in pallets if place.is_for(part.name)]
-        off, nearest = min(near, key=lambda one: one[0], default=(np.inf, None))
+        off, nearest = min(near, key=lambda nearby: nearby[0], default=(np.inf, None))
         if nearest is not None and off <= SLACK:
             found.add(nearest)
     return frozenset(found)
@@ -73,9 +73,9 @@ def _kept(
     return _filled(
         arm,
         [
-            (kinds[one.part], one.T_world_put)
-            for one in obstacles
-            if one.part in kinds and one.T_world_put is not None
+            (kinds[obstacle.part], obstacle.T_world_put)
+            for obstacle in obstacles
+            if obstacle.part in kinds and obstacle.T_world_put is not None
         ],
     )
 
@@ -85,11 +85,13 @@ def _is_open(
 ) -> bool:
     if not place.pallet:
         return True
-    others = [one for one in arm.part_places if one.pallet == place.pallet]
+    others = [part_place for part_place in arm.part_places if part_place.pallet == place.pallet]
     return (
         place not in kept | now
-        and not any(one in kept | now for one in others if one.layer > place.layer)
-        and all(one in kept for one in others if one.layer == place.layer - 1)
+        and not any(
+            part_place in kept | now for part_place in others if part_place.layer > place.layer
+        )
+        and all(part_place in kept for part_place in others if part_place.layer == place.layer - 1)
     )
 
 

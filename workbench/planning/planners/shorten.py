@@ -112,10 +112,10 @@ def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
             k += 1
             continue
         is_first, is_last = k == 0, k + 1 == len(kept) - 1
-        one = a if is_first else b if is_last else (a + b) / 2
-        before = is_first or is_clear(kept[k - 1], one)
-        if before and (is_last or is_clear(one, kept[k + 2])):
-            kept[k : k + 2] = [one]
+        middle = a if is_first else b if is_last else (a + b) / 2
+        before = is_first or is_clear(kept[k - 1], middle)
+        if before and (is_last or is_clear(middle, kept[k + 2])):
+            kept[k : k + 2] = [middle]
         else:
             k += 1
     return np.array(kept)

@@ -34,7 +34,7 @@ def pace_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
     for step in plan.sequence:
         both = [(cell.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
         is_one = plan.guarantee is Guarantee.SYNCHRONISED and are_in_step([leg for _, leg in both])
-        for some in [both] if is_one and cell.zone > 0.0 else [[one] for one in both]:
+        for some in [both] if is_one and cell.zone > 0.0 else [[arm_leg] for arm_leg in both]:
             yield from _violations(cell, some)
 
 

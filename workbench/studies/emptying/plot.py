@@ -24,12 +24,12 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
     titles = ("Parts of each pile", "Parts left, by the reason that got furthest")
     figure = make_subplots(1, 2, subplot_titles=titles)
     scenes = found["scenes"]
-    x = [f"seed {one['seed']}" for one in scenes]
+    x = [f"seed {scene['seed']}" for scene in scenes]
     rows = (
-        ("taken", [one["taken"] for one in scenes]),
-        ("failed", [one["failed_picks"] - one["failed_by_kind"]["missed"] for one in scenes]),
-        ("knocked out", [one["knocked_out"] for one in scenes]),
-        ("left", [len(one["left"]) for one in scenes]),
+        ("taken", [scene["taken"] for scene in scenes]),
+        ("failed", [scene["failed_picks"] - scene["failed_by_kind"]["missed"] for scene in scenes]),
+        ("knocked out", [scene["knocked_out"] for scene in scenes]),
+        ("left", [len(scene["left"]) for scene in scenes]),
     )
     colours = (COLOURS[2], COLOURS[3], COLOURS[6], COLOURS[5])
     for (name, counts), colour in zip(rows, colours, strict=True):
@@ -55,9 +55,9 @@ MOST_TOLD = 12
 
 def _told(scenes: list[dict[str, Any]], kind: str) -> str:
     told = [
-        f"seed {one['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
-        for one in scenes
-        for left in one["left"]
+        f"seed {scene['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
+        for scene in scenes
+        for left in scene["left"]
         if left["kind"] == kind
     ]
     more = len(told) - MOST_TOLD

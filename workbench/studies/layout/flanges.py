@@ -139,7 +139,7 @@ def _outward(robot: Robot, chain: Sequence[Joint], T: pin.SE3, axis: Floats) -> 
         if len(points):
             middle = T_joint_link.act((points.min(axis=0) + points.max(axis=0)) / 2)
             away.append(float((T.translation - middle) @ axis))
-    told = next((one for one in away if abs(one) > CLEAR), 1.0)
+    told = next((distance for distance in away if abs(distance) > CLEAR), 1.0)
     return float(np.sign(told))
 
 

@@ -163,11 +163,11 @@ def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     """One row for each planner and kind of ends; see `figures`."""
     kinds = (
         ("all", attempts),
-        ("not straight ahead", [one for one in attempts if not one.ends.is_straight]),
+        ("not straight ahead", [attempt for attempt in attempts if not attempt.ends.is_straight]),
     )
     return [
         {"planner": planner, "ends": name}
-        | figures([one for one in some if one.planner == planner])
+        | figures([attempt for attempt in some if attempt.planner == planner])
         for planner in (OURS, OMPL)
         for name, some in kinds
     ]
@@ -175,8 +175,8 @@ def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
 
 def figures(attempts: Sequence[Attempt]) -> dict[str, Any]:
     """What attempts came to: processor time in ms, of all of them; `motion` in s, None for none."""
-    ms = np.array([one.processor for one in attempts]) * 1000
-    motions = [one.seconds for one in attempts if one.seconds is not None]
+    ms = np.array([attempt.processor for attempt in attempts]) * 1000
+    motions = [attempt.seconds for attempt in attempts if attempt.seconds is not None]
     return {
         "pairs": len(attempts),
         "solved": len(motions),

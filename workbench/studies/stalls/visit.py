@@ -139,10 +139,10 @@ async def visit(url: str, name: str, password: str, token: str) -> AsyncGenerato
             if await browser.log_in(name, password) != 303:
                 raise LinkError(f"{url}: {name!r} cannot log in")
             await browser.open()
-            one = Visit(browser, token)
-            tasks = [asyncio.create_task(browser.close_code()), asyncio.create_task(one.ask())]
+            visitor = Visit(browser, token)
+            tasks = [asyncio.create_task(browser.close_code()), asyncio.create_task(visitor.ask())]
             try:
-                yield one
+                yield visitor
             finally:
                 for task in tasks:
                     task.cancel()

@@ -101,12 +101,16 @@ class Watchdog:
 
     def _look_who(self, before: Mapping[int, float], waited: float) -> None:
         after = _processor_times()
-        used = {one: seconds - before.get(one, 0.0) for one, seconds in after.items()}
+        used = {
+            thread_id: seconds - before.get(thread_id, 0.0) for thread_id, seconds in after.items()
+        }
         used.pop(threading.get_native_id(), None)
-        most = max(used, key=lambda one: used[one], default=None)
+        most = max(used, key=lambda thread_id: used[thread_id], default=None)
         if most is None or min(used[most], waited) < self._least:
             return
-        (thread,) = [one for one in threading.enumerate() if one.native_id == most] or [None]
+        (thread,) = [running for running in threading.enumerate() if running.native_id == most] or [
+            None
+        ]
         if thread is None:
             return
         where = stack_of(sys._current_frames().get(thread.ident or 0))  # pyright: ignore[reportPrivateUsage]

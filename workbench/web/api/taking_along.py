@@ -71,7 +71,7 @@ async def _give_case(session: Path, request: web.Request) -> web.StreamResponse:
         return refusal
     name = request.match_info["name"]
     try:
-        file = next((one for one in case_files(session) if one.name == name), None)
+        file = next((path for path in case_files(session) if path.name == name), None)
     except WorkbenchError as error:
         return problem_of(error)
     if file is None:
@@ -120,5 +120,9 @@ def _backup(root: Path, file: Path) -> None:
 def log_file() -> Path | None:
     """Where the server writes its log, if it writes one."""
     handlers = logging.getLogger().handlers
-    files = (Path(one.baseFilename) for one in handlers if isinstance(one, RotatingFileHandler))
+    files = (
+        Path(handler.baseFilename)
+        for handler in handlers
+        if isinstance(handler, RotatingFileHandler)
+    )
     return next((file for file in files if file.is_file()), None)

@@ -92,7 +92,7 @@ class _Listener(BinaryServer):
         door = self.iserver.user_manager
         # Servers of others in this process have a door of the library.
         checked = hasattr(door, "problem")
-        super().set_policies([_Checked(one, door) if checked else one for one in policies])
+        super().set_policies([_Checked(policy, door) if checked else policy for policy in policies])
 
     def _make_protocol(self) -> OPCUAProtocol:
         return _Connection(

@@ -80,7 +80,7 @@ class Presence:
         while True:
             words, now = self._bar(person), time.monotonic()
             if words != told or now - at >= REPEAT:
-                await browser.send_json({**words, **{one: say(words[one]) for one in SAID}})
+                await browser.send_json({**words, **{key: say(words[key]) for key in SAID}})
                 told, at = words, now
             await asyncio.sleep(LOOK)
 

@@ -235,4 +235,6 @@ def _little_socket(address: tuple[Any, ...]) -> socket.socket:
 def _protocol(request: web.Request) -> str | None:
     """The protocol that viser's page asks for."""
     offered = request.headers.get(hdrs.SEC_WEBSOCKET_PROTOCOL, "").split(",")
-    return next((one.strip() for one in offered if one.strip().startswith(PROTOCOL)), None)
+    return next(
+        (protocol.strip() for protocol in offered if protocol.strip().startswith(PROTOCOL)), None
+    )

@@ -64,16 +64,16 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
 async def _measured(page: Served, password: str, files: Files, report: Report) -> list[Row]:
     rows: list[Row] = []
     told = page.folder / FILE
-    async with visit(page.url, NAME, password, page.token) as one:
+    async with visit(page.url, NAME, password, page.token) as visitor:
         todo = doings(files)
         for number, (name, does) in enumerate(todo.items()):
             report(number / len(todo), name)
             before = len(_lines(told))
-            one.slowest = 0.0
-            await does(one)
+            visitor.slowest = 0.0
+            await does(visitor)
             await asyncio.sleep(SETTLES)
             found = [json.loads(line) for line in _lines(told)[before:]]
-            rows.append(Row(name, found, one.slowest, page.memory))
+            rows.append(Row(name, found, visitor.slowest, page.memory))
     return rows
 
 
@@ -94,7 +94,7 @@ def _form(row: Row) -> dict[str, Any]:
                 "thread": stall["thread"],
                 "where": stall["where"],
             }
-            for stall in sorted(row.stalls, key=lambda one: -one["seconds"])
+            for stall in sorted(row.stalls, key=lambda stall: -stall["seconds"])
         ],
     }
 

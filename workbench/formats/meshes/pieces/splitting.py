@@ -110,7 +110,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
     if excess <= tolerance or most < 2:
         return pieces, excess
     hulls = joined(_split_hulls(surface, tolerance, most), surface, HOLLOW * tolerance, most)
-    pieces = tuple(_with_few_corners(one.points[one.vertices], tolerance) for one in hulls)
+    pieces = tuple(_with_few_corners(hull.points[hull.vertices], tolerance) for hull in hulls)
     return pieces, _excess(pieces, surface, tolerance)
 
 
@@ -131,8 +131,8 @@ def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -
     found: list[Mesh] = []
     left = list(pieces)
     for hull in hulls:
-        inside = [one for one in left if (outside(hull, one.points) <= APART).all()]
-        left = [one for one in left if not any(one is other for other in inside)]
+        inside = [piece for piece in left if (outside(hull, piece.points) <= APART).all()]
+        left = [piece for piece in left if not any(piece is other for other in inside)]
         if len(inside) == 1:
             found += inside
         elif inside:

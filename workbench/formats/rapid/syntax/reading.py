@@ -30,7 +30,7 @@ class Words:
     def __init__(self, tokens: list[Token], name: str, problems: list[Problem]) -> None:
         self.tokens, self.name, self.problems = tokens, name, problems
         self._at = self._depth = 0
-        self._told = {one.line for one in problems}
+        self._told = {problem.line for problem in problems}
         self.next = tokens[0]
 
     def sees(self, type_: str) -> bool:

@@ -36,12 +36,12 @@ def has_pieces(shape: Shape) -> bool:
     return isinstance(shape, Mesh) and bool(shape.pieces)
 
 
-def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
+def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
     """The distance [m] of two shapes at poses in a common frame, negative where they overlap.
 
     Distances beyond `within` are not told apart.
     """
-    a, b = _pieces(one), _pieces(other)
+    a, b = _pieces(shape), _pieces(other)
     at, bt = (
         coal.Transform3s(T.rotation, T.translation),
         coal.Transform3s(U.rotation, U.translation),
@@ -68,9 +68,9 @@ def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = n
 
 
 def _measured(
-    one: coal.CollisionGeometry,
+    geometry: coal.CollisionGeometry,
     T: coal.Transform3s,
     other: coal.CollisionGeometry,
     U: coal.Transform3s,
 ) -> float:
-    return float(coal.distance(one, T, other, U, REQUEST, coal.DistanceResult()))
+    return float(coal.distance(geometry, T, other, U, REQUEST, coal.DistanceResult()))
