@@ -115,7 +115,7 @@ def planned(
     for chosen, assigned in islice(_assignments(world, picks, strategy, request.cost), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        result = _made(request, chosen, assigned, cancelled)
+        result = _plan_picks(request, chosen, assigned, cancelled)
         if not isinstance(result, Verdict):
             return result, Verdict(Reason.OK, Stage.ROUTE)
         verdict = result
@@ -149,7 +149,7 @@ class _Request:
         return self.world.cell.moves_both_arms and is_far if is_auto else True
 
 
-def _made(
+def _plan_picks(
     request: _Request, chosen: Strategy, assigned: Sequence[Pick], cancelled: Callable[[], bool]
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for some picks, the quickest first, or why there is none."""
@@ -160,7 +160,7 @@ def _made(
     for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        found = _routed(request, chosen, pair, is_free=is_free)
+        found = _route(request, chosen, pair, is_free=is_free)
         if isinstance(found, Verdict):
             refusal = refusal or found
             if found.reason is Reason.OUT_OF_TIME:
@@ -185,7 +185,7 @@ def _made(
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 
 
-def _routed(
+def _route(
     request: _Request, chosen: Strategy, assigned: Sequence[Pick], *, is_free: bool
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for just these picks, the quickest first."""

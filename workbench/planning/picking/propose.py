@@ -140,7 +140,7 @@ def _candidates(
             verdict = outside or hands.refusals[k]
             if verdict is None:
                 fit = hands.fits[number, k]
-                verdict = _told(check, arm, grasp, T_world_tcp, fit)
+                verdict = _judge_fit(check, arm, grasp, T_world_tcp, fit)
                 verdict = at_every_turn(
                     check, part, detections, number, arm=arm, grasp=grasp, fit=fit, verdict=verdict
                 )
@@ -170,7 +170,7 @@ def opened(grasp: Grasp, opening: float) -> Grasp:
     return replace(grasp, opening=opening)
 
 
-def _told(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: Fit) -> Verdict:
+def _judge_fit(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: Fit) -> Verdict:
     """That a hand fits; or else what refuses its first way."""
     if fit.pair is None:
         return _FITS

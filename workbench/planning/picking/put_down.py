@@ -268,7 +268,7 @@ def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
             refusal = refusal or down
             continue
         world.enter(brings)
-        met = _met(world, arm, down)
+        met = _find_contact(world, arm, down)
         if met is None and np.array_equal(down[-1], home_of(world, arm)):
             return PutDown(down, down[-1:])
         if met is None:
@@ -297,7 +297,7 @@ def _back(T_world_tcp: pin.SE3, approach: Floats) -> pin.SE3:
     return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - PLACE_LIFT * approach)
 
 
-def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
+def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
     """What a way to a place meets of what other arms have placed; the rest is known to be clear."""
     among = world.pairs.to_placed(arm.name)
     if len(among) == 0:

@@ -54,11 +54,11 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     """
     if not candidate.verdict.is_ok:
         return candidate.verdict
-    result = _resolved(world, candidate, seed)
+    result = _find_best(world, candidate, seed)
     return result if isinstance(result, Pick) else with_rolls(world.detections, result)
 
 
-def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
+def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     arm = world.arm(candidate.arm)
     if candidate.grasp.retreat is None:
         # The part's own way out does not depend on the arm: looked at first, it is cheap.
@@ -76,7 +76,7 @@ def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     best = nowhere or refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
         at = near.get(T_world_tcp.homogeneous.tobytes())
-        result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
+        result = _complete(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
         if isinstance(result, Pick):
             return replace(result, solutions=tuple(q for q, _, _ in solutions))
         if best is None or _progress(result) >= _progress(best):
@@ -181,7 +181,7 @@ def _grasp_solutions(
         q, T_world_tcp = found[k]
         contact, room = world.worst(world.configuration({arm.name: q}), reach=CLOSE)
         if contact is not None and room < 0:
-            verdict = _refused(Reason.IN_COLLISION, Stage.GRASP, contact, q)
+            verdict = _refuse(Reason.IN_COLLISION, Stage.GRASP, contact, q)
             if refusal is None or (verdict.distance or 0) > (refusal.distance or 0):
                 refusal = verdict
             continue
@@ -222,7 +222,7 @@ def holding_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straig
     )
 
 
-def _refused(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
+def _refuse(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
     return Verdict(reason, stage, pair=contact.pair, distance=contact.distance, q=q)
 
 
@@ -231,7 +231,7 @@ def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdic
     return Verdict(reason, stage, q=q, note=VerdictNote.LINE_ENDS(share=share))
 
 
-def _completed(
+def _complete(
     world: World,
     candidate: Candidate,
     arm: Arm,
@@ -295,7 +295,7 @@ def _approach(
     else:
         contact, q, _ = found
     if contact is not None:
-        return _refused(Reason.APPROACH_BLOCKED, Stage.APPROACH, contact, q)
+        return _refuse(Reason.APPROACH_BLOCKED, Stage.APPROACH, contact, q)
     return path
 
 
@@ -323,7 +323,7 @@ def _extract(
     base = world.configuration({})
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
-        refused = _refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
+        refused = _refuse(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
         return refused.noted(VerdictNote.TOO_DEEP())
     found = path_contact(world, columns, base, path)
     if found is None:
@@ -337,7 +337,7 @@ def _extract(
     else:
         contact, q, _ = found
     if contact is not None:
-        return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
+        return _refuse(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
     return path
 
 

@@ -169,7 +169,7 @@ def _forms(
         limits = pace.velocity, pace.acceleration
         quick = eased(skipped(path, is_clear), is_clear, *limits, policy.zone)
         if len(quick) > 2 and motion.corners != "streamed":
-            yield _rounded(quick, motion)
+            yield _round(quick, motion)
         yield as_sent(quick, is_clear, policy.free_points, motion)
     yield as_sent(path, is_clear, policy.free_points, motion)
 
@@ -177,10 +177,10 @@ def _forms(
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded."""
     path = merged(shortened(path, is_clear, most=count), is_clear)
-    return _rounded(resampled(path, count), motion)
+    return _round(resampled(path, count), motion)
 
 
-def _rounded(path: Floats, motion: MotionModel) -> Floats:
+def _round(path: Floats, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] as the wire carries it.
 
     Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.
