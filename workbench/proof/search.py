@@ -187,7 +187,7 @@ class _Search:
             count = len(self.found.bounds)
             seem = items[foremost(items, self._asked, sets.at, count, arrays, there)]
             planes(seem, self._ways(sets, q, seem), self._asked, *compiled)
-        close = self._sifted(batch, items, world, spreads)
+        close = self._sift(batch, items, world, spreads)
         if len(close.items) and not self.is_over():
             # The direction in which a pair is apart in one set often is good for others.
             order = np.argsort(close.told, kind="stable")
@@ -208,7 +208,7 @@ class _Search:
                 space.look(self._both(q[first], q[second]))
             row, place = int(self._pairs.rows[pair]), int(batch.at[[first, second]].max())
             distance, shown = space.distance(row), bool(asked.shown[pair])
-            self._noted(row, distance, float(asked.margins[pair]), place, shown)
+            self._note(row, distance, float(asked.margins[pair]), place, shown)
             ways[n] = space.way()
         return ways
 
@@ -244,7 +244,7 @@ class _Search:
         q, spreads = spread(batch.corners, batch.sizes, is_motion)
         return q, spreads, poses(space.chain, space.arrays, q, spreads.spans, needed)
 
-    def _sifted(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
+    def _sift(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
         space, goals = self._space, np.array(self._wanted.goals)
         return sieve(
             items, self._asked, goals, batch.at, self.found.bounds, space.normals,
@@ -255,12 +255,12 @@ class _Search:
         """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be looked at."""
         first, second = self._asked.first[items[:, 2]], self._asked.second[items[:, 2]]
         q, spreads, world = self._world(batch, first, second, True)
-        close = self._sifted(batch, items, world, spreads)
+        close = self._sift(batch, items, world, spreads)
         if not len(close.items):
             return close.items
         asked, space, told, which = self._asked, self._space, close.told, close.items[:, 2]
         at = batch.at[close.items[:, :2]].max(axis=1)
-        ways = self._measured(q, close, at)
+        ways = self._measure_pairs(q, close, at)
         if ways:
             n, way = np.array(list(ways)), np.array(list(ways.values()))
             compiled = space.normals, space.chain, space.arrays, world, spreads
@@ -276,7 +276,7 @@ class _Search:
         margins, goals = self._asked.margins[which], np.array(self._wanted.goals)[at]
         return np.where(self._asked.shown[which], np.maximum(margins, goals), margins)
 
-    def _measured(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
+    def _measure_pairs(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
         """Measure pairs in the middles `q` (k, nq) of sets after waypoints (n,), nearest first.
 
         Better bounds are put into `close`.
@@ -310,7 +310,7 @@ class _Search:
             if counts and wanted.stated is not None and distance < goals[place] - SAME:
                 found.bounds[place] = distance
                 return {}
-            self._noted(row, distance, margin, place, counts)
+            self._note(row, distance, margin, place, counts)
             if found.too_near is not None:
                 return {}
             told = max(told, distance - moves)
@@ -319,7 +319,7 @@ class _Search:
                 ways[n] = space.way()
         return ways
 
-    def _noted(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
+    def _note(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
         """Note what was measured of a pair after a waypoint, where that is too near or nearest."""
         is_near = not distance >= margin
         if is_near or (counts and distance < self._wanted.nearest[place]):

@@ -86,11 +86,11 @@ class Space:
             return float(self._last.min_distance)
         number = self._numbers.get(row)
         if number is None:
-            number = self._numbers[row] = self._added(row)
+            number = self._numbers[row] = self._add_pair(row)
         self._last = pin.computeDistance(self._geometry, self._measured, number)
         return float(self._last.min_distance)
 
-    def _added(self, row: int) -> int:
+    def _add_pair(self, row: int) -> int:
         """Make room for measuring a pair, as Pinocchio does: for all of them it would take long."""
         pair, measured = (int(self.table.first[row]), int(self.table.second[row])), self._measured
         self._geometry.addCollisionPair(pin.CollisionPair(*pair))

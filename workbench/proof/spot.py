@@ -57,11 +57,11 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
         for arm_motion in step.moving:
             if (arm_motion.arm.name, arm_motion.leg.name) == (place.arm, place.leg) and rows:
                 space.put_parts(plan, carried(cell, tree, plan, step))
-                return _found(tree, space, step, arm_motion, place, rows)
+                return _locate(tree, space, step, arm_motion, place, rows)
     return None
 
 
-def _found(
+def _locate(
     tree: Tree, space: Space, step: Step, arm_motion: Moving, place: Violation, rows: list[int]
 ) -> Spot:
     seconds = _seconds(arm_motion, place)

@@ -128,7 +128,7 @@ def stages_of(
     name, now = arm_motion.leg.name, situation_of(tree, step, arm_motion)
     sets = _way_of(cell, tree, arm_motion)
     if name == "extract":
-        first, rest = _cut(sets, *_released(tree, step, arm_motion, cell.policy.release))
+        first, rest = _cut(sets, *_find_release(tree, step, arm_motion, cell.policy.release))
         yield Stage(first, now, comes_off=True)
         yield Stage(rest, now)
     elif name == "home":
@@ -204,7 +204,7 @@ def fingers_of(tree: Tree, arm_motion: Moving) -> Sets:
     )
 
 
-def _released(tree: Tree, step: Step, arm_motion: Moving, least: float) -> tuple[int, Floats]:
+def _find_release(tree: Tree, step: Step, arm_motion: Moving, least: float) -> tuple[int, Floats]:
     """The segment in which a lifted part has come `least` [m] far, and where in it (n,)."""
     places = np.array(
         [tcp(tree, step.base, arm_motion.arm, q).translation for q in arm_motion.path]

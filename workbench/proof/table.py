@@ -108,7 +108,9 @@ class Table:
         name = np.array([names[b.name] for b in bodies])
         meet = ~np.eye(len(names), dtype=bool)
         for pair in cell.robot.disabled_pairs:
-            first, second = ([k for k in map(names.get, _meant(n)) if k is not None] for n in pair)
+            first, second = (
+                [k for k in map(names.get, _parse_name(n)) if k is not None] for n in pair
+            )
             for i, j in product(first, second):
                 meet[i, j] = meet[j, i] = False
         self.counts = np.triu(meet[np.ix_(name, name)], 1)
@@ -197,7 +199,7 @@ class Table:
         return self._bodies[first].label, self._bodies[second].label
 
 
-def _meant(name: str) -> tuple[str, str]:
+def _parse_name(name: str) -> tuple[str, str]:
     """What may be called so in a list of pairs that need no check."""
     return f"link {name}", f"tool {name}"
 

@@ -250,7 +250,7 @@ class Walk:
         pairs = pairs.keeping(np.full(len(pairs.rows), -np.inf))
         times = np.unique(np.concatenate([arm_motion.leg.t for arm_motion in step.moving]))
         columns = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
-        path = np.hstack([_passed(arm_motion, times) for arm_motion in step.moving])
+        path = np.hstack([_sample(arm_motion, times) for arm_motion in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
         way = moved(np.concatenate(columns), path, motion, zone)
         asked = ((way, *waiting_fingers(self._tree, step)),)
@@ -358,7 +358,7 @@ class Walk:
         )
 
 
-def _passed(arm_motion: Moving, times: Floats) -> Floats:
+def _sample(arm_motion: Moving, times: Floats) -> Floats:
     """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
     return np.stack(
         [np.interp(times, arm_motion.leg.t, column) for column in arm_motion.path.T], axis=1

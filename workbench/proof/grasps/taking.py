@@ -36,7 +36,7 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> I
     found = plan.detections[arm_plan.detection]
     if found.T_world_found is None and not cell.bin.gives(part, found.T_world_part):
         yield Violation(ProofText.OUTSIDE_REGIONS(), arm.name)
-    yield from _permitted(arm, grasp)
+    yield from _check_permission(arm, grasp)
     yield from _openings(cell, arm, grasp, arm_plan)
     points, T_tcp_part = np.asarray(part.mesh.points), in_hand(cell, tree, plan, arm_plan)
     if displacement(points, arm_plan.T_tcp_part, T_tcp_part) > STATED:
@@ -61,7 +61,7 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> I
         yield from _place_violations(cell, tree, plan, arm_plan, T_tcp_part)
 
 
-def _permitted(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
+def _check_permission(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
     """Whether an arm may use a grasp at all."""
     if not grasp.is_enabled:
         yield Violation(ProofText.GRASP_DISABLED(grasp=grasp.name), arm.name)
