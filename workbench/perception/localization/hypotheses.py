@@ -71,8 +71,8 @@ def at_a_glance(
     seed: int,
 ) -> Floats:
     """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
-    voted = _voted(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
-    return _fitted(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
+    voted = _vote(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
+    return _fit(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 
 
 def hypotheses(
@@ -99,14 +99,14 @@ def hypotheses(
     Returns:
         Poses (k, 4, 4) brought to rest, and (m, 4, 4).
     """
-    voted = _voted(maps, surface, tolerance, is_possible, effort, seed)
-    fitted = _fitted(maps, surface, voted, tolerance)
+    voted = _vote(maps, surface, tolerance, is_possible, effort, seed)
+    fitted = _fit(maps, surface, voted, tolerance)
     poses = np.concatenate([fitted, voted[:MOST_UNFITTED]])
     possible = is_possible(poses)
     return _at_rest(glance, surface, poses[possible], tolerance), poses[~possible]
 
 
-def _voted(
+def _vote(
     maps: DepthMap,
     surface: PartSurface,
     tolerance: float,
@@ -131,7 +131,7 @@ def _voted(
     return _best(surface, poses, values, most=MOST_VOTED, most_nearby=MOST_NEARBY)
 
 
-def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _fit(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The poses (k, 4, 4) after a first fit, best first; where several became one, the best."""
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]

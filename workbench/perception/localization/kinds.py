@@ -207,7 +207,7 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
         best = int(entry.gains.argmax())
         hypothesis = entry.left.pop(best)
         entry.gains = np.delete(entry.gains, best)
-        taken = _taken(entry, hypothesis, closely)
+        taken = _try_to_take(entry, hypothesis, closely)
         if taken is None:
             continue
         entry.weigh()
@@ -216,7 +216,7 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
                 _cover(other, entry.one, taken)
 
 
-def _taken(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
+def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
     search = entry.one
     if _is_outdone(entry, hypothesis):
         search.choice.rejected.append(

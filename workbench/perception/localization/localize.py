@@ -85,21 +85,21 @@ def together(scan: Scan, brought: Sequence[Sought | PartSurface]) -> list[Search
     found = [search for search in brought if isinstance(search, Sought)]
     standing = iter(judged(found))
     return [
-        _searched(scan, search, next(standing))
+        _conclude(scan, search, next(standing))
         if isinstance(search, Sought)
         else Searched(LocalizationResult(()), search, ())
         for search in brought
     ]
 
 
-def _searched(scan: Scan, search: Sought, standing: Judged) -> Searched:
+def _conclude(scan: Scan, search: Sought, standing: Judged) -> Searched:
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * search.maps.pitch**2 for k in order)
     detections = tuple(
         _detection(scan, search, choice.chosen[k], standing.ratios[k]) for k in order
     )
-    rejected = _rejected(scan, search, choice, order)
+    rejected = _list_rejected(scan, search, choice, order)
     poses = [chosen.pose for chosen in choice.chosen]
     scale = scale_check(search.part.name, search.maps, search.surface, poses, search.tolerance)
     scales = () if scale is None else (scale,)
@@ -203,7 +203,7 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
     return scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
 
 
-def _rejected(
+def _list_rejected(
     scan: Scan, search: Sought, choice: Choice, order: Sequence[int]
 ) -> tuple[RejectedHypothesis, ...]:
     """The best of those rejected; `order` is that of the chosen ones as detections."""

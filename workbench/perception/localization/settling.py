@@ -84,14 +84,14 @@ def settled(
         tolerance: [m] see `sightings.look`.
         steps: [m] lengths of the search's steps, one after the other.
     """
-    return _settled(
+    return _settle_arrays(
         *drawing(maps, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
         surface.diameter / 2, np.array(steps), 0 if surface.is_ball else WEAK,
     )  # fmt: skip
 
 
 @njit(cache=True, parallel=True)
-def _settled(
+def _settle_arrays(
     seen: Seen,
     vertices: Floats,
     triangles: Ints,
