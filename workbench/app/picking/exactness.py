@@ -22,12 +22,12 @@ def with_exactness(
         candidates: with their verdicts.
     """
     return tuple(
-        replace(candidate, verdict=_noted(cell, detections, candidate.verdict))
+        replace(candidate, verdict=_note_excess(cell, detections, candidate.verdict))
         for candidate in candidates
     )
 
 
-def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:
+def _note_excess(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:
     if verdict.is_ok or verdict.pair is None or verdict.distance is None:
         return verdict
     excess = sum(

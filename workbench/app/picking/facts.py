@@ -27,12 +27,12 @@ from workbench.proof.spot import Spot, spot_of
 
 def bin_check_of(state: State) -> BinCheck | None:
     """What the scan of a state says about the bin of its cell; None without a scan."""
-    return None if state.scan is None else _checked(state.scan, state.cell.bin)
+    return None if state.scan is None else _check_bin(state.scan, state.cell.bin)
 
 
 # It takes some 10 ms, and is asked for at every drawing.
 @functools.lru_cache(maxsize=2)
-def _checked(scan: Scan, bin: Bin) -> BinCheck:
+def _check_bin(scan: Scan, bin: Bin) -> BinCheck:
     return check_bin(scan, bin)
 
 

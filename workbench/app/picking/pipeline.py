@@ -269,7 +269,7 @@ def _judge(
                 if isinstance(result, Pick):
                     looked.picks.append(result)
                     others.append(candidate)
-                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
+                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_describe(world, result))
                 else:
                     verdict = result
         if verdict is not candidate.verdict:
@@ -289,7 +289,7 @@ def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
     return before or len(working) >= ENOUGH
 
 
-def _told(world: World, pick: Pick) -> Message:
+def _describe(world: World, pick: Pick) -> Message:
     """What to know of a candidate that works: how far it goes, its lift and its opening."""
     candidate = pick.candidate
     facts = [VerdictNote.DURATION(seconds=pick.seconds)]

@@ -73,11 +73,11 @@ def scene_of(
         kept = (obstacle for obstacle in plan.obstacles if obstacle.part)
         obstacles = (*unexplained(cell, scan, found), *kept)
         if detections is None:
-            found = _shown(cell, scan, found)
+            found = _select_shown(cell, scan, found)
     return Scene(digest, found, obstacles)
 
 
-def _shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detection, ...]:
+def _select_shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detection, ...]:
     """Those of some parts that a scan shows."""
     from workbench.perception.scene.shown_parts import shown
 
@@ -122,6 +122,6 @@ def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Pro
     plan, scene, proof = certificate.plan, certificate.scene, certificate.proof
     if scan is not None:
         scene = scene_of(cell, plan, detections=scene.detections, scan=scan)
-        scene = replace(scene, detections=_shown(cell, scan, scene.detections))
+        scene = replace(scene, detections=_select_shown(cell, scan, scene.detections))
     resolution = min(proof.resolution, layer.RESOLUTION)
     return layer.prove(cell, scene, plan, resolution=resolution, stated=proof)

@@ -83,7 +83,7 @@ def regrasped(
             why = StationNote.NO_GRASP(reason=reason.message)
         for stand in pairs[:MOST_PLANNED]:
             told(0.8, "planning over a station")
-            row = _planned(cell, scene, number, stand, policy, picks)
+            row = _plan_both(cell, scene, number, stand, policy, picks)
             if isinstance(row, Message):
                 why = row
             else:
@@ -125,7 +125,7 @@ def _why_not(refusals: Sequence[Verdict]) -> Reason:
     return later.most_common(1)[0][0] if later else Reason.NO_PLACE
 
 
-def _planned(
+def _plan_both(
     cell: Cell,
     scene: Scene,
     number: int,

@@ -75,7 +75,7 @@ def plan_row(
             return result
         report = within(report, USUALLY, 1.0)
     result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
-    return _noted(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
+    return _add_note(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -148,7 +148,7 @@ def _rows(
     return best_of(cell, rows)
 
 
-def _noted(result: PlanResult, note: Message) -> PlanResult:
+def _add_note(result: PlanResult, note: Message) -> PlanResult:
     """A result whose plan has one more remark."""
     assert result.plan is not None
     return replace(result, plan=replace(result.plan, notes=(*result.plan.notes, note)))
@@ -176,7 +176,7 @@ def _row(
             moved = may_have_moved(cell, plan)
             if moved is not None:
                 ends = ends or renumbered(moved.problem, first.plan, plan.detections)
-            left = _left(plan, left)
+            left = _carry_over(plan, left)
             scene = scene_after(cell, plan)
         if ends or not scene.detections:
             ends = ends or RowEnd.NO_PART()
@@ -243,7 +243,7 @@ def _holds(result: PlanResult) -> bool:
     return result.plan is not None and result.proof is not None and result.proof.holds
 
 
-def _left(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
+def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
     """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
     taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
