@@ -63,7 +63,7 @@ def first_contact(
     among = world.pairs.between(first.arm, second.arm)
     edges = world.edges(np.concatenate(columns), base, resolution, among)
     if edges is None or not edges.is_all:
-        return _measured(world, base, first, second, resolution)
+        return _measure(world, base, first, second, resolution)
     scratch = edges.scratch._replace(open_pairs=np.empty(MOST_OPEN, np.int64))
     edges = edges._replace(scratch=scratch)
     found, curves, looks = ways_met(first.points, second.points, MOST_LOOKS, edges)
@@ -76,7 +76,7 @@ def first_contact(
     return ArmContact(contact, ends, (int(curves[0]), int(curves[1])))
 
 
-def _measured(
+def _measure(
     world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
 ) -> ArmContact | None:
     """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""

@@ -76,14 +76,16 @@ def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for link in cell.robot.links:
         joint, T_joint_link = kinematics.frames[link.name]
         for solid in link.collision:
-            carrier, T = _unturned(kinematics, joint, T_joint_link * solid.T_owner_shape, solid)
+            carrier, T = _without_rotation(
+                kinematics, joint, T_joint_link * solid.T_owner_shape, solid
+            )
             bodies.append(
                 Body(link.name, "link", link.name, carriers[joint], carrier, T, solid.shape)
             )
     return bodies
 
 
-def _unturned(
+def _without_rotation(
     kinematics: Kinematics, joint: int, T_joint_body: pin.SE3, solid: Solid
 ) -> tuple[int, pin.SE3]:
     """The joint that really moves a body, and the body's pose in it.
@@ -109,7 +111,9 @@ def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for index, arm in enumerate(cell.arms):
         joint, T_joint_flange = kinematics.frames[arm.flange]
         for solid in arm.tool.body:
-            carrier, T = _unturned(kinematics, joint, T_joint_flange * solid.T_owner_shape, solid)
+            carrier, T = _without_rotation(
+                kinematics, joint, T_joint_flange * solid.T_owner_shape, solid
+            )
             bodies.append(
                 Body(f"{arm.name} {solid.name}", "tool", arm.name, index, carrier, T, solid.shape)
             )

@@ -71,11 +71,11 @@ def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
         return straight(path)
     wide, pieces = (STREAMED_ZONE, 1) if motion.corners == "streamed" else (zone, CHORDS)
     # A copy can be written to: read-only arrays would be compiled for once more.
-    return Curves(*_walked(np.array(path), wide, pieces))
+    return Curves(*_walk(np.array(path), wide, pieces))
 
 
 @njit(cache=True)
-def _walked(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
+def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
     """Curves of a path (m, n) [rad] and the waypoints before them; every corner in `pieces`."""
     last, n = len(path) - 1, path.shape[1]
     counts = np.zeros(last, np.int64)

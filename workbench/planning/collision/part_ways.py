@@ -109,11 +109,11 @@ class PartWays:
         for way in ways:
             key = (number, way.tobytes())
             if key not in self._known:
-                self._known[key] = self._met(number, way)
+                self._known[key] = self._find_contact(number, way)
             found.append(self._known[key])
         return found
 
-    def _met(self, number: int, way: Floats) -> tuple[str, float] | None:
+    def _find_contact(self, number: int, way: Floats) -> tuple[str, float] | None:
         around = self._of(number)
         if not around.cores.known.all():
             return None
@@ -136,7 +136,7 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world, straight, from where it lies.
         """
-        return self._begun(number, way)[0]
+        return self._measure_begin(number, way)[0]
 
     def is_pushed(self, number: int, way: Floats) -> bool:
         """Whether a part comes nearer than is `kept` to something in the first mm of its way.
@@ -145,9 +145,9 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world, as of `gain`.
         """
-        return self._begun(number, way)[1]
+        return self._measure_begin(number, way)[1]
 
-    def _begun(self, number: int, way: Floats) -> tuple[float, bool]:
+    def _measure_begin(self, number: int, way: Floats) -> tuple[float, bool]:
         """What a part gains [m] on the first mm of a way (3,) [m], and whether it is pushed."""
         key = (number, way.tobytes())
         if key not in self._first:

@@ -61,12 +61,14 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
             note = VerdictNote.CUTS_INTO(closed=closed, body=at, depth=-depth)
             found.append(Uneven(note, -depth))
             continue
-        key = (np.round(_unturned(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
-        found.append(_held(part, arm.tool, axis, key, grasp.opening, grasp.approach_length))
+        key = (np.round(_without_turn(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
+        found.append(
+            _compare_holds(part, arm.tool, axis, key, grasp.opening, grasp.approach_length)
+        )
     return tuple(found)
 
 
-def _unturned(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
+def _without_turn(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
     """The one of all hands that differ by a turn about the axis that stands for them."""
     point, direction = axis
     R, out = T_part_tcp.rotation, T_part_tcp.translation - point
@@ -94,7 +96,7 @@ def _room_checker(part: Part, tool: Tool, axis: bytes) -> GraspChecker:
 
 
 @lru_cache(maxsize=16384)
-def _held(
+def _compare_holds(
     part: Part, tool: Tool, axis: bytes, T_part_tcp: bytes, opening: float, approach_length: float
 ) -> Uneven | None:
     """What differs in what a hand holds, over all turns."""
@@ -114,10 +116,10 @@ def _held(
     holds = [checker.hold(hand, opening) for hand in hands]
     if not all(holds):
         return Uneven(VerdictNote.NOTHING_HELD(), 0.0)
-    return _compared([hold for hold in holds if hold is not None], tool.press)
+    return _compare([hold for hold in holds if hold is not None], tool.press)
 
 
-def _compared(holds: list[Hold], press: float) -> Uneven | None:
+def _compare(holds: list[Hold], press: float) -> Uneven | None:
     """What fingers hold at some turns and not at others; pads give way by `press` [m]."""
     widths, middles = [hold.width for hold in holds], [hold.offset for hold in holds]
     wide, aside = float(np.ptp(widths)), float(np.ptp(middles))

@@ -136,7 +136,7 @@ def suggest(
             kept.add(suggestion.grasp.T_part_tcp)
             found.append(suggestion)
     found.sort(key=lambda rated: -rated.score)
-    return tuple(_named(found, {grasp.name for grasp in part.library.grasps}, name))
+    return tuple(_name(found, {grasp.name for grasp in part.library.grasps}, name))
 
 
 def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
@@ -270,7 +270,7 @@ def _looked_at(
     return Suggestion(grasp, score, angle, idea.lever, check)
 
 
-def _named(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
+def _name(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
     named: list[Suggestion] = []
     number = 0
     for suggestion in found:

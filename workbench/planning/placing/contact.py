@@ -94,7 +94,7 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     if felt.width is None:
         return Grip(np.eye(6), np.empty((0, 6)), play=0.0)
     along = felt.along()
-    way = _pushed(checker.part.mesh, T_part_closing, T_world_part, felt.lengths[UPRIGHT])
+    way = _push(checker.part.mesh, T_part_closing, T_world_part, felt.lengths[UPRIGHT])
     way /= along @ way
     keeps = np.eye(6) - np.outer(way, along)
     # About the middle of the faces: what is between the fingers stays in their middle.
@@ -152,7 +152,7 @@ class _Felt:
         return AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
 
 
-def _pushed(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:
+def _push(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:
     """How the part goes as one finger pushes it along the travel (6,), of whatever length.
 
     What it lies on is level, and bears it where the part is lowest.

@@ -36,22 +36,22 @@ def open_places(
     places = arm.places_for(world.detections[number].part)
     if not any(place.pallet for place in places):
         return places
-    kept = _kept(arm, world.cell.parts, tuple(world.obstacles))
-    now = _filled(arm, () if phase is None else _just_put(world, phase))
+    kept = _find_sure(arm, world.cell.parts, tuple(world.obstacles))
+    now = _find_filled(arm, () if phase is None else _just_put(world, phase))
     return tuple(place for place in places if _is_open(arm, place, kept, now))
 
 
 def why_full(world: World, arm: Arm, number: int) -> Verdict:
     """That no place for a part found is open."""
     places = arm.places_for(world.detections[number].part)
-    count = len(_kept(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
+    count = len(_find_sure(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
     note = VerdictNote.PALLETS_FULL(arm=arm.name, places=len(places))
     if count < len(places):
         note = VerdictNote.PALLETS_CLOSED(arm=arm.name, places=len(places), taken=count)
     return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
 
 
-def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPlace]:
+def _find_filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPlace]:
     """The places of pallets in layers of an arm at which some parts lie."""
     found: set[PartPlace] = set()
     pallets = [place for place in arm.part_places if place.pallet]
@@ -65,12 +65,12 @@ def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPl
 
 # It is asked of every candidate.
 @lru_cache(maxsize=8)
-def _kept(
+def _find_sure(
     arm: Arm, parts: tuple[Part, ...], obstacles: tuple[Obstacle, ...]
 ) -> frozenset[PartPlace]:
     """The places at which a part surely lies."""
     kinds = {part.name: part for part in parts}
-    return _filled(
+    return _find_filled(
         arm,
         [
             (kinds[obstacle.part], obstacle.T_world_put)

@@ -42,7 +42,7 @@ def eased(
         return path
     trials = ROUNDS * (len(PULLS) + 2 * joints * len(STEPS)) + 1
     return asking(
-        lambda edges, answers: _eased(path, velocity, acceleration, zone, edges, answers),
+        lambda edges, answers: _ease(path, velocity, acceleration, zone, edges, answers),
         is_clear,
         joints,
         3 * trials * count,
@@ -89,7 +89,7 @@ def _is_open(
 
 
 @njit(cache=True)
-def _eased(
+def _ease(
     path: Floats, v: Floats, acc: Floats, zone: float, edges: Edges, answers: Answers
 ) -> Floats:
     path = path.copy()

@@ -28,7 +28,7 @@ def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     count, joints = path.shape
     questions = count * count + ROUNDS * len(CUTS) * max(most, count)
     return asking(
-        lambda edges, answers: _shortened(path, most, edges, answers), is_clear, joints, questions
+        lambda edges, answers: _shorten(path, most, edges, answers), is_clear, joints, questions
     )
 
 
@@ -36,13 +36,13 @@ def skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], from each kept waypoint straight on to the furthest possible."""
     count, joints = path.shape
     return asking(
-        lambda edges, answers: _skipped(path, edges, answers), is_clear, joints, count * count
+        lambda edges, answers: _skip(path, edges, answers), is_clear, joints, count * count
     )
 
 
 @njit(cache=True)
-def _shortened(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
-    path = _skipped(path, edges, answers)
+def _shorten(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
+    path = _skip(path, edges, answers)
     for _ in range(ROUNDS):
         if len(path) > 0 and 2 * len(path) - 2 <= most:
             path = _cut(path, edges, answers)
@@ -79,7 +79,7 @@ def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
 
 
 @njit(cache=True)
-def _skipped(path: Floats, edges: Edges, answers: Answers) -> Floats:
+def _skip(path: Floats, edges: Edges, answers: Answers) -> Floats:
     """From each kept waypoint on to the furthest one that can be reached straight."""
     kept = np.empty_like(path)
     kept[0] = path[0]

@@ -47,7 +47,7 @@ def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float =
         coal.Transform3s(U.rotation, U.translation),
     )
     if len(a.radii) == len(b.radii) == 1:
-        return _measured(a.geometries[0], at, b.geometries[0], bt)
+        return _measure(a.geometries[0], at, b.geometries[0], bt)
     seen = T.actInv(U)
     # Of each box of the one how far the balls of the other are, and the other way round.
     there = b.centres @ seen.rotation.T + seen.translation
@@ -63,11 +63,11 @@ def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float =
         i, j = divmod(int(k), len(b.radii))
         if least[i, j] >= best:
             break
-        best = min(best, _measured(a.geometries[i], at, b.geometries[j], bt))
+        best = min(best, _measure(a.geometries[i], at, b.geometries[j], bt))
     return best
 
 
-def _measured(
+def _measure(
     geometry: coal.CollisionGeometry,
     T: coal.Transform3s,
     other: coal.CollisionGeometry,
