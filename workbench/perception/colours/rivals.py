@@ -59,7 +59,7 @@ class Shape:
     def allows(self, guess: Guess) -> Floats | None:
         """The pose (4, 4) [m] of a guess, brought to rest; None where shape speaks against it."""
         if guess not in self.known:
-            self.known[guess] = self._rested(guess)
+            self.known[guess] = self._bring_to_rest(guess)
         return self.known[guess]
 
     def _are_near(self, surface: PartSurface, poses: Floats) -> Bools:
@@ -69,7 +69,7 @@ class Shape:
         seen = closeness(tally(maps, surface, poses, tolerance))
         return np.asarray(seen >= (1.0 - FAR_BEHIND) * own)
 
-    def _rested(self, guess: Guess) -> Floats | None:
+    def _bring_to_rest(self, guess: Guess) -> Floats | None:
         surface = self.surfaces[guess.kind]
         if surface is self.one.surface and np.array_equal(guess.pose, self.found):
             return self.found

@@ -101,10 +101,10 @@ def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
         for i, chosen in enumerate(search.choice.chosen)
     }
     deviation = _deviation(scan, list(on.values()))
-    seen = [_seen(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
+    seen = [_look(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
     total = sum((each.misses().min(axis=0) for each in seen if each.table is not None), np.zeros(1))
     lights = total <= total.min() + AS_GOOD
-    told = [_told(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen]
+    told = [_decide(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen]
     return _chosen_anew(brought, told)
 
 
@@ -115,7 +115,7 @@ def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
     return spread(scan.points[points], scan.colours[points])
 
 
-def _seen(
+def _look(
     scan: Scan,
     brought: Sequence[Sought],
     kinds: Sequence[Painted | None],
@@ -138,7 +138,7 @@ def _seen(
     return Seen(k, i, shape, some, paints, np.array(found))
 
 
-def _told(
+def _decide(
     brought: Sequence[Sought],
     kinds: Sequence[Painted | None],
     seen: Seen,

@@ -90,7 +90,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
     halves = np.array([size / 2 for _, size in boxes])
     T = T_bin_scanner.homogeneous
-    left, within = _left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
+    left, within = _points_left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
     if len(left) == 0:
         return Unexplained()
     voxels = counted(left, CUBE)
@@ -107,10 +107,10 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     longest = max(float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) for part in cell.parts)
     eye, top = T_bin_scanner.translation, _top(cell, detections)
     room = Room(parts, eye, half, top, GOES_ON * longest)
-    return Unexplained(*(_placed(cell, some) for some in _boxes_around(voxels, pitch, room)))
+    return Unexplained(*(_place(cell, some) for some in _boxes_around(voxels, pitch, room)))
 
 
-def _placed(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+def _place(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
     """Boxes of the bin's frame in the world."""
     return tuple(Obstacle(cell.bin.T_world_bin * box.T_world_box, box.size) for box in boxes)
 
@@ -189,7 +189,7 @@ def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats)
 
 
 @njit(cache=True)
-def _left(
+def _points_left(
     points: Floats,
     T: Floats,
     centre: Floats,
