@@ -91,7 +91,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     # After a fault nobody knows: no other part is put where one may lie, and none onto it.
     placed = ended.placed or ()
     if ended.fault:
-        placed = tuple(map(_doubted, placed))
+        placed = tuple(map(_doubt, placed))
     state = replace(state, placed=(*_still_placed(state, ended), *placed))
     for part in ended.parts:
         if part.is_picked is not None:
@@ -105,7 +105,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = sum(len(plan.arms) for plan in _begun(state) if not _goes_on(plan))
+    expected = sum(len(plan.arms) for plan in _plans_begun(state) if not _goes_on(plan))
     message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
     for part in ended.parts:
         if part.is_picked is False:
@@ -120,7 +120,7 @@ def _failed(state: State, said: ReportPick) -> bool:
     )
 
 
-def _doubted(placed: Detection) -> Detection:
+def _doubt(placed: Detection) -> Detection:
     """A part that was to be put down, of which nobody knows whether it is there."""
     return replace(placed, score=0.0)
 
@@ -206,7 +206,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         state = replace(
             state,
             placed=tuple(
-                _doubted(placed_part) if _was(placed_part, detection) else placed_part
+                _doubt(placed_part) if _was(placed_part, detection) else placed_part
                 for placed_part in state.placed
             ),
         )
@@ -232,7 +232,7 @@ def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
 
 def sent_for(state: State) -> SentFor | None:
     """The plans of whose parts people can say what became of them; None where nothing was sent."""
-    return state.unscanned if state.plan is None else SentFor(_begun(state), state.outcomes)
+    return state.unscanned if state.plan is None else SentFor(_plans_begun(state), state.outcomes)
 
 
 def before_a_scan(state: State) -> State:
@@ -242,7 +242,7 @@ def before_a_scan(state: State) -> State:
     return replace(state, unscanned=sent_for(state))
 
 
-def _begun(state: State) -> tuple[Plan, ...]:
+def _plans_begun(state: State) -> tuple[Plan, ...]:
     """The plans that were sent, the one on its way among them."""
     return state.plans[: len(state.sent_before) + 1]
 

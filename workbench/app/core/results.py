@@ -325,7 +325,7 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
         case (_, JobCancelled()):
             return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
         case (_, WorkbenchError()):
-            return replace(state, message=_failed(job, str(result)))
+            return replace(state, message=_failure_message(job, str(result)))
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
@@ -341,10 +341,10 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
             return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
-            return replace(state, message=_failed(job, f"it brought a {wrong}"))
+            return replace(state, message=_failure_message(job, f"it brought a {wrong}"))
 
 
-def _failed(job: Job, why: str) -> Message:
+def _failure_message(job: Job, why: str) -> Message:
     return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
 
 

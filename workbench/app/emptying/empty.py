@@ -138,7 +138,7 @@ def emptied(
         cell,
         known,
         refusal=refusal,
-        looked=_looked(tally.seen, result),
+        looked=_summarize(tally.seen, result),
         seed=task.seed,
         is_stopped=failures >= MOST_FAILURES,
         fixes=not task.change,
@@ -260,7 +260,7 @@ def _as_seen(
     return [(number, of(detection)) for number, detection in lying]
 
 
-def _looked(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
+def _summarize(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
     """What the last scan showed and what was said of it; nothing where poses are true ones."""
     told: dict[int, Verdict] = {}
     for candidate in () if result is None else result.candidates:

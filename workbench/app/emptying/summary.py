@@ -51,7 +51,7 @@ def summary(
         "taken_share": taken / parts if parts else None,
         "taken_rolled": sum(scene.rolled for scene in scenes),
         "estimate_share": _estimate(scenes, taken, parts),
-        "bound_share": _bound(scenes, taken, parts),
+        "bound_share": _bound_share(scenes, taken, parts),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
         "failed_by_kind": kinds,
@@ -86,7 +86,7 @@ def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
     return {"median": float(median), "p95": float(p95)}
 
 
-def _bound(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
+def _bound_share(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
     """The share that any grasps of the tool take, None when nobody asked."""
     more = [scene.more for scene in scenes if scene.more is not None]
     return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None

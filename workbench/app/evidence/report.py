@@ -145,11 +145,11 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
     if state.plan is not None and state.proof is not None:
         rows += _plan(state.plan, state.proof)
     rows += _in_row(state)
-    rows += _shown(before, state)
-    rows += _approved(before, state)
+    rows += _list_shown(before, state)
+    rows += _list_approval(before, state)
     sender = f"by {entry.actor}" if isinstance(entry.command, SendPlan) else "after the one before"
     rows.append(("sent", f"{clock(entry.at)} {sender} (entry {entry.number})"))
-    rows += _heard(cycle[sent + 1 :])
+    rows += _list_reports(cycle[sent + 1 :])
     return Table(f"Sending {number}", "", (), tuple(rows))
 
 
@@ -182,7 +182,7 @@ def _corners(proof: Proof) -> str:
     return f"corners sharp or rounded by up to {proof.zone:.0%} of the shorter segment beside them"
 
 
-def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+def _list_shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
     digest = None if state.plan is None else state.plan.digest
     for entry, _ in before:
         command = entry.command
@@ -191,7 +191,7 @@ def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
             yield "shown", f"{clock(entry.at)} to {entry.actor}, {how} (entry {entry.number})"
 
 
-def _approved(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+def _list_approval(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
     digest = None if state.plan is None else state.plan.digest
     for entry, _ in before:
         if isinstance(entry.command, Approve) and entry.command.plan_digest == digest:
@@ -208,7 +208,7 @@ def _approved(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
         yield "approval", f"{approval.digest}: {people}, until {until}{how}{unseen}{ran}"
 
 
-def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
+def _list_reports(after: list[Moment]) -> Iterator[tuple[str, str]]:
     messages = [e.command.receipt for e, _ in after if isinstance(e.command, Sent)]
     if messages:
         began, ended = messages[0].at, messages[-1].at

@@ -83,7 +83,7 @@ def cleared(
             for number in range(len(rest)):
                 if is_over():
                     return taken + len(gone), why
-                reason = _added(hands, world, number, seed, rng)
+                reason = _add_family(hands, world, number, seed, rng)
                 if reason:
                     why.append(Stays(tuple(rest), number, reason))
                 else:
@@ -107,7 +107,7 @@ def _takes(
             free = np.flatnonzero(family.free(world, hand.arm, number))
             for k in rng.permutation(free)[:WAYS].tolist():
                 tried += 1
-                reason = _reached(hand, world, number, family.grasp(k), seed)
+                reason = _refuse_reach(hand, world, number, family.grasp(k), seed)
                 if not reason:
                     family.took.append((world, number))
                     return True
@@ -119,7 +119,7 @@ def _takes(
 COVERED = "others lie on it"
 
 
-def _reached(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
+def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
     """Why no arm takes a part by a grasp; empty when one does."""
     reason = ""
     for arm in hand.arms:
@@ -132,7 +132,7 @@ def _reached(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> 
     return reason
 
 
-def _added(
+def _add_family(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
 ) -> str:
     """Have a grip that takes a part add its family; else why none does."""
@@ -141,7 +141,7 @@ def _added(
     for hand in hands:
         for k, found in _firmest(hand, world, number, rng):
             narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)
-            reason = _reached(hand, world, number, narrow, seed)
+            reason = _refuse_reach(hand, world, number, narrow, seed)
             if not reason:
                 _add(hand, world, number, found[0])
                 return ""

@@ -152,7 +152,7 @@ class Grower:
         offsets = self._offsets(grasp, row) if self.checker.pads is not None else (0.0,)
         if len(offsets) == 1:
             return grasp
-        return self._thinned(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
+        return self._thin(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
 
     def _tilt(self, grasp: Grasp) -> float:
         """How far [rad] the hand may be tilted about the way of its fingers and still holds."""
@@ -199,9 +199,9 @@ class Grower:
             some = rng.permutation(len(copies))[:each].tolist()
             if offset == 0.0 or all(self.checker.check(copies[k]).is_ok for k in some):
                 offsets.append(offset)
-        return self._thinned(replace(pattern, offsets=tuple(offsets)))
+        return self._thin(replace(pattern, offsets=tuple(offsets)))
 
-    def _thinned(self, pattern: GraspPattern) -> GraspPattern:
+    def _thin(self, pattern: GraspPattern) -> GraspPattern:
         """The pattern with every other place, and then every other turn, until it is small."""
         while (
             len(multiplied(GraspLibrary((pattern,)), self.part.symmetry)) > FAMILY

@@ -128,7 +128,7 @@ def filled(
     helps, looked = advice(cell, stuck, seed, is_over)
     worth = kept(part, hands, known, seed)
     return Filled(
-        tuple(_ranked(part, worth)),
+        tuple(_rank(part, worth)),
         tuple(family.adds for family in worth),
         parts,
         taken,
@@ -182,7 +182,7 @@ def _piles(cell: Cell, part: Part, seed: int) -> Iterator[tuple[Detection, ...]]
     raise problem
 
 
-def _ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
+def _rank(part: Part, families: Sequence[Kept]) -> list[Entry]:
     """Their entries with priorities and names, in their order."""
     whole, so_far = sum(family.adds for family in families), 0.0
     taken = {entry.name for entry in part.library.entries}

@@ -61,7 +61,7 @@ def components(extras: Iterable[str] = ()) -> tuple[Component, ...]:
     while waiting:
         name, extra = waiting.pop()
         here = needs.setdefault(name, set())
-        for needed, with_extra in _needed(installed[name], extra):
+        for needed, with_extra in _list_needs(installed[name], extra):
             if needed in installed:
                 here.add(needed)
                 if (needed, with_extra) not in seen:
@@ -130,7 +130,7 @@ def licence_of(distribution: Distribution) -> str:
     return ""
 
 
-def _needed(distribution: Distribution, extra: str) -> Iterable[tuple[str, str]]:
+def _list_needs(distribution: Distribution, extra: str) -> Iterable[tuple[str, str]]:
     for text in distribution.requires or []:
         needed = Requirement(text)
         if _holds(needed.marker, extra):

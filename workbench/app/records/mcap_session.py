@@ -109,7 +109,7 @@ class _Motion:
             return
         start, cell, plan = self._waiting
         self._waiting = None
-        for time, values in _played(cell, plan):
+        for time, values in _play(cell, plan):
             at = start + time
             if at >= until:
                 return
@@ -132,7 +132,7 @@ def _tree(cell: Cell, poses: Mapping[str, pin.SE3]) -> Iterator[tuple[str, str, 
         yield joint.parent, joint.child, poses[joint.parent].actInv(poses[joint.child])
 
 
-def _played(cell: Cell, plan: Plan) -> Iterator[tuple[float, dict[str, float]]]:
+def _play(cell: Cell, plan: Plan) -> Iterator[tuple[float, dict[str, float]]]:
     """Times [s] from the plan's start, growing, and all joints of its arms [rad or m] then."""
     q = {arm.name: np.asarray(arm.home) for arm in cell.arms}
     q |= {arm.arm: np.asarray(arm.legs[0].q[0]) for arm in plan.arms}

@@ -53,11 +53,11 @@ def start_before(root: Path, cell: str) -> Before | None:
 
 
 def _newest(root: Path) -> Iterator[Path]:
-    newest = sorted(root.glob(f"*/{DATABASE}"), key=_written, reverse=True)
+    newest = sorted(root.glob(f"*/{DATABASE}"), key=_time_of_write, reverse=True)
     return (path.parent for path in newest)
 
 
-def _written(path: Path) -> float:
+def _time_of_write(path: Path) -> float:
     """When a journal was written last: until it is closed, that is in a file beside it."""
     times = [0.0]
     for file in (path, path.with_name(f"{DATABASE}-wal")):

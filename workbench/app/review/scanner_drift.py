@@ -147,7 +147,7 @@ def of_session(
     last = -np.inf
     for entry, state in states:
         if before is not None and isinstance(entry.command, LinkEnded):
-            kept |= _kept(before)
+            kept |= _errors_in_hands(before)
         is_new = state.scan is not None and (before is None or state.scan is not before.scan)
         before = state
         if state.scan is None or not is_new or entry.at <= since or _layout(state.cell) != layout:
@@ -177,7 +177,7 @@ def _key(T: pin.SE3 | None) -> bytes:
     return b"" if T is None else np.round(T.homogeneous, 9).tobytes()
 
 
-def _kept(state: State) -> dict[bytes, Floats]:
+def _errors_in_hands(state: State) -> dict[bytes, Floats]:
     """What the hands keep of the errors of the parts of the plan that has just ended.
 
     Not of parts that come from a station: there two grips have taken something out.

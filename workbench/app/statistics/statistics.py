@@ -236,7 +236,7 @@ class Count:
             case FindParts.__name__:
                 self._begun = ("find parts", at, number)
             case UseDetections.__name__:
-                self._found(command["detections"])
+                self._count_found(command["detections"])
             case MakePlan.__name__:
                 self._begun = ("plan", at, number)
             case CancelJob.__name__:
@@ -244,11 +244,11 @@ class Count:
             case JobEnded.__name__:
                 self._job_ended(at, command)
             case SendPlan.__name__:
-                self._sent(at)
+                self._count_sent(at)
             case LinkEnded.__name__:
                 self._link_ended(at, command)
             case _:
-                self._reported(command)
+                self._count_report(command)
 
     def _job_ended(self, at: float, command: Any) -> None:
         stage, began, number = self._begun
@@ -260,14 +260,14 @@ class Count:
             return
         self._took(stage, began, at)
         if "detections" in result:
-            self._found(result["detections"])
+            self._count_found(result["detections"])
         if "plan" in result:
-            self._planned(at, result["plan"])
+            self._count_planned(at, result["plan"])
 
-    def _found(self, detections: Any) -> None:
+    def _count_found(self, detections: Any) -> None:
         self._parts = tuple(detection["part"] for detection in detections)
 
-    def _planned(self, at: float, result: Any) -> None:
+    def _count_planned(self, at: float, result: Any) -> None:
         self._judged = added(self._judged, judged(self._parts, result["candidates"]))
         verdicts = (candidate["verdict"] for candidate in result["candidates"])
         self._refusals.update(
@@ -308,7 +308,7 @@ class Count:
         # Of a plan that was made beside the cycle before nobody can be asked earlier.
         self._begun = ("approve", max(at, self._cycles[-1].at), 0)
 
-    def _sent(self, at: float) -> None:
+    def _count_sent(self, at: float) -> None:
         stage, began, _ = self._begun
         if stage == "approve":
             self._took(stage, began, at)
@@ -322,7 +322,7 @@ class Count:
                 number = part["detection"]
                 if self._place:
                     number = self._numbers[self._place][number]
-                self._reported({**part, "detection": number})
+                self._count_report({**part, "detection": number})
         picks = self._cycles[-1].picks
         sent = {pick.detection for pick in self._row[self._place]} if self._row else set[int]()
         if not command["fault"] and command["parts_placed"] == len(sent):
@@ -344,7 +344,7 @@ class Count:
         done = (pick for pick in self._cycles[-1].picks if pick.detection not in again)
         self._change(end="", picks=(*done, *picks))
 
-    def _reported(self, report: Any) -> None:
+    def _count_report(self, report: Any) -> None:
         result: Result = "picked" if report["is_picked"] else "failed"
         sent = self._sent_last()
         if sent is None:
