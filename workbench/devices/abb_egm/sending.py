@@ -156,7 +156,7 @@ class Sending:
         start, goal = self._refs[order.arm][-1], self._score.start(order.arm).at(0.0)[0]
         is_done = False
         while not is_done:
-            for name in self._heard():
+            for name in self._hear():
                 if name != order.arm:
                     self._answer(name, self._refs[name][-1])
                     continue
@@ -210,7 +210,7 @@ class Sending:
         self._riding = run.arm, ride
         settled, is_there, has_begun = 0, False, False
         while not is_there:
-            for name in self._heard():
+            for name in self._hear():
                 if name != run.arm:
                     self._answer(name, self._refs[name][-1])
                     continue
@@ -232,7 +232,7 @@ class Sending:
         said = self._said[run.arm]
         self._said[run.arm] = (*said[:6], 0.0, *said[7:])
 
-    def _heard(self) -> list[str]:
+    def _hear(self) -> list[str]:
         """Arms with new reports, each of which is looked at."""
         heard: list[str] = []
         for name, reports in self._news():

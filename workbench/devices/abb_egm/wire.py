@@ -114,7 +114,7 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
     Raises:
         LinkError: it is none, or a number in it is none.
     """
-    message = _parsed("EgmRobot", data)
+    message = _parse("EgmRobot", data)
     if not message.HasField("header") or not message.HasField("feedBack"):
         raise LinkError("an EGM message without header or joints came")
     q = _axes(message.feedBack)
@@ -165,7 +165,7 @@ def read_reference(data: bytes) -> Reference:
     Raises:
         LinkError: it is none, or a number in it is none.
     """
-    message = _parsed("EgmSensor", data)
+    message = _parse("EgmSensor", data)
     axes, orders = _axes(message.planned), tuple(message.RAPIDtoRobot.dnum)
     if not (np.all(np.isfinite(axes)) and all(map(math.isfinite, orders))):
         raise LinkError("the sensor sends references or orders that are no numbers")
@@ -183,7 +183,7 @@ def _put_axes(joints: Any, axes: Floats) -> None:
     joints.externalJoints.joints.extend(degrees[ROBOT_AXES:])
 
 
-def _parsed(name: str, data: bytes) -> Any:
+def _parse(name: str, data: bytes) -> Any:
     try:
         return _class(name).FromString(data)
     except Exception:  # the library throws another kind for each of its builds

@@ -74,7 +74,7 @@ class Sending:
         try:
             self._client.say(run=self._program.text, alive=0)
             yield self._receipt("program", sent=self._program.text)
-            for state in self._followed(cancelled):
+            for state in self._follow(cancelled):
                 done = state.leg - self._program.ticket
                 for number in range(self._leg + 1, min(done, len(self._program.legs)) + 1):
                     self._leg = number
@@ -89,7 +89,7 @@ class Sending:
                 with suppress(LinkError):
                     self._client.say(stop=True)
 
-    def _followed(self, cancelled: Cancelled) -> Iterator[State]:
+    def _follow(self, cancelled: Cancelled) -> Iterator[State]:
         """States of the program as it runs, each looked at, up to that of its end."""
         total, clock = len(self._program.legs), self._patience.clock
         began, stood, over = clock(), None, None

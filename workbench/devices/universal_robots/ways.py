@@ -147,9 +147,9 @@ def _pieces(segments: Sequence[Segment]) -> list[Piece]:
     shares = [0.0] * (count + 1)
     blends = [segment.end < 1.0 for segment in segments[:-1]]
     for k in range(count - 1):
-        shares[k + 1] = min(_reached(segments[k], shares[k]), 1.0) if blends[k] else 0.0
+        shares[k + 1] = min(_reachable_share(segments[k], shares[k]), 1.0) if blends[k] else 0.0
     for k in reversed(range(count)):
-        shares[k] = min(shares[k], _reached(segments[k], shares[k + 1]))
+        shares[k] = min(shares[k], _reachable_share(segments[k], shares[k + 1]))
     pieces: list[Piece] = []
     for k, segment in enumerate(segments):
         pieces.append(_straight(segment, shares[k] * segment.speed, shares[k + 1] * segment.speed))
@@ -158,7 +158,7 @@ def _pieces(segments: Sequence[Segment]) -> list[Piece]:
     return pieces
 
 
-def _reached(segment: Segment, share: float) -> float:
+def _reachable_share(segment: Segment, share: float) -> float:
     """The share of its speed at the other end of a move, with this one at the first."""
     return math.sqrt(share**2 + 2 * segment.push * segment.length / segment.speed**2)
 
