@@ -87,7 +87,7 @@ def read_depth(image: BopImage) -> Floats:
     Raises:
         FileError: it is no image of depths, or in another unit than the true poses.
     """
-    with _opened(image) as opened:
+    with _open(image) as opened:
         path, depths = Path(opened.filename), _values(opened)
     if depths.ndim != 2:
         raise FileError(path, "is no image of depths: one channel is expected")
@@ -114,12 +114,12 @@ def depth_width(image: BopImage) -> int:
     Raises:
         FileError: as `read_depth` has it.
     """
-    with _opened(image) as opened:
+    with _open(image) as opened:
         return int(opened.width)
 
 
 @contextmanager
-def _opened(image: BopImage) -> Generator[Any]:
+def _open(image: BopImage) -> Generator[Any]:
     from PIL import Image
 
     path = next((p for p in map(image.depth.with_suffix, KINDS) if is_file(p)), None)

@@ -54,14 +54,13 @@ def write_archive(
     try:
         with partial.open("wb+") as file:
             members = [
-                _written(path, file, name, member_content)
-                for name, member_content in content.items()
+                _write(path, file, name, member_content) for name, member_content in content.items()
             ]
             if last is not None:
                 file.seek(0)
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
                 members += [
-                    _written(path, file, name, member_content, STORED)
+                    _write(path, file, name, member_content, STORED)
                     for name, member_content in last(digest).items()
                 ]
             file.seek(0, 2)
@@ -74,7 +73,7 @@ def write_archive(
             partial.unlink()
 
 
-def _written(
+def _write(
     path: Path,
     file: IO[bytes],
     name: str,

@@ -168,7 +168,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
         if not block:
             raise ValueError(f"{member.name} is cut short")
         left -= len(block)
-        for piece in (block,) if member.method == STORED else _unpacked(unpack, block):
+        for piece in (block,) if member.method == STORED else _unpack(unpack, block):
             size, crc = size + len(piece), zlib.crc32(piece, crc)
             if size > member.size:
                 raise ValueError(f"{member.name} is longer than it says")
@@ -180,7 +180,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
         raise ValueError(f"{member.name} is damaged")
 
 
-def _unpacked(unpack: Any, block: bytes) -> Iterator[bytes]:
+def _unpack(unpack: Any, block: bytes) -> Iterator[bytes]:
     try:
         while piece := unpack.decompress(block, STEP):
             yield piece

@@ -54,7 +54,7 @@ class Body:
     @property
     def placed(self) -> Mesh:
         """The body in the frame of the file."""
-        return _moved(self.mesh, self.T)
+        return _move(self.mesh, self.T)
 
     @property
     def own(self) -> Mesh:
@@ -64,7 +64,7 @@ class Body:
         is_rigid = np.allclose(A.T @ A, scale**2 * np.eye(3), atol=1e-6 * scale**2)
         M = np.eye(4)
         M[:3, :3] = scale * np.eye(3) if is_rigid and np.linalg.det(A) > 0 else A
-        return _moved(self.mesh, M)
+        return _move(self.mesh, M)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,13 +128,13 @@ def read_bodies(path: Path) -> CadBodies:
     kind = path.suffix.lower()
     try:
         if kind in ZIPPED:
-            inner = _unzipped(path, Path("unzipped"))
+            inner = _unzip(path, Path("unzipped"))
             try:
                 return read_bodies(inner)
             except FileError as error:
                 raise FileError(path, f"{inner.name} in it {error.problem}") from None
         if kind not in SCENES:
-            return CadBodies((_unnamed(path),), None, kind)
+            return CadBodies((_read_unnamed(path),), None, kind)
         if kind in STEP:
             bodies, _ = _scene(converted_step(path, Path("converted.glb")), 1.0)
             # As in the file, so that a person who knows that it states a wrong unit can say so.
@@ -154,7 +154,7 @@ def _in_unit(body: Body, unit: float) -> Body:
     return Body(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)
 
 
-def _unnamed(path: Path) -> Body:
+def _read_unnamed(path: Path) -> Body:
     # Bounded as if it were in millimetres: the unit is looked at later.
     mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
     return Body(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))
@@ -239,7 +239,7 @@ def _solids(body: Body) -> list[Body]:
     return found
 
 
-def _unzipped(path: Path, folder: Path) -> Path:
+def _unzip(path: Path, folder: Path) -> Path:
     """The only CAD file in an archive, unpacked with what lies beside it."""
     try:
         with zipfile.ZipFile(BytesIO(read_whole(path, LARGEST_MESH))) as archive:
@@ -274,7 +274,7 @@ def _suffix(name: str) -> str:
     return PurePosixPath(name).suffix.lower()
 
 
-def _moved(mesh: Mesh, T: Floats) -> Mesh:
+def _move(mesh: Mesh, T: Floats) -> Mesh:
     """A mesh after an affine map; what was outside stays outside where it mirrors."""
     if np.array_equal(T, np.eye(4)):
         return mesh

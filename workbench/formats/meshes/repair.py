@@ -147,7 +147,7 @@ def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     if split:
         said.append(f"slits closed at {split} corners")
     points, triangles = np.asarray(mesh.points), np.array(mesh.triangles)
-    turned = _turned(triangles)
+    turned = _find_turned(triangles)
     if turned.any():
         said.append(f"{int(turned.sum())} triangles turned to fit their neighbours")
         triangles[turned] = triangles[turned][:, ::-1]
@@ -195,7 +195,7 @@ def _without_sheets(mesh: Mesh) -> tuple[Mesh, int]:
     return (rest, int(is_sheet.sum())) if closed.is_watertight else (mesh, 0)
 
 
-def _turned(triangles: Ints) -> Bools:
+def _find_turned(triangles: Ints) -> Bools:
     """Which triangles (m,) look the other way than most of those that they hang together with.
 
     Every triangle stands twice in a graph, as it is and turned; neighbours that fit are joined in

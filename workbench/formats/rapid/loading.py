@@ -116,7 +116,7 @@ class Loaded(Declarations):
             taken = self.routine(scope, node)
             known = robotware().names[taken.name.lower()]
             assert type(known) is Routine
-            self.globals[taken.name.lower()] = _executed(known, taken, self._natives)
+            self.globals[taken.name.lower()] = _make_executable(known, taken, self._natives)
         self.problems.clear()
 
     def _check_entry(self, sources: Sequence[Source], entry: str) -> None:
@@ -181,14 +181,16 @@ class Loaded(Declarations):
             own.new_slot(variable)
 
 
-def _executed(known: Routine, taken: Routine, natives: Mapping[str, Callable[..., Any]]) -> Routine:
+def _make_executable(
+    known: Routine, taken: Routine, natives: Mapping[str, Callable[..., Any]]
+) -> Routine:
     """A routine of RobotWare with what is executed of it."""
     takes = {parameter.name: parameter for parameter in taken.parameters}
     given: list[Any] = []
     for parameter in known.parameters:
         mine = takes.get(parameter.name)
         others = [
-            replace(other, executed_as=_taken(takes, other.name)) for other in parameter.others
+            replace(other, executed_as=_kind_taken(takes, other.name)) for other in parameter.others
         ]
         mode = mine.mode if mine is not None else parameter.mode
         if known.name.lower() == "waituntil" and parameter.name == "cond":
@@ -201,7 +203,7 @@ def _executed(known: Routine, taken: Routine, natives: Mapping[str, Callable[...
     )
 
 
-def _taken(takes: Mapping[str, Any], name: str) -> Kind | None:
+def _kind_taken(takes: Mapping[str, Any], name: str) -> Kind | None:
     return takes[name].kind if name in takes else None
 
 

@@ -140,7 +140,7 @@ def _problem(table: Table, robot: Robot) -> MotionProblem:
         names = ", ".join(shown(name) for name in moving)
         raise table.error("goal", f"the joints of start are expected: {names}")
     fixed = {name: value for name, value in others.items() if name not in start}
-    held = replace(robot, joints=tuple(_held(joint, fixed) for joint in robot.joints))
+    held = replace(robot, joints=tuple(_fix(joint, fixed) for joint in robot.joints))
     if not any(set(moving) <= _movable_before(held, link.name) for link in held.links):
         raise table.error("start", "its joints are not one chain from the base to a link")
     return MotionProblem(
@@ -164,7 +164,7 @@ def _joint_values(table: Table, key: str, robot: Robot) -> dict[str, float]:
     return {name: values.number(name, low=-most[name], high=most[name]) for name in values.names()}
 
 
-def _held(joint: Joint, values: dict[str, float]) -> Joint:
+def _fix(joint: Joint, values: dict[str, float]) -> Joint:
     """The joint fixed at its value, if it has one and can move."""
     return joint.at(values[joint.name]) if joint.name in values else joint
 

@@ -83,10 +83,10 @@ class Packages:
     def _inside(self, top: Path, name: str) -> list[Path]:
         """The packages of that name below a folder."""
         if top not in self._below:
-            self._below[top] = self._named(top)
+            self._below[top] = self._map_names(top)
         return self._below[top].get(name, [])
 
-    def _named(self, top: Path) -> dict[str, list[Path]]:
+    def _map_names(self, top: Path) -> dict[str, list[Path]]:
         """The packages below a folder by their names, those of folders and those they give."""
         found: defaultdict[str, list[Path]] = defaultdict(list)
         level = [top]

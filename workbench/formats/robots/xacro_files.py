@@ -89,7 +89,7 @@ def expanded(
         given = _Arguments(arguments)
         for _ in range(MOST_MISSING):
             try:
-                content = _processed(path, given, finder)
+                content = _process(path, given, finder)
                 break
             except Exception as error:  # it evaluates expressions, which raise whatever they like
                 if not (finder.does_without(error) or given.takes_default(path, error)):
@@ -180,7 +180,7 @@ def _asking(finder: _Finder) -> Generator[None]:
                 sys.modules[name] = module
 
 
-def _processed(path: Path, arguments: "_Arguments", finder: _Finder) -> bytes:
+def _process(path: Path, arguments: "_Arguments", finder: _Finder) -> bytes:
     said = io.StringIO()  # its warnings are for those who write such files
     with _asking(finder), contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
         # It puts the defaults of the file among the arguments.

@@ -156,7 +156,7 @@ def _split_hulls(surface: Surface, tolerance: float, most: int) -> list[ConvexHu
         worst = max(open_ones, key=lambda piece: piece.excess)
         open_ones.remove(worst)
         is_last = worst.excess <= HOLLOW * tolerance or len(done) + len(open_ones) + 2 > OVER * most
-        parts = None if is_last else _parted(worst, surface, tolerance)
+        parts = None if is_last else _split(worst, surface, tolerance)
         if parts is None:
             done.append(worst)
         else:
@@ -184,7 +184,7 @@ def _excess(pieces: tuple[Mesh, ...], surface: Surface, tolerance: float) -> flo
     return largest
 
 
-def _parted(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _Piece] | None:
+def _split(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _Piece] | None:
     """The piece in two by the plane that serves best; None when no plane goes through it."""
     corners, points = piece.soup.reshape(-1, 3), cloud(piece.soup, IN_CLOUD)
 

@@ -63,7 +63,7 @@ def find_tasks(paths: Sequence[Path]) -> Found:
     """
     found = Found()
     files = [file for path in paths for file in _files(path)]
-    shown = {file: _shown(file, paths) for file in files}
+    shown = {file: _label(file, paths) for file in files}
     read = {file: _read(file, shown[file]) for file in files if _is_module(file)}
     configurations = [file for file in files if file.suffix.lower() == ".cfg"]
     roots = sorted({root for file in read if (root := _root(file)) is not None})
@@ -102,7 +102,7 @@ def _is_module(file: Path) -> bool:
     return file.suffix.lower() not in (".cfg", ".pgf")
 
 
-def _shown(file: Path, paths: Sequence[Path]) -> str:
+def _label(file: Path, paths: Sequence[Path]) -> str:
     for path in paths:
         if path.is_dir() and file.is_relative_to(path):
             return file.relative_to(path).as_posix()
@@ -186,7 +186,7 @@ def _backup(
                 _remark(source, "the backup does not list it as loaded") for source in spare
             ]
             sources = [source for source in sources if source not in spare]
-        for file in _loaded(configuration, name, others):
+        for file in _list_loaded(configuration, name, others):
             known = {source.name.lower() for source in sources}
             new = [source for source in others[file].sources if source.name.lower() not in known]
             sources += new
@@ -202,7 +202,7 @@ def _backup(
     return Controller(tasks, configuration)
 
 
-def _loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
+def _list_loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
     """Which files a configuration loads into a task."""
     found: list[Path] = []
     for wanted in (name for name, tasks in mine.modules.items() if not tasks or task in tasks):
@@ -262,12 +262,12 @@ def _loose(
                 name, [source for path in loaded for source in read[path]], mine.entries[name]
             )
             for name in mine.tasks
-            if (loaded := _loaded(mine, name, read))
+            if (loaded := _list_loaded(mine, name, read))
         ]
         if tasks:
             controllers.append(Controller(tasks, mine.with_(all_of_them)))
             for loaded_file in [
-                loaded_file for name in mine.tasks for loaded_file in _loaded(mine, name, read)
+                loaded_file for name in mine.tasks for loaded_file in _list_loaded(mine, name, read)
             ]:
                 left.pop(loaded_file, None)
     folders: dict[Path, list[Source]] = {}
