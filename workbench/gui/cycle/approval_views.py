@@ -142,7 +142,7 @@ def _plans(state: State, words: Words) -> list[tuple[str, str]]:
 
 def _proven(state: State) -> str:
     row = state.whole_row
-    covered = _covered(state.cell, [proven_plan.plan for proven_plan in row])
+    covered = _coverage_words(state.cell, [proven_plan.plan for proven_plan in row])
     looked = f"{sum(proven_plan.proof.checks for proven_plan in row):,} positions measured"
     if len(row) != 1:
         return f"{covered}; {looked}"
@@ -171,7 +171,7 @@ def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
     return "; ".join((text, *map(words.render, remarks)))
 
 
-def _covered(cell: Cell, plans: Sequence[Plan]) -> str:
+def _coverage_words(cell: Cell, plans: Sequence[Plan]) -> str:
     """What the proofs have looked at, as somebody says it who sets up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]

@@ -83,7 +83,7 @@ class LiveVerdicts:
                 "change": {},
                 "detections": state.detections,
                 "avoided": self._avoided,
-                "obstacles": self._known(state),
+                "obstacles": self._obstacles_known(state),
                 "around": None,
                 **otherwise,
             }
@@ -108,7 +108,7 @@ class LiveVerdicts:
         is_free = not visitor.obstacle(now, self._command) and not visitor.look.now.is_playing
         return is_free and is_same_scene(state, now)
 
-    def _known(self, state: State) -> tuple[Obstacle, ...] | None:
+    def _obstacles_known(self, state: State) -> tuple[Obstacle, ...] | None:
         """What stands around besides, where planning has said it or an answer has brought it."""
         if state.candidates is not None:
             return state.obstacles

@@ -90,7 +90,7 @@ def _stands(world: World, candidate: Candidate) -> Stands:
     match candidate.verdict.stage:
         case Stage.EXTRACT:
             way = _way_to_contact(world, candidate)
-            return _moved(T, way), grasp.grip, _moved(T_world_part, way)
+            return _move(T, way), grasp.grip, _move(T_world_part, way)
         case Stage.PLACE:
             T_put = _put(world, candidate)
             return T_put * T_world_part.actInv(T), grasp.grip, T_put
@@ -103,7 +103,7 @@ def _stands(world: World, candidate: Candidate) -> Stands:
             return T, grasp.grip if fit.is_closed else fit.opening, T_world_part
 
 
-def _moved(T: pin.SE3, way: Floats) -> pin.SE3:
+def _move(T: pin.SE3, way: Floats) -> pin.SE3:
     return pin.SE3(T.rotation, T.translation + way)
 
 

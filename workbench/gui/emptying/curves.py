@@ -23,7 +23,7 @@ def taken_plot(piles: Sequence[EmptiedPile]) -> Plot:
     shown = piles[:MOST_CURVES]
     most = max((len(pile.outcomes) for pile in shown), default=0)
     curves = tuple(
-        Curve(f"seed {pile.task.seed}", JOINTS[number], _taken(pile, most))
+        Curve(f"seed {pile.task.seed}", JOINTS[number], _count_taken(pile, most))
         for number, pile in enumerate(shown)
     )
     title = "Parts taken over picks"
@@ -38,7 +38,7 @@ def end_of(plot: Plot) -> float:
     return 1.1 * max(float(plot.times[-1]), FEWEST)
 
 
-def _taken(pile: EmptiedPile, most: int) -> np.ndarray:
+def _count_taken(pile: EmptiedPile, most: int) -> np.ndarray:
     taken = np.full(most + 1, np.nan)
     steps = [not outcome for outcome in pile.outcomes]
     taken[: len(steps) + 1] = np.cumsum([0, *steps])

@@ -124,7 +124,7 @@ def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> 
         after = dict(pick.after)
         for k in tuple(poses):
             if k == pick.number:
-                poses[k] = _held(cell, kinematics, stretch, pick, now)
+                poses[k] = _pose_in_hand(cell, kinematics, stretch, pick, now)
             elif k in after:
                 poses[k] = pin.SE3.Interpolate(poses[k], after[k].T_world_part, share)
             elif share >= 1.0 and not _was_taken(stretch, k):
@@ -141,7 +141,7 @@ def _run(stretch: Stretch, pick: FilmedPick, leg: LegName) -> Run:
     return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
 
 
-def _held(
+def _pose_in_hand(
     cell: Cell, kinematics: Kinematics, stretch: Stretch, pick: FilmedPick, now: float
 ) -> pin.SE3:
     """Where a part is that an arm has taken: in its hand, or where that has let go of it."""

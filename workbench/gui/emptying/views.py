@@ -95,7 +95,7 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     rows = [
         ("Taken", f"{told['taken']} of {told['parts']} parts, {told['taken_share']:.0%}{knocked}"),
         ("Picks", f"{told['picks']}, {failed}, {_touches(told['touches'])}"),
-        *_warned(told),
+        *_warn(told),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
         (
             "Planning",
@@ -112,7 +112,7 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     return line(asked_words(found), kind="hint") + warning + table_html(rows) + bar
 
 
-def _warned(told: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _warn(told: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Picks beside something that was not found, in a row where there are any."""
     if not told["warned_picks"]:
         return []
@@ -226,7 +226,8 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
         f'<tr title="{escape(row["change"])}"><td>{escape(row["change"])}</td>'
         f'<td class="wb-number">{row["taken_share_before"]:.0%}</td>'
         f'<td class="wb-number">{row["taken_share"]:.0%}</td>'
-        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">{_gained(row["parts_gained"])}</td>'
+        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">'
+        f"{_format_gain(row['parts_gained'])}</td>"
         f'<td class="wb-number">{row["failed_picks"] + row["touches"]}</td>'
         f'<td class="wb-number">{row["motion_seconds"]:.1f}</td></tr>'
         for row in rows
@@ -240,7 +241,7 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
-def _gained(parts: int) -> str:
+def _format_gain(parts: int) -> str:
     return f"{parts:+d}" if parts else "0"
 
 

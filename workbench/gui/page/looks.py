@@ -62,13 +62,13 @@ def camera_of(name: str, state: State, look: Look, thing: str = "") -> Camera:
         case "Default view":
             return first_look(cell)
         case "Top":
-            return _framed(whole(cell), _forward(cell) * 0.02, 1.0)
+            return _frame(whole(cell), _forward(cell) * 0.02, 1.0)
         case "Front":
-            return _framed(whole(cell), _forward(cell), 0.12)
+            return _frame(whole(cell), _forward(cell), 0.12)
         case "Bin":
-            return _framed(_bin(cell), _forward(cell) * 0.45, 1.0)
+            return _frame(_bin(cell), _forward(cell) * 0.45, 1.0)
         case _:
-            return _framed(_selected(state, look, thing), _forward(cell) * 0.8, 0.7)
+            return _frame(_corners_of(state, look, thing), _forward(cell) * 0.8, 0.7)
 
 
 def _forward(cell: Cell) -> Floats:
@@ -78,7 +78,7 @@ def _forward(cell: Cell) -> Floats:
     return np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
 
 
-def _framed(points: Floats, level: Floats, upwards: float) -> Camera:
+def _frame(points: Floats, level: Floats, upwards: float) -> Camera:
     direction = level + np.array([0.0, 0.0, upwards])
     return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
 
@@ -93,7 +93,7 @@ def _bin(cell: Cell) -> Floats:
     )
 
 
-def _selected(state: State, look: Look, thing: str) -> Floats:
+def _corners_of(state: State, look: Look, thing: str) -> Floats:
     candidates, found = state.candidates or (), state.detections or ()
     if thing in things(state.cell):
         return _thing(state.cell, thing)

@@ -114,7 +114,7 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missed(view, mode) if is_preview else ""
+    missed = _missing_words(view, mode) if is_preview else ""
     told = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
@@ -129,7 +129,7 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     )
 
 
-def _missed(view: View, mode: Mode) -> str:
+def _missing_words(view: View, mode: Mode) -> str:
     """What has to be played before the plan counts as watched; while it plays, what does not."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
         return ""

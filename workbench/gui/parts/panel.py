@@ -95,7 +95,7 @@ class PartsPanel:
             command=UseDetections,
             meant=self._correct,
             otherwise=self._otherwise,
-            carried=self._carried,
+            carried=self._poses_carried,
         )
         self._kind = gui.add_dropdown(
             "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
@@ -215,7 +215,7 @@ class PartsPanel:
             return None
         return {"detections": self._with_chosen_at(T)}
 
-    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+    def _poses_carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
         """What follows the hand that drags the chosen part."""
         place = _place(self._found, self._chosen)
         return {} if place is None else {f"/parts/part-{place + 1}": T}

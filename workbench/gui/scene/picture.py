@@ -127,7 +127,7 @@ class Scene:
             or before.cell.bin is not state.cell.bin
         )
         if is_other_scan:
-            self._cloud = self._painted(state.scan, state.detections)
+            self._cloud = self._paint(state.scan, state.detections)
         are_other_obstacles = before is None or before.obstacles is not state.obstacles
         is_other_plan = before is None or before.plans != state.plans
         are_other_parts = before is None or before.detections is not state.detections
@@ -175,7 +175,7 @@ class Scene:
         self._lost.draw(new, self._kinematics)
         self._candidates.draw(old, new)
 
-    def _painted(
+    def _paint(
         self, scan: Scan | None, detections: tuple[Detection, ...] | None
     ) -> PaintedCloud | None:
         """What is drawn of a scan."""

@@ -68,7 +68,7 @@ class SearchInputs:
         self._asked: int | None = None
         self._rows = visitor.rows(MOST_ROWS, self._chosen)
         self._search.on_click(lambda _: self._search_again())
-        visitor.on_press(self._take, self._taken)
+        visitor.on_press(self._take, self._take_search)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -100,16 +100,16 @@ class SearchInputs:
         look.change(search=chosen, searcher=visitor.number)
 
     def _search_again(self) -> None:
-        if self._visitor.ask(self._wanted):
+        if self._visitor.ask(self._make_command):
             job = self._visitor.bench.state.job
             self._asked = None if job is None else job.number
 
-    def _wanted(self) -> Command:
+    def _make_command(self) -> Command:
         overrides = SearchOverrides(float(self._detail.value) / 100, float(self._least.value))
         is_compared = bool(self._visitor.bench.state.detections)
         return FindParts(whole(self._seed.value), overrides, is_compared)
 
-    def _taken(self) -> Command:
+    def _take_search(self) -> Command:
         state = self._visitor.bench.state
         search = searched(state, self._visitor.look.now.search)
         if search is None:

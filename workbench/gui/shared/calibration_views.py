@@ -146,7 +146,7 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
         ),
         ("In the bin", f"what is found moves by {mm(shift)}"),
         ("Poses agree to", f"{mm(found.rms, 2)} RMS, {found.used} used"),
-        ("Predicted by the others", _predicted(found)),
+        ("Predicted by the others", _prediction_words(found)),
         (
             "Sure to",
             f"{mm(found.position_error, 2)} and {np.rad2deg(found.angle_error):.3f}° (standard "
@@ -157,7 +157,7 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
     return table_html(rows) + corners_html(cell, found) + (line(more, kind="hint") if more else "")
 
 
-def _predicted(found: Calibration) -> str:
+def _prediction_words(found: Calibration) -> str:
     """Each pose by those without it."""
     worst, rms = found.worst_predicted, found.predicted_rms
     if worst is None or worst.predicted is None:

@@ -105,7 +105,7 @@ def legend_html(plot: Plot, time: float | None = None) -> str:
     """The names of the curves, with their values at a time [s]."""
 
     def value(curve: Curve) -> str:
-        return "" if time is None else f" <b>{_said(_at(plot.times, curve.values, time))}</b>"
+        return "" if time is None else f" <b>{_format(_at(plot.times, curve.values, time))}</b>"
 
     entries = "".join(
         f'<span class="wb-leg"><i style="background:{curve.colour}"></i>{escape(curve.name)}'
@@ -157,7 +157,7 @@ def _at(times: Floats, values: Floats, time: float) -> float:
     return float(values[min(max(place, 0), len(values) - 1)])
 
 
-def _said(value: float) -> str:
+def _format(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else "-"
 
 

@@ -29,7 +29,7 @@ def speak(client: viser.ClientHandle, words: Words) -> None:
     said = _by_field(words)
 
     def queue_said(message: Any) -> None:
-        queue(_said(message, said, words, choices))
+        queue(_translate(message, said, words, choices))
 
     async def heard(client_id: Any, message: Any) -> None:
         english = choices.get(getattr(message, "uuid", ""))
@@ -64,7 +64,7 @@ def _by_field(words: Words) -> Mapping[str, Say]:
     }
 
 
-def _said(
+def _translate(
     message: Any,
     said: Mapping[str, Say],
     words: Words,
