@@ -147,9 +147,9 @@ def held_cases(paths: Iterable[Path], report: Report = silent) -> list[Held]:
             case = read_case(path)
             parts = tuple(part.digest for part in case.cell.parts)
             if parts not in ready:
-                _searched(case)
+                _search(case)
                 ready.add(parts)
-            found.append(_held(path.name, case))
+            found.append(_compare(path.name, case))
         except WorkbenchError as error:
             found.append(Held(path.name, problem=" ".join(str(error).split())))
         except Exception as error:
@@ -159,9 +159,9 @@ def held_cases(paths: Iterable[Path], report: Report = silent) -> list[Held]:
     return found
 
 
-def _held(name: str, case: Case) -> Held:
+def _compare(name: str, case: Case) -> Held:
     began = working_time()
-    now = _searched(case)
+    now = _search(case)
     seconds = working_time() - began
     before = case.search
     return Held(
@@ -176,7 +176,7 @@ def _held(name: str, case: Case) -> Held:
     )
 
 
-def _searched(case: Case) -> tuple[Detection, ...]:
+def _search(case: Case) -> tuple[Detection, ...]:
     about = {"scan": case.scan, "seed": case.search.seed, "overrides": case.search.overrides}
     return find_parts(case.cell, about, silent, never).detections
 

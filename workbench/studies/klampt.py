@@ -120,7 +120,7 @@ def paths_by_klampt(
             "moving": moving,
             "seconds": seconds,
         }
-        answers = _asked(request, len(planners) * len(goals), report)
+        answers = _ask(request, len(planners) * len(goals), report)
     return [
         KlamptPath(
             answer["planner"],
@@ -134,7 +134,7 @@ def paths_by_klampt(
     ]
 
 
-def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
+def _ask(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
     """The answers of the peer process, which is ended whatever happens here."""
     # What it complains of goes to a file: a pipe that nobody empties would hold it up.
     with (

@@ -197,7 +197,7 @@ def _kinds(names: str) -> tuple[Part, ...]:
 @lru_cache(maxsize=12)
 def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds = tuple(sized(_taught(part, models), cad_scale) for part in _kinds(parts))
+    kinds = tuple(sized(_with_model(part, models), cad_scale) for part in _kinds(parts))
     deviation = BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
@@ -209,7 +209,7 @@ def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> C
     return cell
 
 
-def _taught(part: Part, models: str) -> Part:
+def _with_model(part: Part, models: str) -> Part:
     """The part with the mesh of its name in a folder, if one is given."""
     return (
         replace(part, mesh=read_mesh(Path(models, f"{part.name}.ply"), 0.001)) if models else part

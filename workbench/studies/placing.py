@@ -135,11 +135,11 @@ def gripped(case: Case) -> list[Gripped]:
         if far <= NEAR and turn <= TOO_FAR and found.covariance is not None:
             covariance = found.covariance * case.wider**2
             lying = replace(found, T_world_part=true, covariance=covariance)
-            return _gripped(case, cell, part, lying)
+            return _grip(case, cell, part, lying)
     return []
 
 
-def _gripped(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:
+def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:
     if not _lies_by_itself(cell, part, lying):
         return []
     rng = np.random.default_rng([case.seed, 1])

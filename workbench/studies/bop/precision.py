@@ -113,7 +113,7 @@ def _precision(images: Sequence[Judged], name: str, error: str, threshold: float
         for estimate in image.estimates:
             if estimate.object != name:
                 continue
-            best = _matched(estimate.errors[error], threshold, taken)
+            best = _match(estimate.errors[error], threshold, taken)
             if best is not None:
                 taken.add(best)
             if best is None or image.truth[best][1] >= LEAST_VISIBLE:
@@ -122,7 +122,7 @@ def _precision(images: Sequence[Judged], name: str, error: str, threshold: float
     return average_precision(scores, right, wanted)
 
 
-def _matched(errors: Sequence[float | None], threshold: float, taken: set[int]) -> int | None:
+def _match(errors: Sequence[float | None], threshold: float, taken: set[int]) -> int | None:
     """The nearest true object below the threshold that no better estimate has taken."""
     open_to = {
         k: e for k, e in enumerate(errors) if e is not None and e < threshold and k not in taken

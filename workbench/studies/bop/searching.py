@@ -86,7 +86,7 @@ class DataSet:
         found: list[PoseEstimate] = []
         for done, image in enumerate(self.images):
             report(done / len(self.images), f"image {image.number} of scene {image.scene}")
-            found += _found(replace(cell, parts=parts), image, seed, is_own_bin)
+            found += _find(replace(cell, parts=parts), image, seed, is_own_bin)
         return found
 
 
@@ -107,12 +107,12 @@ def figures_of(data: DataSet, found: Sequence[PoseEstimate]) -> dict[str, Any]:
     times = [estimates[0].seconds for _, estimates in each if estimates]
     is_known = bool(times) and min(times) >= 0
     return {
-        **detection_figures([_judged(data.shapes, *image) for image in each]),
+        **detection_figures([_judge(data.shapes, *image) for image in each]),
         "seconds": float(np.mean(times)) if is_known else None,
     }
 
 
-def _judged(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEstimate]) -> Judged:
+def _judge(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEstimate]) -> Judged:
     width = depth_width(image)
 
     def errors(estimate: PoseEstimate) -> dict[str, tuple[float | None, ...]]:
@@ -139,7 +139,7 @@ def _judged(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEs
     )
 
 
-def _found(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[PoseEstimate]:
+def _find(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[PoseEstimate]:
     """What is found in one image.
 
     Nothing is taken from the truth: where to look is told by the image alone.

@@ -41,7 +41,7 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
         orientation="h",
         showlegend=False,
         marker={"color": COLOURS[5]},
-        customdata=[_told(scenes, kind) for kind in reasons],
+        customdata=[_hover_text(scenes, kind) for kind in reasons],
         hovertemplate="%{customdata}<extra></extra>",
     )
     figure.add_trace(bars, 1, 2)
@@ -53,7 +53,7 @@ MOST_TOLD = 12
 """Parts that are named when the pointer is on a bar."""
 
 
-def _told(scenes: list[dict[str, Any]], kind: str) -> str:
+def _hover_text(scenes: list[dict[str, Any]], kind: str) -> str:
     told = [
         f"seed {scene['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
         for scene in scenes

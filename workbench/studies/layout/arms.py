@@ -138,11 +138,11 @@ def standing(
     moving = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     at = dict(fixed)
     notes: list[str] = []
-    shared = _shared(chains, followers, moving.keys() - fixed.keys())
+    shared = _list_shared(chains, followers, moving.keys() - fixed.keys())
     for name in shared:
         at[name] = _nearest_to_zero(moving[name])
         notes.append(
-            f"joint {name} moves both arms and stands at {_said(moving[name], at[name])}: "
+            f"joint {name} moves both arms and stands at {_format(moving[name], at[name])}: "
             f"--fix {name}=VALUE for another value (its range: {_range(moving[name])})"
         )
     of_arms = {name for chain in chains.values() for name in chain if name in moving} - at.keys()
@@ -150,7 +150,7 @@ def standing(
     idle = [name for name in moving if name not in of_arms and name not in at]
     at |= {name: _nearest_to_zero(moving[name]) for name in idle}
     if idle:
-        values = ", ".join(f"{name} at {_said(moving[name], at[name])}" for name in idle)
+        values = ", ".join(f"{name} at {_format(moving[name], at[name])}" for name in idle)
         notes.append(f"these joints belong to no arm and stand: {values} (--fix NAME=VALUE)")
     led = [follower for follower in followers if follower.joint.name not in at]
     tied = [follower for follower in led if follower.leader in of_arms]
@@ -195,7 +195,7 @@ def _check(robot: Robot, followers: Sequence[Follower], fixed: Mapping[str, floa
             raise InputError(f"--fix {name}={_plain(joint, value)}: its range is {_range(joint)}")
 
 
-def _shared(
+def _list_shared(
     chains: Mapping[str, Sequence[str]], followers: Sequence[Follower], moving: Iterable[str]
 ) -> list[str]:
     """The joints that move more than one arm, themselves or by what follows them."""
@@ -234,10 +234,10 @@ def _plain(joint: Joint, value: float) -> str:
     return f"{np.rad2deg(value):g}" if joint.kind == "revolute" else f"{value * 1000:g}"
 
 
-def _said(joint: Joint, value: float) -> str:
+def _format(joint: Joint, value: float) -> str:
     return f"{_plain(joint, value)} {'degrees' if joint.kind == 'revolute' else 'mm'}"
 
 
 def _range(joint: Joint) -> str:
     low, high = np.round([joint.lower, joint.upper], 6)
-    return f"{_plain(joint, low)} to {_said(joint, high)}"
+    return f"{_plain(joint, low)} to {_format(joint, high)}"

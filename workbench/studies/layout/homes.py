@@ -75,7 +75,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
             T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
             answers += list(configurations(chain, T, starts).q)
         among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
-        for q in map(world.motion.rounded, _ordered(chain, answers)):
+        for q in map(world.motion.rounded, _order(chain, answers)):
             whole = world.configuration({**homes, arm.name: q})
             if world.contact(whole, among) is None:
                 homes[arm.name] = q
@@ -85,7 +85,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
     return [homes[arm.name] for arm in cell.arms]
 
 
-def _ordered(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
+def _order(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
     """Configurations (n,) far from the limits first, then with the elbow high, then near zero."""
     near = [nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers]
     return sorted(near, key=lambda q: _awkwardness(chain, q))

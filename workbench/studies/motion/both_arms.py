@@ -89,12 +89,12 @@ class BothArms:
         """
         rng = np.random.default_rng(seed)
         sides = rng.choice((-1.0, 1.0), len(self.arms))
-        start, goal = self._drawn(sides, rng), self._drawn(-sides, rng)
+        start, goal = self._draw(sides, rng), self._draw(-sides, rng)
         world = self.worlds[OURS]
         check = curve_check(world, self.columns, world.configuration({}))
         return Ends(start, goal, check(segment(start, goal)) is None)
 
-    def _drawn(self, sides: Floats, rng: np.random.Generator) -> Floats:
+    def _draw(self, sides: Floats, rng: np.random.Generator) -> Floats:
         world = self.worlds[OURS]
         while True:
             both = [

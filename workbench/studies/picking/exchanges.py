@@ -133,7 +133,7 @@ class Exchanges:
             others = [later for later in seconds if later.arm.name != first.arm.name]
             if not others:
                 continue
-            held = [(T, q) for T in self._poses() for q in self._held(number, first, T)]
+            held = [(T, q) for T in self._poses() for q in self._solve_hold(number, first, T)]
             for second in others:
                 best = max(best, self._exchange(number, first, second, held))
                 if best is Got.OK:
@@ -160,7 +160,7 @@ class Exchanges:
         found = self._world.motion.rounded(answers[is_solution(residuals)])
         return found[np.sort(np.unique(found.round(2), axis=0, return_index=True)[1])]
 
-    def _held(self, number: int, hold: Hold, T_world_part: pin.SE3) -> list[Floats]:
+    def _solve_hold(self, number: int, hold: Hold, T_world_part: pin.SE3) -> list[Floats]:
         """Configurations (n,) [rad] in which a hand has the part there, clear of everything."""
         name = hold.arm.name
         self._world.enter(_bringing(number, hold))

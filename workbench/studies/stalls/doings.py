@@ -67,27 +67,27 @@ def doings(files: Files) -> dict[str, Doing]:
         "another one in German": _in_german,
         "a cycle to the plan": planned,
         "all answers are read": _read,
-        "the plan is sent": _sent,
+        "the plan is sent": _send,
         "the same four times, with a CAD file read meanwhile": lambda visitor: _sent_beside(
             visitor, files.cad
         ),
         "a scan is sent": lambda visitor: _scan(visitor, files.scan),
         "its points are read": _points,
-        "parts are looked for in it": _sought,
+        "parts are looked for in it": _search,
         "poses are sent": _poses,
         **cads,
         "the same as a tool's body": looked_at("Choose the body", ".stl", files.cad[".stl"]),
-        "piles are emptied": _emptied,
-        "a part is made": lambda visitor: _made(
+        "piles are emptied": _empty,
+        "a part is made": lambda visitor: _make(
             visitor, "Choose a CAD file", "Make the part", files.small
         ),
-        "a tool is made": lambda visitor: _made(
+        "a tool is made": lambda visitor: _make(
             visitor, "Choose the body", "Add the tool", files.small
         ),
-        "the cell is saved": _saved,
-        "the session is taken along": lambda visitor: _taken(visitor, "/session.zip"),
-        "a backup is taken along": lambda visitor: _taken(visitor, "/backup.zip"),
-        "a backup is restored": _restored,
+        "the cell is saved": _save,
+        "the session is taken along": lambda visitor: _download(visitor, "/session.zip"),
+        "a backup is taken along": lambda visitor: _download(visitor, "/backup.zip"),
+        "a backup is restored": _restore,
     }
 
 
@@ -134,7 +134,7 @@ async def _points(visitor: Visit) -> None:
     await visitor.get("/scan/points")
 
 
-async def _sent(visitor: Visit) -> None:
+async def _send(visitor: Visit) -> None:
     await let_out(visitor)
     await visitor.until(has_ended, "the end of a motion")
 
@@ -174,7 +174,7 @@ async def _scan(visitor: Visit, content: bytes) -> None:
     await visitor.until(lambda state: state["scan"] not in (None, before), "the scan")
 
 
-async def _sought(visitor: Visit) -> None:
+async def _search(visitor: Visit) -> None:
     await visitor.post("/localize")
     await visitor.done()
 
@@ -187,7 +187,7 @@ async def _poses(visitor: Visit) -> None:
     await visitor.until(lambda state: state["detections"] == POSES, "the poses")
 
 
-async def _made(visitor: Visit, choose: str, make: str, content: bytes) -> None:
+async def _make(visitor: Visit, choose: str, make: str, content: bytes) -> None:
     name = f"{make.split()[-1]}_small"
     before = (await visitor.state())["cell_digest"]
     await visitor.choose(choose, f"{name}.stl", content, "closed")
@@ -201,21 +201,21 @@ async def _made(visitor: Visit, choose: str, make: str, content: bytes) -> None:
         raise LinkError(state["message"])
 
 
-async def _saved(visitor: Visit) -> None:
+async def _save(visitor: Visit) -> None:
     await visitor.post("/cell/save")
     await visitor.until(lambda state: state["is_saved"], "the files")
 
 
-async def _emptied(visitor: Visit) -> None:
+async def _empty(visitor: Visit) -> None:
     await visitor.post("/emptying", parts=4, piles=1)
     await visitor.done()
 
 
-async def _taken(visitor: Visit, path: str) -> None:
+async def _download(visitor: Visit, path: str) -> None:
     await visitor.get(path, raw=True)
 
 
-async def _restored(visitor: Visit) -> None:
+async def _restore(visitor: Visit) -> None:
     file = BytesIO(await visitor.get("/backup.zip", raw=True))
     with zipfile.ZipFile(file, "a") as kept:
         kept.writestr("parts/added/note.txt", "another one")

@@ -75,7 +75,7 @@ class Watchdog:
         self._collected = 0.0
         self._collecting = 0.0
         self._run_handle: Any = getattr(asyncio.Handle, RUN)
-        setattr(asyncio.Handle, RUN, self._hooked())
+        setattr(asyncio.Handle, RUN, self._hook())
         gc.callbacks.append(self._note_collection)
         self._thread = threading.Thread(target=self._run, name="watchdog", daemon=True)
         self._thread.start()
@@ -128,7 +128,7 @@ class Watchdog:
 
     # -- event loops -----------------------------------------------------------------------
 
-    def _hooked(self) -> Callable[[Any], None]:
+    def _hook(self) -> Callable[[Any], None]:
         run, running, seen, least = self._run_handle, self._running, self._seen, self._least
 
         def run_and_look(handle: Any) -> None:
