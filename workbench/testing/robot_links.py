@@ -72,7 +72,7 @@ def check_robot_link(
         _check_states(link, plan, there, receipts)
         for change in ("plan_digest", "cell_digest", "scan_digest"):
             other = replace(approval, **{change: "0" * 64})
-            assert _refused(plan, other, there), f"an approval with another {change} was taken"
+            assert _is_refused(plan, other, there), f"an approval with another {change} was taken"
             try:
                 list(_straight(link, plan, other, there, patience))
             except CommandRefused:
@@ -128,7 +128,7 @@ def _check_steps(
     link: RobotLink, cell: Cell, plan: Plan, approval: Approval, host: str, patience: LinkPatience
 ) -> None:
     if not link.motion.takes_steps:
-        assert _refused(plan, approval, cell), "a link that cannot wait was given a stepped plan"
+        assert _is_refused(plan, approval, cell), "a link that cannot wait was given a stepped plan"
         return
     with simulated(link, cell, 100.0, host) as there:
         waited = [0]
@@ -139,7 +139,7 @@ def _check_steps(
         assert waited == steps, "the robot waits once before each step, the first one too"
 
 
-def _refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
+def _is_refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
     try:
         list(send(plan, approval, cell))
     except CommandRefused:

@@ -162,7 +162,7 @@ def _print(cell: Cell, calibration: Calibration) -> None:
             residual.name,
             f"{residual.distance * 1000:.2f}",
             f"{np.rad2deg(residual.angle):.2f}",
-            *_predicted(residual.predicted),
+            *_format_prediction(residual.predicted),
             residual.light if not residual.left_out else "left out",
             residual.left_out,
         )
@@ -177,8 +177,9 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     if worst is not None and all_of_them is not None:
         print(
             "others: each pose as all the others predict it, "
-            f"{' mm, '.join(_predicted(all_of_them))} degrees RMS; the worst is {worst.name}, "
-            f"{' mm, '.join(_predicted(worst.predicted))} degrees"
+            f"{' mm, '.join(_format_prediction(all_of_them))} degrees RMS; "
+            f"the worst is {worst.name}, "
+            f"{' mm, '.join(_format_prediction(worst.predicted))} degrees"
         )
     T = calibration.T_world_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
@@ -216,8 +217,8 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
                 "name": residual.name,
                 "off_mm": round(residual.distance * 1000, 4),
                 "off_deg": round(float(np.rad2deg(residual.angle)), 4),
-                "predicted_mm": _rounded(residual.predicted, 0),
-                "predicted_deg": _rounded(residual.predicted, 1),
+                "predicted_mm": _round(residual.predicted, 0),
+                "predicted_deg": _round(residual.predicted, 1),
                 "light": residual.light,
                 "left_out": residual.left_out,
             }
@@ -227,8 +228,8 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
         "rms_mm": round(calibration.rms * 1000, 4),
         "position_error_mm": round(calibration.position_error * 1000, 4),
         "angle_error_deg": round(float(np.rad2deg(calibration.angle_error)), 5),
-        "predicted_rms_mm": _rounded(calibration.predicted_rms, 0),
-        "predicted_rms_deg": _rounded(calibration.predicted_rms, 1),
+        "predicted_rms_mm": _round(calibration.predicted_rms, 0),
+        "predicted_rms_deg": _round(calibration.predicted_rms, 1),
         "covariance": calibration.covariance.tolist(),
         "corners_mm": {name: round(error * 1000, 4) for name, error in errors.items()},
         "largest_corner_mm": round(max(errors.values()) * 1000, 4),
@@ -238,14 +239,14 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
     }
 
 
-def _predicted(off: tuple[float, float] | None) -> tuple[str, str]:
+def _format_prediction(off: tuple[float, float] | None) -> tuple[str, str]:
     """In mm and degrees; the others may leave a pose open."""
     if off is None:
         return "open", "open"
     return f"{off[0] * 1000:.2f}", f"{np.rad2deg(off[1]):.2f}"
 
 
-def _rounded(off: tuple[float, float] | None, which: int) -> float | None:
+def _round(off: tuple[float, float] | None, which: int) -> float | None:
     """In mm (0) or degrees (1)."""
     if off is None:
         return None

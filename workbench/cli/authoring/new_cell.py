@@ -119,7 +119,7 @@ def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
     else:
         found = read_description(
             typed.urdf,
-            arguments=dict(_named("--xacro", argument, ":=") for argument in typed.xacro),
+            arguments=dict(_split_option("--xacro", argument, ":=") for argument in typed.xacro),
             package_paths=typed.package_path,
             mesh_unit=typed.mesh_unit,
         )
@@ -137,7 +137,7 @@ def _file_to_name(folder: Path) -> str:
     return f"{folder} is a folder; name one of its files: {names}{more}"
 
 
-def _named(option: str, typed: str, sign: str) -> tuple[str, str]:
+def _split_option(option: str, typed: str, sign: str) -> tuple[str, str]:
     """The name and the value in one word."""
     name, found, value = typed.partition(sign)
     if not name or not found:
@@ -171,16 +171,16 @@ def _arms(typed: CellNew, found: Description) -> _Arms:
     robot, gone = without_hands(mounts.robot, flanges)
     there = {joint.name for joint in robot.joints}
     followers = [follower for follower in found.followers if follower.joint.name in there]
-    moving = standing(robot, followers, flanges, _fixed(typed, found))
+    moving = standing(robot, followers, flanges, _read_fixed(typed, found))
     return _Arms(moving.robot, flanges, gone, (*mounts.notes, *moving.notes))
 
 
-def _fixed(typed: CellNew, found: Description) -> dict[str, float]:
+def _read_fixed(typed: CellNew, found: Description) -> dict[str, float]:
     """Where joints stand [rad, m], by name."""
     movable = {follower.joint.name: follower.joint for follower in found.followers}
     values: dict[str, float] = {}
     for assignment in typed.fix:
-        name, value = _named("--fix", assignment, "=")
+        name, value = _split_option("--fix", assignment, "=")
         joint = movable.get(name) or found.robot.joint(name)
         try:
             number = float(value)

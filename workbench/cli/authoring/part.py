@@ -33,7 +33,7 @@ def import_part(typed: PartImport) -> int:
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
     try:
-        made = _made(typed)
+        made = _make(typed)
     except SeveralSolids as error:
         if not typed.json:
             _print_solids(error)
@@ -45,7 +45,7 @@ def import_part(typed: PartImport) -> int:
     return SUCCESS
 
 
-def _made(typed: PartImport) -> MadePart:
+def _make(typed: PartImport) -> MadePart:
     with progress("import") as report:
         make_ready(report, ("planning",))
         return make_part(

@@ -54,11 +54,11 @@ def _print(cell: Cell, found: RecordedDrift) -> None:
     print(f"{found.sessions} sessions, {found.scans} scans looked at since the calibration")
     for course in found.drift.courses:
         rows = [
-            (_date(day), *_shown(moved))
+            (_date(day), *_format(moved))
             for day, moved in zip(course.days.tolist(), course.moved, strict=True)
         ]
-        rows.append(("change", *_shown(course.change)))
-        rows.append(("deviation", *_shown(course.deviation)))
+        rows.append(("change", *_format(course.change)))
+        rows.append(("deviation", *_format(course.deviation)))
         marks = ("told" if told else "" for told in course.is_told)
         print_table(
             f"Where {course.thing} has the scanner, "
@@ -104,7 +104,7 @@ def _date(day: int) -> str:
     return datetime.fromtimestamp(day * DAY, UTC).strftime("%Y-%m-%d")
 
 
-def _shown(motion: Floats) -> tuple[str, ...]:
+def _format(motion: Floats) -> tuple[str, ...]:
     return tuple(f"{value:.2f}" if np.isfinite(value) else "-" for value in motion * UNITS)
 
 

@@ -112,7 +112,7 @@ def kinds_of(text: str) -> frozenset[str]:
     return frozenset(kinds)
 
 
-def _compared(found: dict[str, Any]) -> str:
+def _compare(found: dict[str, Any]) -> str:
     """How fast the same piles are emptied by one plan a look, where that was asked for."""
     single = found.get("one_pick")
     if single is None or single["parts_per_hour"] is None:
@@ -182,7 +182,7 @@ def _print(found: dict[str, Any], title: str) -> None:
     if found["bound_share"] is not None:
         print(f"by all grasps of the tool, in the library or not: {found['bound_share']:.1%}")
     if found["parts_per_hour"] is not None:
-        print(f"{found['parts_per_hour']:.0f} parts an hour{_compared(found)}")
+        print(f"{found['parts_per_hour']:.0f} parts an hour{_compare(found)}")
     left = [(scene["seed"], part) for scene in found["scenes"] for part in scene["left"]]
     if not left:
         print("nothing stayed in the bins")

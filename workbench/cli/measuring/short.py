@@ -83,7 +83,7 @@ SHORT: Mapping[str, Short] = {
 
 def short(typed: BenchShort) -> int:
     """Run them one after the other; only an error fails, since times differ between machines."""
-    before = _kept(typed.against)
+    before = _read_last(typed.against)
     now: dict[str, dict[str, float]] = {}
     failed: list[str] = []
     with progress("bench") as report:
@@ -105,7 +105,7 @@ def short(typed: BenchShort) -> int:
     return FAILURE if failed else SUCCESS
 
 
-def _kept(path: Path) -> Mapping[str, Any]:
+def _read_last(path: Path) -> Mapping[str, Any]:
     """The figures of last time; none when there is no file.
 
     Raises:

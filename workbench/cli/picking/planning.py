@@ -91,7 +91,7 @@ def plan(typed: arguments.Plan) -> int:
     if is_good and result.plan is not None:
         write_plan(typed.out, result.plan, result.proof)
         for number, proven_plan in enumerate(result.row, 2):
-            write_plan(_numbered(typed.out, number), proven_plan.plan, proven_plan.proof)
+            write_plan(_file_of(typed.out, number), proven_plan.plan, proven_plan.proof)
     if typed.json:
         _print_form(typed.out, result, is_good, ready, planning)
     else:
@@ -99,7 +99,7 @@ def plan(typed: arguments.Plan) -> int:
     return SUCCESS if is_good else NO_PLAN
 
 
-def _numbered(out: Path, number: int) -> Path:
+def _file_of(out: Path, number: int) -> Path:
     """The file of a plan of a row: `plan.json`, `plan-2.json`, ..."""
     return out.with_name(f"{out.stem}-{number}{out.suffix}")
 
@@ -179,7 +179,7 @@ def _print_form(
             ],
             "row": [
                 {
-                    "file": str(_numbered(out, number)),
+                    "file": str(_file_of(out, number)),
                     "plan": plan_form(proven_plan.plan, 0.0),
                     "parts": parts_taken(result.plans[0], proven_plan.plan),
                     "proof": proof_form(proven_plan.proof),
@@ -212,7 +212,7 @@ def _print_words(
         print(proof_words(result.proof))
     for number, proven_plan in enumerate(result.row, 2):
         first = result.plans[0]
-        print(f"then {_numbered(out, number)}: {plan_words(proven_plan.plan, 0.0, first)}")
+        print(f"then {_file_of(out, number)}: {plan_words(proven_plan.plan, 0.0, first)}")
         print(proof_words(proven_plan.proof, proven_plan.plan, first))
     if result.row_ends:
         print(f"nothing in a row after that: {result.row_ends}")

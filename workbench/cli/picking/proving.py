@@ -32,7 +32,7 @@ def prove(typed: arguments.Prove) -> int:
         besides = (typed.plan, typed.poses, typed.part, typed.certificate, typed.out)
         if any(plan is not None for plan in besides):
             raise InputError("--check takes a certificate, and --scan beside it; nothing else")
-        return _checked(typed.check, typed)
+        return _check(typed.check, typed)
     if typed.plan is None:
         raise InputError("name the file of a plan, or a certificate with --check")
     return _proven(typed.plan, typed, typed.certificate, typed.out)
@@ -72,7 +72,7 @@ def _proven(
     return SUCCESS if proof.holds else NO_PLAN
 
 
-def _checked(path: Path, typed: arguments.Prove) -> int:
+def _check(path: Path, typed: arguments.Prove) -> int:
     found = read_certificate(path)
     cell = cell_of(found.plan, typed.cell)
     with progress("check") as report:

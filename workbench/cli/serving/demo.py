@@ -147,7 +147,7 @@ class Cycle:
         """
         state = self._bench.state
         if state.phase is not Phase.PLANNED:
-            state = self._planned(seed)
+            state = self._plan(seed)
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(str(state.message))
@@ -167,7 +167,7 @@ class Cycle:
         if is_over and self._are_parts_told(state) and state.parts_placed != len(plan.arms):
             raise LinkError(str(state.message))
 
-    def _planned(self, seed: int) -> State:
+    def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
         self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)

@@ -81,7 +81,7 @@ def send(typed: arguments.Send) -> int:
             f"the cell wants {cell.approvers} people to approve a plan; a command is one person's"
         )
     start = start_words(cell, plans[0])
-    facts, digest = row_facts(cell, row, _told(typed), start), row_digest(plans)
+    facts, digest = row_facts(cell, row, _describe(typed), start), row_digest(plans)
     if typed.digest is None:
         record.show(digest, typed.approve_as, time.time(), facts)
         for name, value in facts.items():
@@ -129,7 +129,7 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
     return controller_by(protocol, typed.host, typed.port, typed.state_port, options)
 
 
-def _told(typed: arguments.Send) -> str:
+def _describe(typed: arguments.Send) -> str:
     """What the proof was told of the bin."""
     told = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
     return f"compared with {' and '.join(told)}" if told else "by the plan's own word"
@@ -170,7 +170,7 @@ def _sent_in_turn(
         for plan in plans:
             if forms:
                 _check_onward(cell, plan, forms[-1], len(forms), len(plans))
-            forms.append(_sent(typed, plan, waiting.pop(0), cell, record))
+            forms.append(_send(typed, plan, waiting.pop(0), cell, record))
     finally:
         # Nothing of these was sent.
         for approval in waiting:
@@ -211,7 +211,7 @@ def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], pr
         print(f"the end of this sending is not on record: {error}", file=sys.stderr)
 
 
-def _sent(
+def _send(
     typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
 ) -> dict[str, Any]:
     """Send an approved plan, put on record what became of it, and tell it."""

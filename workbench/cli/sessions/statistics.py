@@ -23,7 +23,7 @@ from workbench.model.errors import InputError
 def tell_statistics(typed: arguments.Statistics) -> int:
     """Count what the sessions tell."""
     folders = typed.sessions or sessions_below(Path("sessions"))
-    counted = together(_counted(folder) for folder in folders)
+    counted = together(_count(folder) for folder in folders)
     if typed.csv is not None:
         write_whole(typed.csv, csv_text(counted).encode())
     if typed.json:
@@ -47,7 +47,7 @@ def sessions_below(root: Path) -> tuple[Path, ...]:
     return found
 
 
-def _counted(folder: Path) -> Statistics:
+def _count(folder: Path) -> Statistics:
     with closing(opened(folder)) as journal:
         return statistics(journal.entries())
 

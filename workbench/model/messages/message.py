@@ -153,7 +153,7 @@ class Message:
 
     def renumbered(self, number: "Callable[[int], int | Message]") -> "Message":
         """The message with its parts by the indices in another list, or as another message."""
-        return Message(self.text, {name: _renumbered(a, number) for name, a in self.args.items()})
+        return Message(self.text, {name: _renumber(a, number) for name, a in self.args.items()})
 
     def part(self, text: Text) -> "Message | None":
         """The first message of a text in it, which it may be itself; None where there is none."""
@@ -225,11 +225,11 @@ def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
         factor, digits, unit = UNITS[how]
         return f"{arg * factor + 0.0:.{digits}f}{unit}"
     if isinstance(arg, tuple):
-        return _listed(cast(tuple[Any, ...], arg), how, template_of)
+        return _join_list(cast(tuple[Any, ...], arg), how, template_of)
     return arg.rendered(template_of) if isinstance(arg, Message) else str(arg)
 
 
-def _listed(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
+def _join_list(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
     shown = [_shown(arg, "", template_of) for arg in args]
     joint = {"and": Others.AND, "or": Others.OR}.get(how)
     if joint is None or len(shown) < 2:
@@ -237,7 +237,7 @@ def _listed(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str])
     return joint(first=", ".join(shown[:-1]), last=shown[-1]).rendered(template_of)
 
 
-def _renumbered(arg: Any, number: Callable[[int], int | Message]) -> Any:
+def _renumber(arg: Any, number: Callable[[int], int | Message]) -> Any:
     match arg:
         case FoundPart():
             new = number(arg.index)
@@ -245,7 +245,7 @@ def _renumbered(arg: Any, number: Callable[[int], int | Message]) -> Any:
         case Message():
             return arg.renumbered(number)
         case tuple():
-            return tuple(_renumbered(item, number) for item in cast(tuple[Any, ...], arg))
+            return tuple(_renumber(item, number) for item in cast(tuple[Any, ...], arg))
         case _:
             return arg
 

@@ -43,7 +43,7 @@ def stalls(typed: BenchStalls) -> int:
         report(0.0, "large files")
         files = files_for(cell, typed.triangles, typed.points)
         with served(place, str(own), password, "--stalls", FILE) as page:
-            rows = asyncio.run(_measured(page, password, files, report))
+            rows = asyncio.run(_measure(page, password, files, report))
     form = [_form(row) for row in rows]
     if typed.json:
         print_json({"doings": form})
@@ -61,7 +61,7 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
     return robot / path.name
 
 
-async def _measured(page: Served, password: str, files: Files, report: Report) -> list[Row]:
+async def _measure(page: Served, password: str, files: Files, report: Report) -> list[Row]:
     rows: list[Row] = []
     told = page.folder / FILE
     async with visit(page.url, NAME, password, page.token) as visitor:
