@@ -258,17 +258,19 @@ class _Search:
         close = self._sift(batch, items, world, spreads)
         if not len(close.items):
             return close.items
-        asked, space, told, which = self._asked, self._space, close.told, close.items[:, 2]
+        asked, space, lower_bounds, which = self._asked, self._space, close.told, close.items[:, 2]
         at = batch.at[close.items[:, :2]].max(axis=1)
         ways = self._measure_pairs(q, close, at)
         if ways:
             n, way = np.array(list(ways)), np.array(list(ways.values()))
             compiled = space.normals, space.chain, space.arrays, world, spreads
-            told[n] = np.fmax(told[n], planes(close.items[n], way, asked, *compiled))
+            lower_bounds[n] = np.fmax(
+                lower_bounds[n], planes(close.items[n], way, asked, *compiled)
+            )
         # What is no number is not far enough, here and below.
-        is_left = ~(told >= self._needs(which, at)) & (close.moves > self._fine[which])
+        is_left = ~(lower_bounds >= self._needs(which, at)) & (close.moves > self._fine[which])
         is_told = asked.shown[which] & ~is_left
-        np.minimum.at(self.found.bounds, at[is_told], told[is_told])
+        np.minimum.at(self.found.bounds, at[is_told], lower_bounds[is_told])
         return close.items[is_left]
 
     def _needs(self, which: Ints, at: Ints) -> Floats:
@@ -298,10 +300,10 @@ class _Search:
         columns = order, *(column[order] for column in (*columns, space.known(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
-        for n, mine, theirs, place, row, told, moves, margin, counts, is_known in zip(
+        for n, mine, theirs, place, row, bound, moves, margin, counts, is_known in zip(
             *(column.tolist() for column in columns), strict=True
         ):
-            if told >= margin and not (counts and told < goals[place]):
+            if bound >= margin and not (counts and bound < goals[place]):
                 continue
             if looked != (mine, theirs):
                 looked = (mine, theirs)
@@ -313,9 +315,9 @@ class _Search:
             self._note(row, distance, margin, place, counts)
             if found.too_near is not None:
                 return {}
-            told = max(told, distance - moves)
-            close.told[n] = told
-            if told < margin or (counts and told < goals[place]) or not is_known:
+            bound = max(bound, distance - moves)
+            close.told[n] = bound
+            if bound < margin or (counts and bound < goals[place]) or not is_known:
                 ways[n] = space.way()
         return ways
 

@@ -240,7 +240,7 @@ def planes(
         world: where everything is at the middles of the sets.
         spread: the sets.
     """
-    told = np.full(len(items), -np.inf)
+    bounds = np.full(len(items), -np.inf)
     for n in range(len(items)):
         ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
         a, b = int(asked.first[pair]), int(asked.second[pair])
@@ -251,8 +251,8 @@ def planes(
         normal = ways[n] / length
         _note(normals[a, b], normal, ka, a, kb, b, world)
         common = int(asked.commons[pair])
-        told[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
-    return told
+        bounds[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+    return bounds
 
 
 @njit(cache=True)

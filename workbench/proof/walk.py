@@ -111,9 +111,9 @@ class Walk:
         for asked in self._asked:
             key, bounds = (asked.one.arm.name, asked.one.leg.name), asked.found.bounds
             clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
-        told = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
+        table = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
-        return Walked(tuple(self._violations), told, tuple(apart), clearance, nearest, looks)
+        return Walked(tuple(self._violations), table, tuple(apart), clearance, nearest, looks)
 
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""

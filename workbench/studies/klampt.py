@@ -167,7 +167,7 @@ def _ask(request: dict[str, Any], count: int, report: Report) -> list[dict[str, 
     return answers
 
 
-def _reason(told: str) -> str:
-    if "No module named 'klampt'" in told:
+def _reason(text: str) -> str:
+    if "No module named 'klampt'" in text:
         return "it is not installed; pip install 'workbench[bench]'"
-    return told.strip().splitlines()[-1] if told.strip() else "it ended without a word"
+    return text.strip().splitlines()[-1] if text.strip() else "it ended without a word"

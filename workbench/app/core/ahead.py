@@ -90,16 +90,16 @@ def after_the_end(before: State, after: State, entry: Entry) -> Ended:
 
 def _sees(state: State, ahead: Ahead) -> bool:
     """Whether the last plan that is sent has come, by the robot's reports, to where it is seen."""
-    sees_from, told = ahead.wanted.sees_from, state.receipts
+    sees_from, receipts = ahead.wanted.sees_from, state.receipts
     if state.row or state.stopped_by or not sees_from or _has_failed(state):
         return False
-    return max((report.step for report in told), default=0) >= sees_from
+    return max((report.step for report in receipts), default=0) >= sees_from
 
 
 def _has_failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
-    told = (receipt.part for receipt in state.receipts if receipt.part is not None)
-    is_told = any(part.is_picked is False for part in (*told, *state.part_reports))
+    reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
+    is_told = any(part.is_picked is False for part in (*reports, *state.part_reports))
     return is_told or any(not outcome.is_picked for outcome in state.outcomes)
 
 

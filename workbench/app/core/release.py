@@ -229,15 +229,15 @@ def shortened(state: State, picks: int, actor: str) -> State:
 
 def with_watched(state: State, actor: str, *, is_told: bool) -> State:
     """The state after the plan was played to its end before somebody, or a program said so."""
-    told, watched = state.told, state.watched
+    reported, watched = state.told, state.watched
     if actor not in watched:
-        watched, told = (*watched, actor), (*told, actor) if is_told else told
+        watched, reported = (*watched, actor), (*reported, actor) if is_told else reported
     elif not is_told:
-        told = tuple(name for name in told if name != actor)
+        reported = tuple(name for name in reported if name != actor)
     message = "the plan was played to its end"
     if is_told:
         message = f"a program says that the plan was played to its end before {actor}"
-    return replace(state, watched=watched, told=told, message=message)
+    return replace(state, watched=watched, told=reported, message=message)
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:

@@ -146,10 +146,10 @@ def emptied(
     more = None
     rest = [detection for _, detection in lying]
     if task.bounds:
-        told, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
+        bounds, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
         left = tuple(
             replace(left_part, any_grasp=str(found))
-            for left_part, found in zip(left, told, strict=True)
+            for left_part, found in zip(left, bounds, strict=True)
         )
     return EmptiedPile(
         task,
@@ -262,13 +262,15 @@ def _as_seen(
 
 def _summarize(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
     """What the last scan showed and what was said of it; nothing where poses are true ones."""
-    told: dict[int, Verdict] = {}
+    verdicts: dict[int, Verdict] = {}
     for candidate in () if result is None else result.candidates:
-        best = told.setdefault(candidate.detection, candidate.verdict)
-        told[candidate.detection] = max(
+        best = verdicts.setdefault(candidate.detection, candidate.verdict)
+        verdicts[candidate.detection] = max(
             best, candidate.verdict, key=lambda verdict: verdict.progress
         )
-    return [(detection, told[number]) for number, detection in enumerate(seen) if number in told]
+    return [
+        (detection, verdicts[number]) for number, detection in enumerate(seen) if number in verdicts
+    ]
 
 
 def _left_alone(

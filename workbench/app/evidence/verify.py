@@ -125,9 +125,9 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
         if _rehashed(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
         expected, previous = entry.number + 1, entry.hash
-    told = [(member.number, member.kind, body_of(member)) for member in entries]
-    yield from approval_problems(told)
-    yield from step_problems(told)
+    bodies = [(member.number, member.kind, body_of(member)) for member in entries]
+    yield from approval_problems(bodies)
+    yield from step_problems(bodies)
 
 
 def clock_remarks(entries: list[Entry]) -> Iterator[str]:

@@ -73,16 +73,16 @@ def regrasped(
     why = StationNote.NO_POSE()
     for count, number in enumerate(numbers):
         kind = scene.detections[number].part
-        told = within(report, count / len(numbers), (count + 1) / len(numbers))
+        report_part = within(report, count / len(numbers), (count + 1) / len(numbers))
         if kind not in stands:
-            stands[kind] = search.stands(kind, told)
+            stands[kind] = search.stands(kind, report_part)
         refusals: list[Verdict] = []
-        pairs = search.pairs(number, stands[kind], refusals, told)
+        pairs = search.pairs(number, stands[kind], refusals, report_part)
         if stands[kind] and not pairs:
             reason = _why_not(refusals) if processor_time() < search.until else Reason.OUT_OF_TIME
             why = StationNote.NO_GRASP(reason=reason.message)
         for stand in pairs[:MOST_PLANNED]:
-            told(0.8, "planning over a station")
+            report_part(0.8, "planning over a station")
             row = _plan_both(cell, scene, number, stand, policy, picks)
             if isinstance(row, Message):
                 why = row

@@ -164,8 +164,8 @@ def _row(
 ) -> PlanResult:
     """A plan and those after it, all by one strategy."""
     left = dict(avoided)
-    told = within(report, 0.0, 1.0 / picks)
-    first = _next(cell, scene, left, told, is_last=picks == 1, **asked)
+    report_plan = within(report, 0.0, 1.0 / picks)
+    first = _next(cell, scene, left, report_plan, is_last=picks == 1, **asked)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
@@ -182,8 +182,8 @@ def _row(
             ends = ends or RowEnd.NO_PART()
             break
         done += 1
-        told = _of(report, f"plan {done} of {picks}", done - 1, picks)
-        result = _next(cell, scene, left, told, is_last=done == picks, **asked)
+        report_plan = _of(report, f"plan {done} of {picks}", done - 1, picks)
+        result = _next(cell, scene, left, report_plan, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
             ends = renumbered(why, first.plan, scene.detections)
@@ -235,8 +235,8 @@ def _next(
         result = planned(avoided, 0.0 if result is None else USUALLY * whole, whole)
     if _holds(result) or not cell.stations:
         return result
-    told = within(report, whole, 1.0)
-    return regrasped(cell, scene, result, avoided=avoided, report=told, **asked)
+    report_rest = within(report, whole, 1.0)
+    return regrasped(cell, scene, result, avoided=avoided, report=report_rest, **asked)
 
 
 def _holds(result: PlanResult) -> bool:

@@ -83,8 +83,8 @@ class Case(Told):
         found, changed, there = (
             len(some) for some in (self.search.detections, self.changed, self.truth)
         )
-        told = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
-        return {**told, "found": found, "of them changed": changed, "there": there}
+        origin = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
+        return {**origin, "found": found, "of them changed": changed, "there": there}
 
 
 def write_case(path: Path, case: Case) -> None:

@@ -241,10 +241,10 @@ class LinkRunner:
 
     def _parts(self, run: Run) -> tuple[PartReport, ...]:
         """What was reported of each part of the plan; where nothing was, nobody knows."""
-        told = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
+        latest = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
         why = f"{self._cell.controller.link} had told nothing of it at the end"
         return tuple(
-            told.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
+            latest.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
             for arm in run.plan.arms
         )
 
@@ -345,9 +345,9 @@ class LinkRunner:
                 self._take(None, wanted)
                 self._closing.wait(RETRY)
 
-    def _take(self, report: RobotState | None, told: int) -> None:
+    def _take(self, report: RobotState | None, count: int) -> None:
         with self._reports:
-            before, self._report, self._told = self._report, report, told
+            before, self._report, self._told = self._report, report, count
             self._reports.notify_all()
         if report is not None:
             self._compare(report)

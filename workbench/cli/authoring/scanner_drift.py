@@ -59,7 +59,7 @@ def _print(cell: Cell, found: RecordedDrift) -> None:
         ]
         rows.append(("change", *_format(course.change)))
         rows.append(("deviation", *_format(course.deviation)))
-        marks = ("told" if told else "" for told in course.is_told)
+        marks = ("told" if is_told else "" for is_told in course.is_told)
         print_table(
             f"Where {course.thing} has the scanner, "
             "from where the cell has it, at the bin's middle",

@@ -126,8 +126,8 @@ def bench_pick(typed: BenchPick) -> int:
             for row in picks.rows(measured)
         ],
     )
-    told = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
-    print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {told}")
+    fates = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
+    print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {fates}")
     for fate, count in measured.get("air", {}).items():
         print(f"{count} {fate}")
     if measured["cycle_seconds"]:

@@ -131,8 +131,8 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
 
 def _describe(typed: arguments.Send) -> str:
     """What the proof was told of the bin."""
-    told = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
-    return f"compared with {' and '.join(told)}" if told else "by the plan's own word"
+    sources = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
+    return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
 
 
 def _check_told(cell: Cell) -> None:

@@ -124,8 +124,8 @@ class AbbEgm:
                 ready = select.select(channels, [], [], POLL)[0]
                 for channel in channels:
                     was = channel.last
-                    told = channel.hear() if channel in ready or not ready else None
-                    if told and was and abs(told.axes - was.axes).max() > STILL:
+                    feedback = channel.hear() if channel in ready or not ready else None
+                    if feedback and was and abs(feedback.axes - was.axes).max() > STILL:
                         moved[channel.arm.name] = time.monotonic()
                 if any(channel.last is None for channel in channels):
                     continue

@@ -126,8 +126,8 @@ class GuidedController(Controller):
             mechanism.is_guided or not self.tasks[name].is_running
             for name, mechanism in self.mechanisms.items()
         ):
-            told, self.when_led = self.when_led, None
-            told()
+            until, self.when_led = self.when_led, None
+            until()
 
     def run(self) -> None:
         """Run the programs until `stop`."""

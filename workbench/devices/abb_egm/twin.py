@@ -188,10 +188,10 @@ class SimulatedEgm:
         _append(self._trace, {"at": time.time(), "arm": arm.arm.name, "q": q})
 
 
-def _append(file: Path | None, told: dict[str, object]) -> None:
+def _append(file: Path | None, values: dict[str, object]) -> None:
     if file is not None:
         with file.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(told) + "\n")
+            lines.write(json.dumps(values) + "\n")
 
 
 def _fault(text: str) -> tuple[str, int]:

@@ -120,8 +120,8 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
     q = _axes(message.feedBack)
     if len(q) != axes:
         raise LinkError(f"the controller reports {len(q)} axes, {axes} are expected")
-    told = tuple(message.RAPIDfromRobot.dnum)
-    if not (np.all(np.isfinite(q)) and all(map(math.isfinite, told))):
+    words = tuple(message.RAPIDfromRobot.dnum)
+    if not (np.all(np.isfinite(q)) and all(map(math.isfinite, words))):
         raise LinkError("the controller reports joints or orders that are no numbers")
     return Feedback(
         message.header.seqno,
@@ -131,21 +131,25 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
         message.mciState.state,
         message.rapidExecState.state,
         message.mciConvergenceMet,
-        told,
+        words,
     )
 
 
-def feedback_bytes(told: Feedback) -> bytes:
+def feedback_bytes(feedback: Feedback) -> bytes:
     """As a controller says it."""
     message = _class("EgmRobot")()
-    message.header.seqno, message.header.tm, message.header.mtype = told.number, told.at, DATA
-    _put_axes(message.feedBack, told.axes)
-    message.feedBack.time.sec, ms = divmod(told.at, 1000)
+    message.header.seqno, message.header.tm, message.header.mtype = (
+        feedback.number,
+        feedback.at,
+        DATA,
+    )
+    _put_axes(message.feedBack, feedback.axes)
+    message.feedBack.time.sec, ms = divmod(feedback.at, 1000)
     message.feedBack.time.usec = ms * 1000
-    message.motorState.state, message.mciState.state = told.motors, told.mci
-    message.rapidExecState.state = told.rapid
-    message.mciConvergenceMet = told.is_converged
-    message.RAPIDfromRobot.dnum.extend(told.told)
+    message.motorState.state, message.mciState.state = feedback.motors, feedback.mci
+    message.rapidExecState.state = feedback.rapid
+    message.mciConvergenceMet = feedback.is_converged
+    message.RAPIDfromRobot.dnum.extend(feedback.told)
     return message.SerializeToString()
 
 

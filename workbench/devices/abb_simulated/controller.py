@@ -162,7 +162,7 @@ class SimulatedController:
 
     def _report(self) -> None:
         watchers: list[socket.socket] = []
-        told = b""
+        last_line = b""
         while not self._stop.is_set():
             ready = select.select([self._states, *watchers], [], [], REPORT)[0]
             for watcher in [w for w in watchers if w in ready and _has_left(w)]:
@@ -176,11 +176,11 @@ class SimulatedController:
                 if len(watchers) > MOST_WATCHERS or not _send_line(watcher, line):
                     watchers.remove(watcher)
                     watcher.close()
-            if line != told:
+            if line != last_line:
                 for watcher in [w for w in watchers if not _send_line(w, line)]:
                     watchers.remove(watcher)
                     watcher.close()
-                told = line
+                last_line = line
         for watcher in watchers:
             watcher.close()
 

@@ -184,8 +184,8 @@ class Loading:
         begun = self._digest, self._ticket, self._starts
         program = Program(*begun, steps, self._is_stepped, self._loads)
         points = sum(len(leg.seconds) for leg in program.legs)
-        told = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
-        if (len(program.legs), points, points) != (self._legs_told, self._points_told, told):
+        count = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
+        if (len(program.legs), points, points) != (self._legs_told, self._points_told, count):
             raise ProtocolError(
                 f"{points} waypoints on {len(program.legs)} legs came, {self._points_told} on "
                 f"{self._legs_told} were told"

@@ -132,14 +132,14 @@ def _find(library: Aravis, serial: str) -> str:
         tuple(library.text(f"arv_get_device_{what}", index) for what in ("id", "serial_nbr"))
         for index in range(library.plain("arv_get_n_devices"))
     ]
-    told = ", ".join(number for _, number in here) or "none"
+    numbers = ", ".join(number for _, number in here) or "none"
     meant = [name for name, number in here if serial in ("", number)]
     if not meant:
         wanted = f"with the serial number {serial} " if serial else ""
-        raise LinkError(f"no camera {wanted}answers (found: {told})")
+        raise LinkError(f"no camera {wanted}answers (found: {numbers})")
     if len(meant) > 1:
         raise LinkError(
-            f"{len(meant)} cameras answer ({told}); say which by `serial`, or by `address`"
+            f"{len(meant)} cameras answer ({numbers}); say which by `serial`, or by `address`"
         )
     return meant[0]
 

@@ -170,7 +170,7 @@ class Network:
         text: Place | None,
         data: Place | None,
         count: float | None,
-        told: Place | None,
+        output: Place | None,
         time: float | None,
     ) -> None:
         r"""SocketReceive: what has arrived, or, with \\ReadNoOfBytes, so many bytes."""
@@ -200,8 +200,8 @@ class Network:
         elif data is not None:
             array: list[float] = data[0][data[1]]
             array[: len(message)] = [float(byte) for byte in message[: len(array)]]
-        if told is not None:
-            told[0][told[1]] = float(len(message))
+        if output is not None:
+            output[0][output[1]] = float(len(message))
 
     def peek(self, place: Place) -> float:
         """SocketPeek: how many bytes have arrived."""

@@ -36,8 +36,8 @@ def main(host: str, script_port: int, sends: bool) -> None:
     words = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # the library prints what is no JSON
 
-    def say(**told: Any) -> None:
-        words.write(json.dumps(told) + "\n")
+    def say(**request: Any) -> None:
+        words.write(json.dumps(request) + "\n")
 
     try:
         _serve(host, script_port, sends, say)

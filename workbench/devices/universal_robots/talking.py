@@ -95,9 +95,9 @@ class Client:
             self._heard += data
         line, self._heard = self._heard.split(b"\n", 1)
         try:
-            told = dict[str, Any](json.loads(line))
+            message = dict[str, Any](json.loads(line))
         except (ValueError, TypeError):
             raise LinkError(f"the controller's client says {line[:40]!r}") from None
-        if "problem" in told:
-            raise LinkError(f"the controller's client says: {told['problem']}")
-        return told
+        if "problem" in message:
+            raise LinkError(f"the controller's client says: {message['problem']}")
+        return message

@@ -135,20 +135,20 @@ def _share_room(T: pin.SE3, size: Floats, other: Floats) -> bool:
 
 def _is_of_part(table: Table) -> bool:
     """Whether a place says how the part lies: of hand and part it may say one."""
-    told = [key for key in OF_PART if table.has(key)]
+    keys = [key for key in OF_PART if table.has(key)]
     for key in OF_TOOL:
-        if told and table.has(key):
+        if keys and table.has(key):
             raise table.error(
-                key, f"is the tool's pose, and {told[0]} that of the part: one is expected"
+                key, f"is the tool's pose, and {keys[0]} that of the part: one is expected"
             )
-    if told and not table.has(OF_PART[0]):
-        raise table.error(OF_PART[0], f"is missing; it is expected beside {told[0]}")
+    if keys and not table.has(OF_PART[0]):
+        raise table.error(OF_PART[0], f"is missing; it is expected beside {keys[0]}")
     for key in ABOUT_PART:
-        if not told and table.has(key):
+        if not keys and table.has(key):
             raise table.error(
                 key, "is about where the part lies; part_position_mm is expected beside it"
             )
-    return bool(told)
+    return bool(keys)
 
 
 def _part_pose(table: Table) -> pin.SE3:
@@ -160,11 +160,11 @@ def _part_pose(table: Table) -> pin.SE3:
 
 def _direction(table: Table) -> tuple[float, float, float]:
     """The unit direction in the world in which a part comes to a place: from above if not told."""
-    told = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
-    length = float(np.linalg.norm(told))
+    approach = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
+    length = float(np.linalg.norm(approach))
     if length < 1e-6:
         raise table.error("approach", "has no length; a direction like [1, 0, 0] is expected")
-    x, y, z = (float(v) for v in told / length + 0.0)
+    x, y, z = (float(v) for v in approach / length + 0.0)
     return x, y, z
 
 

@@ -144,8 +144,8 @@ class Table:
         value = self._value(key, (list, np.ndarray), "a list of numbers", default)
         counts = (count,) if isinstance(count, int) else count
         if counts is not None and len(value) not in counts:
-            told = " or ".join(map(str, counts))
-            raise self.error(key, f"{told} numbers are expected, {len(value)} are given")
+            expected_counts = " or ".join(map(str, counts))
+            raise self.error(key, f"{expected_counts} numbers are expected, {len(value)} are given")
         return np.array([self._check(key, item, low, high) for item in value])
 
     def wholes(

@@ -86,19 +86,19 @@ def bodies_of(path: Path) -> CadBodies:
         FileError: it cannot be read, or holds nothing that has a surface.
     """
     answer = apart(path, raw_bodies)
-    told: Any = answer.told
+    content: Any = answer.told
     points, triangles = answer.arrays["points"], answer.arrays["triangles"]
     of_points = np.cumsum(answer.arrays["counts"][:, 0])[:-1]
     of_triangles = np.cumsum(answer.arrays["counts"][:, 1])[:-1]
     bodies = zip(
-        told["names"],
+        content["names"],
         np.split(points, of_points),
         np.split(triangles, of_triangles),
         answer.arrays["places"],
         strict=True,
     )
     each = tuple(Body(name, Mesh(p, t), T) for name, p, t, T in bodies)
-    return CadBodies(each, told["scale"], told["kind"])
+    return CadBodies(each, content["scale"], content["kind"])
 
 
 def raw_bodies(path: Path) -> Answer:

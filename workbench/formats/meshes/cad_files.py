@@ -112,8 +112,8 @@ def read_cad(
     size = float(np.ptp(mesh.points, axis=0).max())
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
         likely = _likely(float(np.ptp(raw.points, axis=0).max()))
-        told = "; ".join(_meaning(raw, likely_unit, density) for likely_unit in likely)
-        would = f"would be {size * 1000:.4g} mm large" + (f" ({told})" if told else "")
+        meanings = "; ".join(_meaning(raw, likely_unit, density) for likely_unit in likely)
+        would = f"would be {size * 1000:.4g} mm large" + (f" ({meanings})" if meanings else "")
         raise FileError(path, f"{would}: give another unit (--unit)")
     solids = tuple(_shapes(found.bodies)) if len(found.bodies) > 1 else ()
     return CadMesh(mesh, unit or "", is_assumed, taken, solids)
@@ -154,12 +154,12 @@ def _shapes(solids: tuple[Body, ...]) -> dict[str, int]:
 
 def _names(solids: tuple[Body, ...]) -> str:
     """The names of solids, those of one shape together."""
-    told = [
+    shapes = [
         name if count == 1 else f"{name} and {count - 1} like it"
         for name, count in _shapes(solids).items()
     ]
-    more = f" and {len(told) - NAMED} other shapes" if len(told) > NAMED else ""
-    return ", ".join(told[:NAMED]) + more
+    more = f" and {len(shapes) - NAMED} other shapes" if len(shapes) > NAMED else ""
+    return ", ".join(shapes[:NAMED]) + more
 
 
 def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
@@ -167,8 +167,8 @@ def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
     likely = _likely(float(np.ptp(raw.points, axis=0).max()))
     if len(likely) == 1:
         return likely[0]
-    told = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
-    raise FileError(path, f"does not say its unit ({told}): say which (--unit)")
+    meanings = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
+    raise FileError(path, f"does not say its unit ({meanings}): say which (--unit)")
 
 
 def _likely(side: float) -> list[str]:

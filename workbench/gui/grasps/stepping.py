@@ -139,8 +139,10 @@ class CopySteps:
             return None
         copy = self._copies[place]
         says = f"Copy {place + 1} of {count}, {copy.name}: {way_to(copy, entry, part)}"
-        told = judged(copy, part, state, self._visitor.words)
-        self._line.content = line(says, kind="result") + (line(told, kind="hint") if told else "")
+        verdict = judged(copy, part, state, self._visitor.words)
+        self._line.content = line(says, kind="result") + (
+            line(verdict, kind="hint") if verdict else ""
+        )
         return copy
 
     def _go(self, step: int) -> None:

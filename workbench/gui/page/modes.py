@@ -115,17 +115,17 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
     missed = _missing_words(view, mode) if is_preview else ""
-    told = "".join(
+    rows = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
     notes = (NOTES.get(mode, ""), missed, ends)
-    told += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
+    rows += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
     if ends_comparing and view.look.search is not None:
-        told += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
+        rows += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
     kind = mode.name.lower().replace("_", "-")
     return (
         f'<div class="wb-mode wb-mode-{kind}" data-mode="{kind}" role="status">'
-        f"<b>{escape(mode)}</b><ul>{told}</ul></div>"
+        f"<b>{escape(mode)}</b><ul>{rows}</ul></div>"
     )
 
 

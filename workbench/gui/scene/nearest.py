@@ -140,8 +140,8 @@ class PlanLinks:
 
     def made(self, state: State) -> Mapping[str, str]:
         """HTML of what can be clicked, by the names of the lines that it stands in."""
-        name, told = certificate_row(state)
-        saves = zip(told.split(", "), self._certificates, strict=False)
+        name, value = certificate_row(state)
+        saves = zip(value.split(", "), self._certificates, strict=False)
         tip = "Saves what another machine can check"
         return {
             "Free ways": go_html(free_words(state), self._nearest, "Shows the plan there"),

@@ -127,8 +127,8 @@ def language_of(client: viser.ClientHandle) -> str:
     if connection is None or connection.request is None:
         return ENGLISH
     headers = connection.request.headers
-    told = known(headers.get(LANGUAGE, ""))
-    return told or first_guess(", ".join(headers.get_all("Accept-Language")))
+    language = known(headers.get(LANGUAGE, ""))
+    return language or first_guess(", ".join(headers.get_all("Accept-Language")))
 
 
 def person_of(client: viser.ClientHandle) -> Person:

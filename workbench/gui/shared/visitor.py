@@ -235,7 +235,7 @@ class Visitor:
         # Texts within styles are nothing that a translation of HTML finds.
         say = self.words.say
         named = {key: (say(x), say(y), say(z)) for key, (x, y, z) in self._named.items()}
-        rules = named_css(named) + told_css({key: say(told) for key, told in self._told.items()})
+        rules = named_css(named) + told_css({key: say(text) for key, text in self._told.items()})
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)

@@ -67,8 +67,8 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
             middle.
         distance: [m] from there to the scanner.
     """
-    told = courses(sightings)
-    fixed = [course for course in told if course.kind == "fixture"]
+    drifts = courses(sightings)
+    fixed = [course for course in drifts if course.kind == "fixture"]
     steady = [
         course for course in fixed if not any(_disagree(course, other).any() for other in fixed)
     ]
@@ -78,7 +78,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     drifted = [course.thing for course in steady if course.is_told.any()]
     others = list(steady)
     if by_parts is not None:
-        others += [_as_change(by_parts, course) for course in told if course.kind == "part"]
+        others += [_as_change(by_parts, course) for course in drifts if course.kind == "part"]
         if _is_off(by_parts, prior).any():
             drifted.append(PARTS)
     seen = np.zeros(6, bool)
@@ -86,7 +86,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
         seen |= np.isfinite(course.change)
     is_bin_off = any(
         (course.is_told & (~seen | _disagree(course, other))).any()
-        for course in told
+        for course in drifts
         if course.kind == "bin"
         for other in others or [course]
     )
@@ -94,7 +94,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     moved = covariance = None
     if has_drifted or by_parts is not None:
         moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
-    return Drift(told, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
+    return Drift(drifts, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
 def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:

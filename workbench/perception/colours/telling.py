@@ -104,8 +104,10 @@ def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
     seen = [_look(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
     total = sum((each.misses().min(axis=0) for each in seen if each.table is not None), np.zeros(1))
     lights = total <= total.min() + AS_GOOD
-    told = [_decide(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen]
-    return _chosen_anew(brought, told)
+    decisions = [
+        _decide(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen
+    ]
+    return _chosen_anew(brought, decisions)
 
 
 def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
@@ -193,7 +195,7 @@ def _flips_show(kind: Painted) -> bool:
     return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
 
 
-def _chosen_anew(brought: Sequence[Sought], told: Sequence[Told]) -> list[Sought]:
+def _chosen_anew(brought: Sequence[Sought], decisions: Sequence[Told]) -> list[Sought]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
         Choice(
@@ -203,19 +205,19 @@ def _chosen_anew(brought: Sequence[Sought], told: Sequence[Told]) -> list[Sought
         )
         for search in brought
     ]
-    for decision in told:
+    for decision in decisions:
         if decision.guess.kind == decision.kind:
             choices[decision.kind].chosen[decision.number] = decision.assessed
     lost = [
         {
             decision.number: Objection.COLOURS
-            for decision in told
+            for decision in decisions
             if k == decision.kind != decision.guess.kind
         }
         for k in range(len(brought))
     ]
     choices = [without(*each) for each in zip(choices, lost, strict=True)]
-    for decision in told:
+    for decision in decisions:
         if decision.guess.kind != decision.kind:
             choice, explained = choices[decision.guess.kind], decision.assessed.sighting.explained
             # Mostly that kind was found there too.

@@ -70,8 +70,8 @@ def scale_check(
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    told = [_fit(maps, surface, pose, tolerance) for pose in poses]
-    sure = [fit for fit in told if fit is not None and np.hypot(*fit[1:]) <= TELLING]
+    fits = [_fit(maps, surface, pose, tolerance) for pose in poses]
+    sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
     if len(sure) < FEWEST:
         return None
     scales, deviations, shared = np.array(sure).T

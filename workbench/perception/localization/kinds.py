@@ -120,9 +120,11 @@ def all_kinds(
             for (search, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
         compete(found, proposed, closely)
-    told = iter(tell(scan, found))
+    searches = iter(tell(scan, found))
     return merged(
-        together(scan, [next(told) if isinstance(search, Sought) else search for search in brought])
+        together(
+            scan, [next(searches) if isinstance(search, Sought) else search for search in brought]
+        )
     )
 
 

@@ -54,11 +54,11 @@ MOST_TOLD = 12
 
 
 def _hover_text(scenes: list[dict[str, Any]], kind: str) -> str:
-    told = [
+    lines = [
         f"seed {scene['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
         for scene in scenes
         for left in scene["left"]
         if left["kind"] == kind
     ]
-    more = len(told) - MOST_TOLD
-    return "<br>".join([*told[:MOST_TOLD], *([f"and {more} more"] if more > 0 else [])])
+    more = len(lines) - MOST_TOLD
+    return "<br>".join([*lines[:MOST_TOLD], *([f"and {more} more"] if more > 0 else [])])

@@ -139,8 +139,8 @@ def _outward(robot: Robot, chain: Sequence[Joint], T: pin.SE3, axis: Floats) -> 
         if len(points):
             middle = T_joint_link.act((points.min(axis=0) + points.max(axis=0)) / 2)
             away.append(float((T.translation - middle) @ axis))
-    told = next((distance for distance in away if abs(distance) > CLEAR), 1.0)
-    return float(np.sign(told))
+    offset = next((distance for distance in away if abs(distance) > CLEAR), 1.0)
+    return float(np.sign(offset))
 
 
 def _from_before(chain: Sequence[Joint]) -> Floats:

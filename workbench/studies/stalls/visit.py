@@ -57,10 +57,10 @@ class Visit:
         """
         url = self.browser.url + PREFIX + path
         async with self.browser.session.post(url, headers=self._headers, json=body) as answer:
-            told = await answer.json()
+            answer_form = await answer.json()
             if answer.status >= 400:
-                raise LinkError(f"{path}: {told['detail']}")
-            return told
+                raise LinkError(f"{path}: {answer_form['detail']}")
+            return answer_form
 
     async def state(self) -> dict[str, Any]:
         """How things stand."""

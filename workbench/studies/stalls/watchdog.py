@@ -60,14 +60,14 @@ class Watchdog:
     are told by the thread of that loop.
     """
 
-    def __init__(self, told: Callable[[Stall], None], least: float = LEAST) -> None:
+    def __init__(self, report: Callable[[Stall], None], least: float = LEAST) -> None:
         """Begin to watch.
 
         Args:
-            told: takes each stall; any thread calls it.
+            report: takes each stall; any thread calls it.
             least: [s] of processor time that make a stall.
         """
-        self._told = told
+        self._told = report
         self._least = least
         self._closing = threading.Event()
         self._running: dict[int, tuple[object, float]] = {}
@@ -159,12 +159,12 @@ class Watchdog:
 
 def stack_of(frame: FrameType | None) -> tuple[str, ...]:
     """The frames of a stack as `file:line function`, the innermost one first."""
-    told: list[str] = []
-    while frame is not None and len(told) < DEEPEST:
+    lines: list[str] = []
+    while frame is not None and len(lines) < DEEPEST:
         code = frame.f_code
-        told.append(f"{_short(code.co_filename)}:{frame.f_lineno} {code.co_name}")
+        lines.append(f"{_short(code.co_filename)}:{frame.f_lineno} {code.co_name}")
         frame = frame.f_back
-    return tuple(told)
+    return tuple(lines)
 
 
 def _short(file: str) -> str:

@@ -63,16 +63,16 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
 
 async def _measure(page: Served, password: str, files: Files, report: Report) -> list[Row]:
     rows: list[Row] = []
-    told = page.folder / FILE
+    figures = page.folder / FILE
     async with visit(page.url, NAME, password, page.token) as visitor:
         todo = doings(files)
         for number, (name, does) in enumerate(todo.items()):
             report(number / len(todo), name)
-            before = len(_lines(told))
+            before = len(_lines(figures))
             visitor.slowest = 0.0
             await does(visitor)
             await asyncio.sleep(SETTLES)
-            found = [json.loads(line) for line in _lines(told)[before:]]
+            found = [json.loads(line) for line in _lines(figures)[before:]]
             rows.append(Row(name, found, visitor.slowest, page.memory))
     return rows
 

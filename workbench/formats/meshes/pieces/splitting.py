@@ -230,13 +230,13 @@ def _planes_beside(piece: _Piece, surface: Surface) -> Iterator[Plane]:
     for axis in np.eye(3):
         for point in near[:1]:
             yield Plane(axis, float(point @ axis))
-    told: set[tuple[float, ...]] = set()
+    known: set[tuple[float, ...]] = set()
     for point, normal in zip(near, normals, strict=True):
         normal = normal * np.sign(normal[np.abs(normal).argmax()])
         offset = float(point @ normal)
         key = (*np.round(normal, 1).tolist(), round(offset, 4))
-        if key not in told and len(told) < ALONG:
-            told.add(key)
+        if key not in known and len(known) < ALONG:
+            known.add(key)
             yield Plane(normal, offset)
 
 
