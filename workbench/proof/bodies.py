@@ -311,7 +311,7 @@ def is_divided(shape: Shape) -> bool:
     return isinstance(shape, Mesh) and len(shape.pieces) > 0
 
 
-def measured(first: Placed, second: Placed) -> coal.DistanceResult:
+def measure(first: Placed, second: Placed) -> coal.DistanceResult:
     """How far two shapes are apart, where they are nearest: their pieces, where they have some."""
     (shape, T), (bed, U) = first, second
     mine, its = _pieces(shape), _pieces(bed)
@@ -354,7 +354,7 @@ def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
     apart = np.linalg.norm(np.maximum(np.abs(offset) - about.half, 0.0)) - around.radius
     if apart >= far:
         return float(apart)
-    return float(measured(first, second).min_distance)
+    return float(measure(first, second).min_distance)
 
 
 def _measure_aslant_first() -> None:

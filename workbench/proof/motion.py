@@ -70,7 +70,7 @@ class Sets:
         )
 
 
-def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets:
+def sweep_path(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets:
     """Everything that a controller may make of waypoints: a group after each of them.
 
     Args:
@@ -120,7 +120,7 @@ CUTS = {
 """Triangles (c, 3, 3) for what is cut off a corner, whose corners are means of that corner's."""
 
 
-def changed(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:
+def sweep_change(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:
     """The segment between two configurations (n,) [rad, m], at a waypoint."""
     corners = np.stack([start, end, end])[None]
     return Sets(columns, corners, np.array([2]), np.array([0]), corners, np.array([at]))

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.proof.frames import Bodies, Chain, Spread, World, moved
+from workbench.proof.frames import Bodies, Chain, Spread, World, bound_motion
 from workbench.proof.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
@@ -181,8 +181,8 @@ def sieve(
             bound = low - far
         if bound < need:
             if common != 0:
-                far = moved(ka, a, common, chain, bodies, world, spread.spans)
-                far += moved(kb, b, common, chain, bodies, world, spread.spans)
+                far = bound_motion(ka, a, common, chain, bodies, world, spread.spans)
+                far += bound_motion(kb, b, common, chain, bodies, world, spread.spans)
             wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
             low = max(low, wide - ROUNDING)
             bound = low - far

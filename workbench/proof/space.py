@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
-from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measured
+from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measure
 from workbench.proof.frames import Bodies, Chain, levers, poses
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
@@ -82,7 +82,7 @@ class Space:
         pair = int(self.table.first[row]), int(self.table.second[row])
         if self._is_divided[pair[0]] or self._is_divided[pair[1]]:
             first, second = ((self.bodies[k].shape, self._measured.oMg[k]) for k in pair)
-            self._last = measured(first, second)
+            self._last = measure(first, second)
             return float(self._last.min_distance)
         number = self._numbers.get(row)
         if number is None:

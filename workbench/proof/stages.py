@@ -14,7 +14,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
-from workbench.proof.motion import Sets, changed, moved
+from workbench.proof.motion import Sets, sweep_change, sweep_path
 from workbench.proof.robot import Tree
 from workbench.proof.table import Situation
 
@@ -175,11 +175,11 @@ def course_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
 def _way_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
     """The way of a leg; before the first one the fingers may be anywhere in their stroke."""
     columns, arm = tree.columns[arm_motion.arm.name], arm_motion.arm
-    sets = moved(columns, arm_motion.path, cell.controller.motion, cell.policy.zone)
+    sets = sweep_path(columns, arm_motion.path, cell.controller.motion, cell.policy.zone)
     if arm_motion.leg.name != "reach" or not arm.tool.fingers:
         return sets
     closed, wide = (_whole(arm, arm_motion.leg.q[0], opening) for opening in arm.tool.stroke)
-    return sets.with_others(changed(columns, closed, wide, 0))
+    return sets.with_others(sweep_change(columns, closed, wide, 0))
 
 
 def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
@@ -193,13 +193,13 @@ def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
     columns = np.concatenate([tree.columns[arm.name][len(arm.joints) :] for arm in some])
     counts = [len(arm.tool.fingers) for arm in some]
     closed, wide = np.repeat([arm.tool.stroke for arm in some], counts, axis=0).T / 2
-    return (changed(columns, closed, wide, 0),)
+    return (sweep_change(columns, closed, wide, 0),)
 
 
 def fingers_of(tree: Tree, arm_motion: Moving) -> Sets:
     """The way of the fingers when a leg has ended."""
     after = _whole(arm_motion.arm, arm_motion.leg.q[-1], arm_motion.fingers_after)
-    return changed(
+    return sweep_change(
         tree.columns[arm_motion.arm.name], arm_motion.path[-1], after, len(arm_motion.path) - 2
     )
 
@@ -227,7 +227,7 @@ def _cut(sets: Sets, segment: int, q: Floats) -> tuple[Sets, Sets]:
         start = corners[0, 0].copy()
         corners[0, 0] = q
         after = replace(after, corners=corners)
-        before = before.with_others(changed(sets.columns, start, q, segment))
+        before = before.with_others(sweep_change(sets.columns, start, q, segment))
     return before, after
 
 

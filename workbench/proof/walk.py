@@ -14,7 +14,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.grasps.straight import part_reach, straight_violations
-from workbench.proof.motion import Sets, moved
+from workbench.proof.motion import Sets, sweep_path
 from workbench.proof.robot import Tree
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
@@ -224,7 +224,7 @@ class Walk:
             both = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
             path = np.hstack([first.path, second.path])
             motion, zone = self._cell.controller.motion, self._cell.policy.zone
-            sets: list[tuple[Sets, ...]] = [(moved(np.concatenate(both), path, motion, zone),)]
+            sets: list[tuple[Sets, ...]] = [(sweep_path(np.concatenate(both), path, motion, zone),)]
             # At its end the fingers of both move, in any order.
             sets.append(tuple(fingers_of(self._tree, arm_motion) for arm_motion in step.moving))
         else:
@@ -252,7 +252,7 @@ class Walk:
         columns = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
         path = np.hstack([_sample(arm_motion, times) for arm_motion in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
-        way = moved(np.concatenate(columns), path, motion, zone)
+        way = sweep_path(np.concatenate(columns), path, motion, zone)
         asked = ((way, *waiting_fingers(self._tree, step)),)
         found = search(
             self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT

@@ -9,7 +9,7 @@ from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
 
-def applied(state: State, fix: Fix) -> EditPart | ChangeCell:
+def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
     """The command that makes the change of a fix; an undo takes it back.
 
     A grasp is changed for all parts of its kind, a pattern with all its copies.

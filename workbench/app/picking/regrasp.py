@@ -25,7 +25,7 @@ MOST_PLANNED = 4
 """Pairs of picks that are planned, the soonest done ones first."""
 
 
-def regrasped(
+def plan_regrasp(
     cell: Cell,
     scene: Scene,
     refused: PlanResult,

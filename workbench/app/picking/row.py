@@ -5,10 +5,10 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.app.picking.regrasp import regrasped
+from workbench.app.picking.regrasp import plan_regrasp
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
@@ -175,7 +175,7 @@ def _row(
         for plan in latest:
             moved = may_have_moved(cell, plan)
             if moved is not None:
-                ends = ends or renumbered(moved.problem, first.plan, plan.detections)
+                ends = ends or renumber(moved.problem, first.plan, plan.detections)
             left = _carry_over(plan, left)
             scene = scene_after(cell, plan)
         if ends or not scene.detections:
@@ -186,10 +186,10 @@ def _row(
         result = _next(cell, scene, left, report_plan, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
-            ends = renumbered(why, first.plan, scene.detections)
+            ends = renumber(why, first.plan, scene.detections)
         elif not result.proof.holds:
             why = RowEnd.REFUSED(violation=result.proof.violations[0].message)
-            ends = renumbered(why, first.plan, scene.detections)
+            ends = renumber(why, first.plan, scene.detections)
         elif 1 + len(row) + len(result.plans) > MOST_PICKS:
             ends = RowEnd.MOST(count=MOST_PICKS)
         else:
@@ -236,7 +236,7 @@ def _next(
     if _holds(result) or not cell.stations:
         return result
     report_rest = within(report, whole, 1.0)
-    return regrasped(cell, scene, result, avoided=avoided, report=report_rest, **asked)
+    return plan_regrasp(cell, scene, result, avoided=avoided, report=report_rest, **asked)
 
 
 def _holds(result: PlanResult) -> bool:

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.messages.message import FoundPart, Message
@@ -73,7 +73,7 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     )
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
-    remarks = [str(renumbered(remark, first, plan.detections)) for remark in plan.remarks]
+    remarks = [str(renumber(remark, first, plan.detections)) for remark in plan.remarks]
     return f"{words} ({'; '.join(remarks)})" if remarks else words
 
 
@@ -82,7 +82,7 @@ def proof_words(proof: Proof, plan: Plan | None = None, first: Plan | None = Non
 
     def numbered(violation: Violation) -> Message:
         said = violation.message
-        return said if plan is None or first is None else renumbered(said, first, plan.detections)
+        return said if plan is None or first is None else renumber(said, first, plan.detections)
 
     if not proof.holds:
         problems = map(str, map(numbered, proof.violations))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
@@ -130,7 +130,7 @@ def _plans(state: State, words: Words) -> list[tuple[str, str]]:
             f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
             for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
         )
-        remarks = [renumbered(remark, first, plan.detections) for remark in plan.remarks]
+        remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
         how = _strategy(plan, remarks, words)
         near = at_least(proven_plan.proof.clearance)
         proven = (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import Outline, State, counted
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
@@ -50,7 +50,7 @@ def _plan_html(state: State, number: int, words: Words) -> str:
     how = f"{strategy}, {guarantee}, plan {short(plan.digest)}"
     if len(row) > 1:
         # One line each: many plans leave room for the film.
-        remarks = (renumbered(remark, first, plan.detections) for remark in plan.remarks)
+        remarks = (renumber(remark, first, plan.detections) for remark in plan.remarks)
         tip = "; ".join(map(words.render, remarks)) or plan.digest
         how = f"Plan {number + 1}: {plan.cycle_seconds:.1f} s, {how}"
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'

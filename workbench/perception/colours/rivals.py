@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
-from workbench.perception.localization.assessment import FAR_BEHIND, is_better, rested
+from workbench.perception.localization.assessment import FAR_BEHIND, bring_to_rest, is_better
 from workbench.perception.localization.judging import Sought
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
@@ -77,5 +77,5 @@ class Shape:
             return None
         maps, tolerance = self.one.maps, self.one.tolerance
         own = tally(maps, self.one.surface, self.found[None], tolerance)[0]
-        pose = rested(maps, surface, guess.pose[None], tolerance)
+        pose = bring_to_rest(maps, surface, guess.pose[None], tolerance)
         return None if is_better(own, tally(maps, surface, pose, tolerance)) else pose[0]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.perception.localization.settling import settled
+from workbench.perception.localization.settling import settle
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.registration import quick_scores, refine
@@ -169,7 +169,7 @@ def _at_rest(glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: f
     values = closeness(tally(glance, surface, variants, 2 * tolerance))
     best = values.reshape(len(poses), len(motions)).argmax(axis=1)
     steps = tuple(step * surface.diameter for step in WIDE_STEPS)
-    return settled(glance, surface, poses @ motions[best], 2 * tolerance, steps)
+    return settle(glance, surface, poses @ motions[best], 2 * tolerance, steps)
 
 
 def _values(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:

@@ -57,7 +57,7 @@ class Judged:
     ratios: tuple[float, ...]
 
 
-def judged(brought: Sequence[Sought]) -> list[Judged]:
+def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
     """The choices of all kinds without what does not stand beside the others."""
     objections: dict[tuple[int, int], Objection] = {}
     areas = _areas(brought)
@@ -139,7 +139,7 @@ def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
     if len(brought) == 1:
         return taken
     there = [search for search in brought if search.choice.chosen]
-    for other, standing in zip(there, judged(there), strict=True):
+    for other, standing in zip(there, judge_choices(there), strict=True):
         for search, pixels in zip(brought, taken, strict=True):
             if search is not other:
                 for part in standing.choice.chosen:

@@ -37,11 +37,11 @@ from workbench.perception.localization.judging import (
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
-    mapped,
+    begin_search,
     proposals,
     together,
 )
-from workbench.perception.localization.loosening import loosened
+from workbench.perception.localization.loosening import loosen
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.scene_model import scene_model
@@ -100,12 +100,12 @@ def all_kinds(
     brought: list[Sought | PartSurface] = []
     for part in cell.parts:
         step(f"prepare {part.name} and map the scan")
-        brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
+        brought.append(begin_search(scan, part, cell, detail=detail, scene=scene))
     found = [search for search in brought if isinstance(search, Sought)]
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1:
-            found = loosened(found, partial(compete, closely=closely))
+            found = loosen(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break

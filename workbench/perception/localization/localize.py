@@ -38,7 +38,7 @@ from workbench.perception.localization.hypotheses import (
     SAME_DISTANCE,
     hypotheses,
 )
-from workbench.perception.localization.judging import Judged, Sought, judged
+from workbench.perception.localization.judging import Judged, Sought, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.matching.maps import DepthMap, make_map
 from workbench.perception.matching.poses import distinct
@@ -83,7 +83,7 @@ class Searched:
 def together(scan: Scan, brought: Sequence[Sought | PartSurface]) -> list[Searched]:
     """The searches for several parts in one scan, without what does not stand beside the others."""
     found = [search for search in brought if isinstance(search, Sought)]
-    standing = iter(judged(found))
+    standing = iter(judge_choices(found))
     return [
         _conclude(scan, search, next(standing))
         if isinstance(search, Sought)
@@ -106,7 +106,7 @@ def _conclude(scan: Scan, search: Sought, standing: Judged) -> Searched:
     return Searched(LocalizationResult(detections, rejected, scales), search.surface, gains)
 
 
-def mapped(
+def begin_search(
     scan: Scan, part: Part, cell: Cell, *, detail: float, scene: SceneModel
 ) -> Sought | PartSurface:
     """The search for a part before anything is found; see `proposals`.

@@ -14,8 +14,8 @@ import numpy as np
 
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.judging import Sought, judged
-from workbench.perception.localization.settling import settled
+from workbench.perception.localization.judging import Sought, judge_choices
+from workbench.perception.localization.settling import settle
 from workbench.perception.matching.sightings import look
 
 DOUBTFUL = 0.5
@@ -41,14 +41,14 @@ Compete = Callable[[Sequence[Sought], Sequence[list[Hypothesis]]], None]
 """Takes the hypotheses of each kind that hold together."""
 
 
-def loosened(found: list[Sought], compete: Compete) -> list[Sought]:
+def loosen(found: list[Sought], compete: Compete) -> list[Sought]:
     """The searches with what they need to explain what lies in the bin; as they are if they do.
 
     Args:
         found: the searches of all kinds, after the first vote.
         compete: see there.
     """
-    strict = explained(found)
+    strict = measure_explained(found)
     if strict >= DOUBTFUL:
         return found
     loose = [_loose(search) for search in found]
@@ -56,17 +56,17 @@ def loosened(found: list[Sought], compete: Compete) -> list[Sought]:
         loose,
         [_again(search, before) for search, before in zip(loose, found, strict=True)],
     )
-    now = explained(loose)
+    now = measure_explained(loose)
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
 
-def explained(found: Sequence[Sought]) -> float:
+def measure_explained(found: Sequence[Sought]) -> float:
     """Share of what lies in the bin that the parts which stand explain, 0..1."""
     if not found:
         return 1.0
     maps = found[0].maps
     covered: Bools = np.zeros(maps.depth.size, np.bool_)
-    for search, standing in zip(found, judged(found), strict=True):
+    for search, standing in zip(found, judge_choices(found), strict=True):
         for part in standing.choice.chosen:
             covered[look(maps, search.surface, part.pose, search.tolerance).explained] = True
     lying = maps.foreground.ravel()
@@ -96,6 +96,6 @@ def _again(search: Sought, before: Sought) -> list[Hypothesis]:
     if not poses:
         return []
     steps = tuple(step * search.surface.diameter for step in STEPS)
-    rested = settled(search.glance, search.surface, np.array(poses), search.tolerance, steps)
+    rested = settle(search.glance, search.surface, np.array(poses), search.tolerance, steps)
     rested = rested[search.are_possible(rested)]
     return [Hypothesis(p, look(search.maps, search.surface, p, search.tolerance)) for p in rested]

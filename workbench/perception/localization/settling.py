@@ -65,7 +65,7 @@ DAMPING = 1e-4
 """Share of the mean information that is added to all directions: nothing may hold one of them."""
 
 
-def settled(
+def settle(
     maps: DepthMap,
     surface: PartSurface,
     poses: Floats,
@@ -103,7 +103,7 @@ def _settle_arrays(
     steps: Floats,
     searched: int,
 ) -> Floats:  # pragma: no cover (compiled)
-    """See `settled`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
+    """See `settle`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
     rested = poses.copy()
     for k in prange(len(poses)):
         _settle(

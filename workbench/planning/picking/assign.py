@@ -16,7 +16,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of
 from workbench.planning.picking.route import route
-from workbench.planning.picking.weave import woven
+from workbench.planning.picking.weave import interleave
 
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
@@ -204,7 +204,7 @@ def _route(
         return plan
     if len(assigned) < 2 or not (is_free or world.cell.moves_both_arms):
         return (plan,)
-    return woven(world, plan, freely=is_free)
+    return interleave(world, plan, freely=is_free)
 
 
 def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:

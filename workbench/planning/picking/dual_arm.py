@@ -3,7 +3,7 @@
 Where arms do the same at the same time, for each of their legs these are tried in turn:
 
 1. both ways as planned for each arm alone, when the arms cannot meet on them whatever their
-   speeds (`met`);
+   speeds (`find_arm_contact`);
 2. the way of one arm searched anew around the whole way of the other, first that of the second
    (the thesis' master and slave);
 3. one after the other;
@@ -168,7 +168,7 @@ def _together(
 ) -> tuple[Pair, list[Step], bool] | Verdict:
     """Two legs by the first way that works: the tasks, their steps, and whether in step."""
     one_step = [Step(tuple((task.plan.arm, task.name) for task in pair))]
-    touch = met(world, pair)
+    touch = find_arm_contact(world, pair)
     if touch is None:
         return pair, one_step, False
     for around in _around(world, pair, rng):
@@ -200,7 +200,7 @@ def _sweep_of(world: World, task: Task) -> ArmSweep:
     return ArmSweep(task.plan.arm, curves.points)
 
 
-def met(world: World, pair: Pair) -> ArmContact | None:
+def find_arm_contact(world: World, pair: Pair) -> ArmContact | None:
     """Where the arms meet, or one what the other has placed, on the ways that they have."""
     _enter(world, pair)
     for task in pair:

@@ -47,7 +47,7 @@ def least_cycle(world: World, plan: Plan, picks: Sequence[Pick]) -> float:
         velocity = world.cell.robot.limits(arm.joints)[2] * world.policy.speed
         times = least_seconds(np.stack(some), velocity, arm.acceleration, arm.jerk)
         alone[name, part] = float(times.min())
-    return shared(alone, parts)
+    return share_work(alone, parts)
 
 
 def least_seconds(
@@ -66,7 +66,7 @@ def least_seconds(
     return Pace(velocity, acceleration, jerk).seconds(far).sum(axis=1)
 
 
-def shared(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:
+def share_work(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:
     """What the busiest arm has to do at least [s], the parts being given to arms as is best.
 
     Args:

@@ -102,7 +102,7 @@ class Tried:
     p: Floats
 
 
-def tried(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
+def try_grasps(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
     """The hand at each of some parts of one kind, by each grasp."""
     detections = world.detections
     refusals = [_unfit(grasp, arm) for grasp in grasps]
@@ -127,7 +127,7 @@ def _candidates(
     """
     check, detections = world.tool_check, world.detections
     part = world.cell.part(detections[numbers[0]].part)
-    hands = tried(world, numbers, grasps, arm)
+    hands = try_grasps(world, numbers, grasps, arm)
     R, p = hands.R, hands.p
     T_home = world.chains[arm.name].pose(np.asarray(arm.home))
     cosine = (np.einsum("ij,nkij->nk", T_home.rotation, R) - 1.0) / 2.0
@@ -161,11 +161,11 @@ def is_taken_there(world: World, number: int) -> bool:
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
     """The grasp as the hand fits: with its fingers so far open on arrival."""
     is_other = bool(arm.tool.fingers) and fit.opening != grasp.opening
-    return opened(grasp, fit.opening) if is_other else grasp
+    return open_grasp(grasp, fit.opening) if is_other else grasp
 
 
 @lru_cache(maxsize=4096)
-def opened(grasp: Grasp, opening: float) -> Grasp:
+def open_grasp(grasp: Grasp, opening: float) -> Grasp:
     """The grasp with its fingers so far open [m] on arrival, the same object each time."""
     return replace(grasp, opening=opening)
 

@@ -39,7 +39,7 @@ Check = Callable[[Curves], tuple[Contact, Floats] | None]
 """Whether a motion is clear: what is met and where, or None."""
 
 
-def searched(
+def search_path(
     start: Floats,
     goal: Floats,
     limits: tuple[Floats, Floats],
@@ -104,14 +104,14 @@ def onward(
     pace: Pace | None = None,
     planner: Planner | None = None,
 ) -> Floats | Verdict:
-    """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
+    """A path beginning with `lead` (k, n) [rad], from its last waypoint on; see `search_path`.
 
     All of it has as many waypoints as other paths, or as many as it needs.
     """
     count = len(lead) - 1
     before = lead[-2] if count else None
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
-    path = searched(
+    path = search_path(
         lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before,
         planner, edges, pace,
     )  # fmt: skip

@@ -13,7 +13,7 @@ import numpy as np
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.planning.picking.route import free_path
-from workbench.planning.picking.search import curve_check, joint_weights, searched
+from workbench.planning.picking.search import curve_check, joint_weights, search_path
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report, silent
@@ -119,7 +119,7 @@ def _by_ompl(case: Case, rng: np.random.Generator) -> Floats | Verdict:
     chain = world.chains[ARM]
     check = curve_check(world, columns, base)
 
-    return searched(
+    return search_path(
         case.start,
         case.goal,
         (chain.lower, chain.upper),

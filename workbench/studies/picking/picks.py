@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.picking.regrasp import regrasped
+from workbench.app.picking.regrasp import plan_regrasp
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Cell, PlanOverrides
@@ -122,7 +122,7 @@ def with_stations(
             continue
         others = {other: plain("not asked") for other in range(len(pile)) if other != number}
         alone = replace(result, plan=None, proof=None, row=())
-        over = regrasped(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
+        over = plan_regrasp(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
         if len({arm.arm for plan in over.plans for arm in plan.arms}) > 1:
             yield HANDED_OVER
         elif over.row:
