@@ -26,7 +26,7 @@ from workbench.planning.grasps.pads import has_pads
 from workbench.planning.kinematics.quickness import hand_acceleration
 from workbench.planning.picking.propose import propose
 from workbench.planning.placing.budget import Budget, budget_of
-from workbench.planning.placing.chance import SURE, drawn, within
+from workbench.planning.placing.chance import SURE, draw_errors, within
 from workbench.planning.placing.sources import calibration_error, localization_error
 from workbench.plugins.progress import Report, never, silent
 from workbench.studies.cases import run_cases
@@ -152,7 +152,14 @@ def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]
     chosen = [once[k] for k in sorted(rng.permutation(len(once))[:GRASPS])]
     covariance = calibration_error(cell.scanner, lying) + localization_error(lying)
     return [
-        _by_one(case, cell, part, lying, candidate, drawn(covariance, each, case.seed + 7 * number))
+        _by_one(
+            case,
+            cell,
+            part,
+            lying,
+            candidate,
+            draw_errors(covariance, each, case.seed + 7 * number),
+        )
         for number, candidate in enumerate(chosen)
         for each in [GRASPS * EACH // len(chosen)]
     ]

@@ -32,7 +32,7 @@ from workbench.planning.grasps.part_rays import nearest_points
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.kinematics.inverse import configurations
-from workbench.planning.planners.ease import eased
+from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
 from workbench.proof.timing.jerk import Limits, jerky_at
@@ -74,7 +74,7 @@ def plan() -> None:
     planner_named("rrtconnect")(
         zero, far_corner, zero, far_corner, far_corner, lambda a, b: False, iterations=1, rng=rng
     )
-    eased(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
+    ease_corners(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
     path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
     times = np.diff(timed(path, far_corner, far_corner, 0.2, far_corner))
     jerky_at(

@@ -23,7 +23,7 @@ from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Entry
 from workbench.model.part_edits import grasp_of
-from workbench.planning.grasps.grasp_frames import snapped
+from workbench.planning.grasps.grasp_frames import snap_to_surface
 
 TOOL_AXES, PART_AXES = "the tool", "the part"
 
@@ -140,7 +140,7 @@ class GraspPose:
 
     def _on_snap(self) -> None:
         try:
-            T = self._editing.with_checker(lambda checker: snapped(checker, self._T))
+            T = self._editing.with_checker(lambda checker: snap_to_surface(checker, self._T))
         except WorkbenchError as error:
             self._visitor.tell("Refused", str(error))
             return

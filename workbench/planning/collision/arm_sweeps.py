@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import RESOLUTION, halved
+from workbench.planning.collision.motion import RESOLUTION, halve_curve
 from workbench.planning.collision.sweeping.look import IS_CLEAR
 from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
@@ -116,7 +116,7 @@ def _measure(
             half = len(way) // 2
             parts = ((way[:half], start), (way[half:], start + half))
         else:
-            _, _, left, right = halved(way[0])
+            _, _, left, right = halve_curve(way[0])
             parts = ((left[None], start), (right[None], start))
         for part, begin in parts:
             if longer == 0:

@@ -119,7 +119,7 @@ def _rounding(enter: float, corner: float, leave: float, t: float) -> float:
 
 
 @njit(cache=True)
-def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def halve_curve(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Middle of a quadratic Bezier curve (3, n) [rad], how far each joint leaves it, its halves."""
     n = points.shape[1]
     middle, span = np.empty(n), np.empty(n)
@@ -199,7 +199,7 @@ def _curve_contact(
     pending: deque[tuple[Floats, Ints | None]] = deque([(points, among)])
     while pending:
         points, left_open = pending.popleft()
-        middle, span, left, right = halved(points)
+        middle, span, left, right = halve_curve(points)
         q[columns], d[columns] = middle, span
         met, unclear, move = world.look(q, d, left_open)
         if met is not None:

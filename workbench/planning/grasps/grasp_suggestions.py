@@ -19,7 +19,7 @@ from workbench.model.part import Grasp, Part
 from workbench.planning.grasps.grasp_check import FRICTION, GraspCheck, GraspChecker
 from workbench.planning.grasps.grasp_frames import (
     BEYOND,
-    centred,
+    centre_on_grip,
     fitted_opening,
     palm_distance,
     thickness,
@@ -243,7 +243,7 @@ def _looked_at(
 ) -> Suggestion | None:
     """The grasp of an idea with its score; None when something speaks against it."""
     if checker.pads is not None:
-        T_part_tcp = centred(checker, idea.T_part_tcp)
+        T_part_tcp = centre_on_grip(checker, idea.T_part_tcp)
         fingers = fitted_opening(checker, T_part_tcp)
         if fingers is None or fingers.grip > checker.tool.stroke[1]:
             return None

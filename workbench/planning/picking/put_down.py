@@ -22,7 +22,7 @@ from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
-from workbench.planning.kinematics.quickness import between, drawn, pace_of
+from workbench.planning.kinematics.quickness import between, draw_towards, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
 from workbench.planning.placing.pallets import open_places, why_full
@@ -146,7 +146,7 @@ def _straight(
     found.sort(key=lambda found_pose: found_pose[0])
     soonest: list[tuple[float, Floats, pin.SE3]] = []
     for _, q, T_world_tcp in found[:DRAWN]:
-        nearer = drawn(chain, T_world_tcp, q[None], stops, pace)
+        nearer = draw_towards(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
     for _, q, T_world_tcp in sorted(soonest + found, key=lambda found_pose: found_pose[0]):
         T_world_before = _back(T_world_tcp, hands.approach)

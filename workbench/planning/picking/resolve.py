@@ -22,7 +22,7 @@ from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import with_rolls
 from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
-from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
+from workbench.planning.kinematics.quickness import draw_towards, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
@@ -167,7 +167,7 @@ def _grasp_solutions(
     known = np.empty((2 * sum(len(hand_answers.q) for hand_answers in every), starts.shape[1]))
     for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
-        for q in (*drawn(chain, T_world_tcp, answers.q, home, pace), *answers.q):
+        for q in (*draw_towards(chain, T_world_tcp, answers.q, home, pace), *answers.q):
             if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))

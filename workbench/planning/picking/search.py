@@ -17,8 +17,8 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import processor_time
-from workbench.planning.planners.ease import eased
-from workbench.planning.planners.shorten import merged, resampled, shortened, skipped
+from workbench.planning.planners.ease import ease_corners
+from workbench.planning.planners.shorten import merged, resample, shorten_path, skip_waypoints
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
 FINE = 0.0001
@@ -167,7 +167,7 @@ def _forms(
     """
     if len(path) > 2 and pace is not None:
         limits = pace.velocity, pace.acceleration
-        quick = eased(skipped(path, is_clear), is_clear, *limits, policy.zone)
+        quick = ease_corners(skip_waypoints(path, is_clear), is_clear, *limits, policy.zone)
         if len(quick) > 2 and motion.corners != "streamed":
             yield _round(quick, motion)
         yield as_sent(quick, is_clear, policy.free_points, motion)
@@ -176,8 +176,8 @@ def _forms(
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded."""
-    path = merged(shortened(path, is_clear, most=count), is_clear)
-    return _round(resampled(path, count), motion)
+    path = merged(shorten_path(path, is_clear, most=count), is_clear)
+    return _round(resample(path, count), motion)
 
 
 def _round(path: Floats, motion: MotionModel) -> Floats:

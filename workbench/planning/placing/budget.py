@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, drawn, within
+from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, draw_errors, within
 from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
 from workbench.planning.placing.sources import calibration_error, localization_error
 
@@ -167,7 +167,7 @@ def _to_hand(T_world_part: pin.SE3, T_part_tcp: pin.SE3, R_part_hand: Floats) ->
 
 def off_of(covariance: Floats, R_part_hand: Floats, what: Counted) -> tuple[Floats, Floats]:
     """Shifts (n,) [m] and turns (n,) [rad] of parts, of a covariance as that of `Budget`."""
-    errors = drawn(covariance, DRAWS, 0) @ _turn(R_part_hand).T
+    errors = draw_errors(covariance, DRAWS, 0) @ _turn(R_part_hand).T
     return what.off(errors)
 
 

@@ -5,7 +5,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import Answers, answered, asking
+from workbench.planning.planners.asking import Answers, asking, look_up
 from workbench.plugins.planner import EdgeCheck
 
 CUTS = (0.8, 0.5, 0.25)
@@ -18,7 +18,7 @@ ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
 
 
-def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
+def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
     From each kept waypoint it goes straight on to the furthest one that can be reached; then at
@@ -32,7 +32,7 @@ def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     )
 
 
-def skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
+def skip_waypoints(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], from each kept waypoint straight on to the furthest possible."""
     count, joints = path.shape
     return asking(
@@ -63,7 +63,7 @@ def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
         is_cut = False
         for share in CUTS:
             enter, leave = corner + share * (start - corner), corner + share * (after - corner)
-            answer = answered(enter, leave, edges, answers)
+            answer = look_up(enter, leave, edges, answers)
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
@@ -87,7 +87,7 @@ def _skip(path: Floats, edges: Edges, answers: Answers) -> Floats:
     while at < len(path) - 1:
         onward = len(path) - 1
         while onward > at + 1:
-            answer = answered(path[at], path[onward], edges, answers)
+            answer = look_up(path[at], path[onward], edges, answers)
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
@@ -121,7 +121,7 @@ def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
     return np.array(kept)
 
 
-def resampled(path: Floats, count: int) -> Floats:
+def resample(path: Floats, count: int) -> Floats:
     """The same polyline (m, n) [rad] with `count` waypoints, all its corners among them.
 
     Extra waypoints go where the steps are longest.  A path with more corners than `count`
