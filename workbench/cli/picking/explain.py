@@ -79,10 +79,11 @@ def explain(typed: arguments.Explain) -> int:
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
-        for one, budget in sure:
-            print(f"part-{one.detection + 1} by {one.grasp.name} with {one.arm}: {budget.words}")
-        for one in blockers(cell, candidates)[:MOST_BLOCKERS]:
-            print(_blocker_words(one))
+        for candidate, budget in sure:
+            part = f"part-{candidate.detection + 1}"
+            print(f"{part} by {candidate.grasp.name} with {candidate.arm}: {budget.words}")
+        for blocker in blockers(cell, candidates)[:MOST_BLOCKERS]:
+            print(_blocker_words(blocker))
         for change, parts in fixes[:MOST_FIXES]:
             print(f"would take {_parts(parts)} that nothing takes: {change}")
         print(fix_words(fix))
