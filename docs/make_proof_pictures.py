@@ -25,7 +25,7 @@ from workbench.model.scan import Detection
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof import prove as layer
 from workbench.proof.bodies import bodies_of
-from workbench.proof.motion import moved
+from workbench.proof.motion import sweep_path
 from workbench.proof.robot import tree_of
 from workbench.proof.space import Space
 from workbench.proof.stages import STRAIGHT, carried, situation_of, steps_of
@@ -174,7 +174,7 @@ def controller(cell: Cell, plan: Plan, proof: Proof) -> None:
     room = 0.1 * (high - low)
     x, y = zip(low - room, high + room, strict=True)
     sketch = Sketch("What a controller may make of waypoints", x, y)
-    sets = moved(np.arange(2), path, MotionModel("any", corners="blend"), 0.2)
+    sets = sweep_path(np.arange(2), path, MotionModel("any", corners="blend"), 0.2)
     for triangle in sets.corners[sets.sizes == 3]:
         sketch.way(triangle, "area", closed=True)
     sketch.way(close, "warm")

@@ -42,8 +42,8 @@ def _take_common_instructions() -> None:
 def _instructions() -> set[str]:
     """What Linux says the processor can; nothing elsewhere."""
     try:
-        with open("/proc/cpuinfo") as told:
-            return next(set(line.split()) for line in told if line.startswith("flags"))
+        with open("/proc/cpuinfo") as cpuinfo:
+            return next(set(line.split()) for line in cpuinfo if line.startswith("flags"))
     except (OSError, StopIteration):
         return set()
 

@@ -8,7 +8,7 @@ from scipy.optimize import nnls
 from workbench.model.motion import MotionModel
 from workbench.proof.bodies import bodies_of
 from workbench.proof.frames import Spread, poses
-from workbench.proof.motion import moved
+from workbench.proof.motion import sweep_path
 from workbench.proof.robot import tree_of
 from workbench.proof.sieve import Asked, reachable, sieve
 from workbench.proof.space import Space
@@ -139,7 +139,7 @@ def test_what_is_not_looked_at_is_out_of_sight(cell, tree, space):
 def test_all_blends_of_a_corner_lie_in_its_triangles():
     """Every point of parabolas of every width is a mean of some triangle's corners."""
     path = np.array([[0.0, 0.0], [1.0, 0.0], [1.5, 1.0]])
-    sets = moved(np.arange(2), path, MotionModel("blends", corners="blend"), 0.4)
+    sets = sweep_path(np.arange(2), path, MotionModel("blends", corners="blend"), 0.4)
     corners = sets.corners[sets.sizes == 3]
     for zone in np.linspace(0.02, 0.4, 20):
         start, end = path[1] - zone * (path[1] - path[0]), path[1] + zone * (path[2] - path[1])
@@ -156,7 +156,7 @@ def test_all_blends_of_a_corner_lie_in_its_triangles():
 def test_a_controller_that_stops_is_walked_along_the_polyline_alone(corners, count):
     motion = MotionModel("any", corners=corners, period=0.004)
     path = np.arange(12.0).reshape(4, 3) ** 1.5
-    sets = moved(np.arange(3), path, motion, 0.2)
+    sets = sweep_path(np.arange(3), path, motion, 0.2)
     segments = sets.corners[sets.sizes == 2]
     assert np.array_equal(segments[:, 0], path[:-1])
     assert np.array_equal(segments[:, 1], path[1:])
@@ -168,7 +168,7 @@ def test_a_controller_that_stops_is_walked_along_the_polyline_alone(corners, cou
 @pytest.mark.parametrize("waypoints", [1, 2])
 def test_where_there_is_no_corner_there_are_segments_alone(corners, waypoints):
     path = np.arange(waypoints * 2.0).reshape(waypoints, 2)
-    sets = moved(np.arange(2), path, MotionModel("any", corners=corners, period=0.004), 0.3)
+    sets = sweep_path(np.arange(2), path, MotionModel("any", corners=corners, period=0.004), 0.3)
     assert sets.sizes.tolist() == [2] * (waypoints - 1)
     assert len(sets.corners) == len(sets.groups) == len(sets.at) == waypoints - 1
 
@@ -177,7 +177,7 @@ def test_where_there_is_no_corner_there_are_segments_alone(corners, waypoints):
 def test_what_is_around_a_group_holds_its_sets(corners):
     """Each corner of a set is a mean of the corners of what is around it."""
     path = np.random.default_rng(2).normal(size=(6, 2))
-    sets = moved(np.arange(2), path, MotionModel("any", corners=corners, period=0.004), 0.3)
+    sets = sweep_path(np.arange(2), path, MotionModel("any", corners=corners, period=0.004), 0.3)
     for group, some, size in zip(sets.groups, sets.corners, sets.sizes, strict=True):
         hull = np.vstack([sets.around[group].T, np.ones(3)])
         for corner in some[:size]:

@@ -34,7 +34,7 @@ OTHERS = {
     "gui/parts/views.py": {"_deviations"},
     "studies/kept.py": {"held_cases"},
     "studies/load/raw_browser.py": {"_learn"},
-    "web/page/pages.py": {"_said"},
+    "web/page/pages.py": {"_translate"},
 }
 """What looks like it: classifiers of packages, no-break blanks, names of files, tags of HTML."""
 

@@ -48,21 +48,21 @@ def doctor(typed: Doctor) -> int:
                 **about,
                 "missing": lacking,
                 "extras": extras,
-                "libraries": {one.name: one.is_here for one in libraries()},
+                "libraries": {library.name: library.is_here for library in libraries()},
             }
         )
     else:
         rows = [(name, text, "") for name, text in about.items()]
-        rows.append(("needed", *_told(lacking, "pip install workbench")))
+        rows.append(("needed", *_report(lacking, "pip install workbench")))
         for name, what in EXTRAS.items():
-            state, fix = _told(extras[name], f"pip install 'workbench[{name}]'")
+            state, fix = _report(extras[name], f"pip install 'workbench[{name}]'")
             rows.append((f"for {what}", state, fix))
-        for one in libraries():
-            state, fix = _told(() if one.is_here else (one.name,), one.installs)
-            rows.append((f"for {one.use}", state, fix))
+        for library in libraries():
+            state, fix = _report(() if library.is_here else (library.name,), library.installs)
+            rows.append((f"for {library.use}", state, fix))
         print_table("Installation", ("what", "is", "what installs it"), rows)
     return NO_PLAN if lacking else SUCCESS
 
 
-def _told(lacking: tuple[str, ...], fix: str) -> tuple[str, str]:
+def _report(lacking: tuple[str, ...], fix: str) -> tuple[str, str]:
     return (f"missing: {', '.join(lacking)}", fix) if lacking else ("there", "")

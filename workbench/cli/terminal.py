@@ -48,15 +48,15 @@ def progress(title: str) -> Generator[Report]:
 
 @contextmanager
 def _lines(title: str) -> Generator[Report]:
-    told, ended, began = [""], threading.Event(), time.monotonic()
+    status, ended, began = [""], threading.Event(), time.monotonic()
 
     def tell() -> None:
         while not ended.wait(PATIENCE):
             so_far = f"{time.monotonic() - began:.0f} s"
-            print(f"{title}: {told[0] or 'at work'} ({so_far})", file=sys.stderr, flush=True)
+            print(f"{title}: {status[0] or 'at work'} ({so_far})", file=sys.stderr, flush=True)
 
     def report(done: float, note: str) -> None:
-        told[0] = note
+        status[0] = note
 
     teller = threading.Thread(target=tell, name="progress", daemon=True)
     teller.start()

@@ -125,7 +125,10 @@ def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats]:
     marks = np.concatenate([*(ticks + i for i in range(len(steps))), [len(steps)]])
     width = np.diff(marks)
     middles = [way.at(s) for s in marks[:-1] + width / 2]
-    middle, bends = np.array([one[1] for one in middles]), np.array([one[2] for one in middles])
+    middle, bends = (
+        np.array([joint[1] for joint in middles]),
+        np.array([joint[2] for joint in middles]),
+    )
     half = bends * width[:, None] / 2
     return marks, np.stack([middle - half, middle + half], axis=1), bends
 

@@ -70,7 +70,7 @@ class Journal:
         self._copy: tempfile.TemporaryDirectory[str] | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._path = self._found()
+            self._path = self._path_to_open()
             self._connection = sqlite3.connect(
                 self._path, timeout=patience, isolation_level=None, check_same_thread=False
             )
@@ -243,7 +243,7 @@ class Journal:
                 self._writer.close()
                 self._writer = None
 
-    def _found(self) -> Path:
+    def _path_to_open(self) -> Path:
         """Where the database is opened: SQLite has to write beside it even to read it."""
         path = self.folder / DATABASE
         if not path.exists() or os.access(self.folder, os.W_OK):

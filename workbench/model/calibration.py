@@ -149,7 +149,7 @@ class Calibration:
     @property
     def used(self) -> int:
         """How many poses were used."""
-        return sum(not one.left_out for one in self.residuals)
+        return sum(not residual.left_out for residual in self.residuals)
 
     @property
     def position_error(self) -> float:
@@ -164,8 +164,8 @@ class Calibration:
     @property
     def predicted_rms(self) -> tuple[float, float] | None:
         """RMS [m, rad] of what the others predict of each pose used; None where one is open."""
-        used = [one.predicted for one in self.residuals if not one.left_out]
-        if not used or any(one is None for one in used):
+        used = [residual.predicted for residual in self.residuals if not residual.left_out]
+        if not used or any(predicted is None for predicted in used):
             return None
         distance, angle = np.sqrt(np.mean(np.array(used) ** 2, axis=0))
         return float(distance), float(angle)
@@ -173,8 +173,14 @@ class Calibration:
     @property
     def worst_predicted(self) -> PoseResidual | None:
         """The pose used that the others predict worst; None where they leave all open."""
-        used = [one for one in self.residuals if not one.left_out and one.predicted is not None]
-        return max(used, key=lambda one: one.predicted or (0.0, 0.0), default=None)
+        used = [
+            residual
+            for residual in self.residuals
+            if not residual.left_out and residual.predicted is not None
+        ]
+        return max(
+            used, key=lambda pose_residual: pose_residual.predicted or (0.0, 0.0), default=None
+        )
 
     def record(self, at: float, by: str) -> CalibrationRecord:
         """What the cell remembers of it, taken over by a person `at` [s since the epoch]."""

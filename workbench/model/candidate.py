@@ -100,13 +100,13 @@ class Verdict:
         """The verdict in one sentence."""
         said, far = self.kind.message, self.distance
         if self.pair is not None:
-            one, other = map(found_part, self.pair)
+            first, second = map(found_part, self.pair)
             if far is None:
-                said = VerdictText.PAIR(reason=said, one=one, other=other)
+                said = VerdictText.PAIR(reason=said, one=first, other=second)
             elif far > 0:
-                said = VerdictText.APART(reason=said, one=one, other=other, far=far)
+                said = VerdictText.APART(reason=said, one=first, other=second, far=far)
             else:
-                said = VerdictText.PENETRATING(reason=said, one=one, other=other, depth=-far)
+                said = VerdictText.PENETRATING(reason=said, one=first, other=second, depth=-far)
         elif far is not None:
             said = VerdictText.AWAY(reason=said, far=far)
         return said if self.note is None else VerdictText.NOTED(verdict=said, note=self.note)

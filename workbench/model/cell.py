@@ -333,8 +333,8 @@ class Cell(Told):
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        arms = ", ".join(f"{one.name} ({one.tool.name})" for one in self.arms)
-        parts = ", ".join(one.name for one in self.parts)
+        arms = ", ".join(f"{arm.name} ({arm.tool.name})" for arm in self.arms)
+        parts = ", ".join(part.name for part in self.parts)
         link, digest = self.controller.link, self.digest[:12]
         return {"name": self.name, "arms": arms, "parts": parts, "link": link, "digest": digest}
 
@@ -371,7 +371,9 @@ class Cell(Told):
 
     def T_world_station(self, station: Station) -> pin.SE3:
         """Where a station is; it goes along with its fixture."""
-        bases = (one.T_world_fixture for one in self.fixtures if one.name == station.fixture)
+        bases = (
+            fixture.T_world_fixture for fixture in self.fixtures if fixture.name == station.fixture
+        )
         return next(bases, pin.SE3.Identity()) * station.T_base_station
 
     def part(self, name: str) -> Part:

@@ -54,8 +54,8 @@ class Told:
 
     def __repr__(self) -> str:
         """The facts in a line."""
-        told = ", ".join(f"{name}: {fact}" for name, fact in self.facts.items())
-        return f"<{type(self).__name__} {told}>"
+        facts = ", ".join(f"{name}: {fact}" for name, fact in self.facts.items())
+        return f"<{type(self).__name__} {facts}>"
 
     def _repr_html_(self) -> str:
         """The facts as a table, for notebooks; names may hold anything."""

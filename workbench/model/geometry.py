@@ -193,7 +193,7 @@ class Solid:
 def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:
     """Solids, and in place of those that only go around pieces these pieces."""
     return tuple(
-        Solid(one.name, shape, one.T_owner_shape, one.colour)
-        for one in solids
-        for shape in pieces_of(one.shape)
+        Solid(solid.name, shape, solid.T_owner_shape, solid.colour)
+        for solid in solids
+        for shape in pieces_of(solid.shape)
     )

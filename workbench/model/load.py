@@ -179,12 +179,12 @@ def uniform_load(solids: Iterable[Solid], mass: float) -> Load:
 def together(loads: Iterable[Load]) -> Load:
     """Several bodies that are fixed to each other, as one."""
     those = tuple(loads)
-    mass = sum(one.mass for one in those)
-    centre = sum((one.mass * one.centre for one in those), np.zeros(3)) / mass
+    mass = sum(load.mass for load in those)
+    centre = sum((load.mass * load.centre for load in those), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
-    for one in those:
-        off = one.centre - centre
-        inertia += one.inertia + one.mass * (off @ off * np.eye(3) - np.outer(off, off))
+    for load in those:
+        off = load.centre - centre
+        inertia += load.inertia + load.mass * (off @ off * np.eye(3) - np.outer(off, off))
     return Load(mass, centre, inertia)
 
 

@@ -152,12 +152,12 @@ class GraspLibrary:
         """Whether two arms may take parts by these grasps, the first one going first."""
         if not self.pairs:
             return True
-        one, other = (
+        first_name, second_name = (
             None if entry is None else entry.name for entry in map(self.entry_of, (first, second))
         )
         return any(
-            (pair.first, pair.second) == (one, other)
-            or (not pair.is_ordered and (pair.second, pair.first) == (one, other))
+            (pair.first, pair.second) == (first_name, second_name)
+            or (not pair.is_ordered and (pair.second, pair.first) == (first_name, second_name))
             for pair in self.pairs
         )
 
@@ -337,7 +337,7 @@ class Part(Shared, Told):
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        size = " x ".join(f"{one * 1000:.0f}" for one in np.ptp(self.mesh.points, axis=0))
+        size = " x ".join(f"{side * 1000:.0f}" for side in np.ptp(self.mesh.points, axis=0))
         grasps, triangles = len(self.grasps), len(self.mesh.triangles)
         return {"name": self.name, "mm": size, "grasps": grasps, "triangles": triangles}
 

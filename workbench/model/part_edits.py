@@ -47,7 +47,7 @@ def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) ->
     entries[place:place] = now
     pairs = library.pairs
     if len(was) == len(now) == 1:
-        pairs = tuple(_renamed(pair, was[0].name, now[0].name) for pair in pairs)
+        pairs = tuple(_rename(pair, was[0].name, now[0].name) for pair in pairs)
     result = GraspLibrary(tuple(entries), pairs)
     left = {entry.name for entry in entries}
     pairs = tuple(pair for pair in pairs if {pair.first, pair.second} <= left)
@@ -55,7 +55,7 @@ def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) ->
     return replace(result, pairs=pairs)
 
 
-def _renamed(pair: GraspPair, old: str, new: str) -> GraspPair:
+def _rename(pair: GraspPair, old: str, new: str) -> GraspPair:
     return replace(
         pair,
         first=new if pair.first == old else pair.first,
@@ -149,7 +149,9 @@ def with_part(
 def differ_in_grasps_only(cell: Cell, other: Cell) -> bool:
     """Whether all else about two cells is the same, so that what was found in one holds."""
     bare = [
-        replace(one, parts=tuple(replace(part, library=GraspLibrary()) for part in one.parts))
-        for one in (cell, other)
+        replace(
+            compared, parts=tuple(replace(part, library=GraspLibrary()) for part in compared.parts)
+        )
+        for compared in (cell, other)
     ]
     return bare[0].digest == bare[1].digest

@@ -200,7 +200,7 @@ class Plan(Told):
     @property
     def goes_unseen(self) -> bool:
         """Whether it may meet something that was not found, where the scan does not show it."""
-        return any(one.text is PlanNote.GOES_UNSEEN for one in self.notes)
+        return any(note.text is PlanNote.GOES_UNSEEN for note in self.notes)
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -219,7 +219,7 @@ class Plan(Told):
     @property
     def stations(self) -> tuple[str, ...]:
         """Where it puts parts that the plan after it has to take anew."""
-        return tuple(one.station for one in self.arms if one.station)
+        return tuple(arm.station for arm in self.arms if arm.station)
 
     @property
     def scene(self) -> Scene:
@@ -338,13 +338,13 @@ class Proven:
     proof: Proof
 
 
-def number_in(first: Plan, one: Detection) -> int:
+def number_in(first: Plan, detection: Detection) -> int:
     """The index of a part in the list of the first plan of a row.
 
     Later plans have lists without what those before take, or with it on a station; digits of a file
     may differ in the last place.
     """
-    T = (one.T_world_found or one.T_world_part).homogeneous
+    T = (detection.T_world_found or detection.T_world_part).homogeneous
     away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
     return int(np.argmin(away))
 
@@ -352,8 +352,8 @@ def number_in(first: Plan, one: Detection) -> int:
 def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
     """Indices of the parts that a plan of a row takes, in the list of the first one of the row."""
     if plan is first:
-        return tuple(one.detection for one in plan.arms)
-    return tuple(number_in(first, plan.detections[one.detection]) for one in plan.arms)
+        return tuple(arm.detection for arm in plan.arms)
+    return tuple(number_in(first, plan.detections[arm.detection]) for arm in plan.arms)
 
 
 def count_taken(plans: Sequence[Plan]) -> int:
@@ -387,7 +387,7 @@ class PlanResult(Told):
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        works = sum(one.verdict.is_ok for one in self.candidates)
+        works = sum(candidate.verdict.is_ok for candidate in self.candidates)
         told = {"candidates": f"{works} of {len(self.candidates)} work"}
         if self.plan is None or self.proof is None:
             return {**told, "no plan": self.verdict}
@@ -396,4 +396,4 @@ class PlanResult(Told):
     @property
     def plans(self) -> tuple[Plan, ...]:
         """The plan and those after it."""
-        return () if self.plan is None else (self.plan, *(one.plan for one in self.row))
+        return () if self.plan is None else (self.plan, *(entry.plan for entry in self.row))

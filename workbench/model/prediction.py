@@ -51,7 +51,9 @@ class Predictions:
 
     def near(self, threshold: float) -> Forecast | None:
         """The forecast for the threshold [m] that is nearest to this one."""
-        return min(self.forecasts, key=lambda one: abs(one.threshold - threshold), default=None)
+        return min(
+            self.forecasts, key=lambda forecast: abs(forecast.threshold - threshold), default=None
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +110,10 @@ class LeftPart:
     @property
     def form(self) -> Mapping[str, object]:
         """What programs get."""
-        fields = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
+        fields = {
+            known_field.name: getattr(self, known_field.name)
+            for known_field in dataclasses.fields(self)
+        }
         return {**fields, "reason": str(self.reason), "said": self.reason.told}
 
 
@@ -168,4 +173,4 @@ class Emptying:
     @property
     def plain(self) -> tuple[EmptiedPile, ...]:
         """The piles that were emptied in the cell as it is."""
-        return tuple(one for one in self.piles if not one.task.change)
+        return tuple(pile for pile in self.piles if not pile.task.change)

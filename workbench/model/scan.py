@@ -142,7 +142,7 @@ class Detection(Told):
         if self.covariance is None:
             return None
         place, turn = self.covariance[:3, :3], self.covariance[3:, 3:]
-        largest = (float(np.linalg.eigvalsh(one)[-1]) for one in (place, turn))
+        largest = (float(np.linalg.eigvalsh(block)[-1]) for block in (place, turn))
         return tuple(np.sqrt(np.maximum(list(largest), 0.0)).tolist())  # type: ignore[return-value]
 
 
@@ -232,7 +232,9 @@ class LocalizationResult(Told):
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        found = ", ".join(f"{one.part} {one.score:.2f}" for one in self.detections)
+        found = ", ".join(
+            f"{detection.part} {detection.score:.2f}" for detection in self.detections
+        )
         return {"found": found or "nothing", "rejected": len(self.rejected)}
 
 

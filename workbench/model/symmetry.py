@@ -64,7 +64,9 @@ class Symmetry:
         """Those with turns, the one with the most first, which is the main one."""
         every = (SymmetryAxis(self.axis, self.fold), *self.also)
         return tuple(
-            sorted((one for one in every if one.fold != 1), key=lambda one: -one.fold or -np.inf)
+            sorted(
+                (axis for axis in every if axis.fold != 1), key=lambda axis: -axis.fold or -np.inf
+            )
         )
 
     @property
@@ -78,9 +80,9 @@ class Symmetry:
         if self.is_none or self.axes[0].fold != 0:
             return NONE
         main, *others = self.axes
-        for one in others:
-            cosine = abs(float(main.axis @ one.axis))
-            if cosine < np.cos(SAME) and not (one.fold == 2 and cosine < np.sin(SAME)):
+        for other_axis in others:
+            cosine = abs(float(main.axis @ other_axis.axis))
+            if cosine < np.cos(SAME) and not (other_axis.fold == 2 and cosine < np.sin(SAME)):
                 return BALL
         return ROUND
 
@@ -97,7 +99,7 @@ class Symmetry:
         if self.is_none or self.form == BALL:
             return np.array(found)
         main = self.axes[0]
-        steps = [turn_about(one.axis, 2 * np.pi / one.fold) for one in self.axes if one.fold]
+        steps = [turn_about(axis.axis, 2 * np.pi / axis.fold) for axis in self.axes if axis.fold]
         about = np.array([turn_about(main.axis, angle) for angle in _angles(main.fold, 1)])
         for known in found:  # grows meanwhile
             for step in steps:
@@ -154,7 +156,7 @@ class Symmetry:
         if not axes:
             return np.array(p)
         main = axes[0].axis
-        if all(abs(float(main @ one.axis)) >= np.cos(SAME) for one in axes):
+        if all(abs(float(main @ axis.axis)) >= np.cos(SAME) for axis in axes):
             return point + float((p - point) @ main) * main
         return point
 
@@ -164,12 +166,12 @@ class Symmetry:
         Raises:
             InputError: an axis is no unit vector, a fold is none, or no group comes of them.
         """
-        for one in (SymmetryAxis(self.axis, self.fold), *self.also):
-            length = float(np.linalg.norm(one.axis))
-            if not 0 <= one.fold <= MOST_FOLD or not abs(length - 1.0) <= 1e-6:
+        for axis in (SymmetryAxis(self.axis, self.fold), *self.also):
+            length = float(np.linalg.norm(axis.axis))
+            if not 0 <= axis.fold <= MOST_FOLD or not abs(length - 1.0) <= 1e-6:
                 raise InputError(
                     f"symmetry: a unit axis and 0 to {MOST_FOLD} turns are needed, "
-                    f"not {one.fold} about {one.axis}"
+                    f"not {axis.fold} about {axis.axis}"
                 )
         if not np.isfinite(self.point).all():
             raise InputError("symmetry: its point is no place")

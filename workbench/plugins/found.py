@@ -97,7 +97,7 @@ def plugins() -> Iterator[Plugin]:
         for entry, package, version in own.values():
             if entry.name == USUAL:
                 continue
-            yield _tried(group, entry, package, version, "")
+            yield _try(group, entry, package, version, "")
         for name, found in foreign.items():
             for entry, package, version in found:
                 problem = ""
@@ -105,14 +105,14 @@ def plugins() -> Iterator[Plugin]:
                     problem = "the workbench has one of that name, which is used"
                 elif len(found) > 1:
                     problem = "several packages declare that name, so none of them is used"
-                yield _tried(group, entry, package, version, problem)
+                yield _try(group, entry, package, version, problem)
 
 
 _Found = tuple[EntryPoint, str, str]
 """What is declared, by which distribution, in which version."""
 
 
-def _tried(group: Group, entry: EntryPoint, package: str, version: str, problem: str) -> Plugin:
+def _try(group: Group, entry: EntryPoint, package: str, version: str, problem: str) -> Plugin:
     if not problem:
         try:
             _loaded(entry)

@@ -78,7 +78,9 @@ def find_parts(
     localizer: Localizer = kind(options_of(kind.Options, cell.localizer.options))
     found = localizer.find(scan, cell, seed=seed, detail=detail, report=report, cancelled=cancelled)
     known = {part.name for part in cell.parts}
-    for one in found.detections:
-        if one.part not in known:
-            raise InputError(f"localizer {name} found a part {one.part!r}, which the cell has not")
+    for detection in found.detections:
+        if detection.part not in known:
+            raise InputError(
+                f"localizer {name} found a part {detection.part!r}, which the cell has not"
+            )
     return found

@@ -59,7 +59,7 @@ def options_of(kind: type, given: Options) -> Any:
     for name, field in fields.items():
         if name not in given and field.default is dataclasses.MISSING:
             raise InputError(f"{name} is missing; {KINDS[hints[name]][1]} is expected")
-    checked = {key: _checked(fields[key], hints[key], value) for key, value in given.items()}
+    checked = {key: _check(fields[key], hints[key], value) for key, value in given.items()}
     return kind(**checked)
 
 
@@ -102,7 +102,7 @@ def _is_finite(value: float) -> bool:
         return False
 
 
-def _checked(field: "dataclasses.Field[Any]", kind: type, value: Any) -> Any:
+def _check(field: "dataclasses.Field[Any]", kind: type, value: Any) -> Any:
     expected = KINDS[kind][1]
     is_right = isinstance(value, (int, float) if kind is float else kind)
     if not is_right or (isinstance(value, bool) and kind is not bool):

@@ -61,7 +61,7 @@ class JointBounds:
             raise ProtocolError(
                 f"the controller reports {len(q)} joints where the arm has {len(self.names)}"
             )
-        values = [_number(one, name) for one, name in zip(q, self.names, strict=True)]
+        values = [_number(position, name) for position, name in zip(q, self.names, strict=True)]
         for name, value, low, high, turns in zip(
             self.names, values, self.lower.tolist(), self.upper.tolist(), self.turns, strict=True
         ):
@@ -71,8 +71,8 @@ class JointBounds:
             if turns and _is_turned(value, low - slack, high + slack, in_motion):
                 continue
             raise ProtocolError(
-                f"the controller reports {name} at {_said(value, turns)}; "
-                f"it goes from {_said(low, turns)} to {_said(high, turns)}"
+                f"the controller reports {name} at {_format_value(value, turns)}; "
+                f"it goes from {_format_value(low, turns)} to {_format_value(high, turns)}"
             )
         return np.array(values)
 
@@ -96,7 +96,8 @@ def check_state(state: RobotState, cell: Cell) -> None:
         value = _number(opening, f"the opening of the {name} arm")
         if not min(low, 0.0) - BEYOND_M <= value <= high + BEYOND_M:
             raise ProtocolError(
-                f"the controller reports the opening of the {name} arm as {_said(value, False)}"
+                f"the controller reports the opening of the {name} arm as "
+                f"{_format_value(value, False)}"
             )
     for what, count in (("messages", state.received), ("parts", state.placed)):
         _check_count(count, MOST_COUNTED, f"the number of {what}")
@@ -126,7 +127,7 @@ class Receipts:
     def __init__(self, plan: Plan, motion: MotionModel) -> None:
         self._plan, self._motion = plan, motion
         self._last: Receipt | None = None
-        self._parts = {(one.arm, one.detection) for one in plan.arms}
+        self._parts = {(arm.arm, arm.detection) for arm in plan.arms}
         self._told = set[str]()
 
     def check(self, receipt: Receipt) -> None:
@@ -160,7 +161,7 @@ class Receipts:
         if last is None or last.done != last.total:
             how_far = f"at message {last.done} of {last.total}" if last else "with nothing told"
             raise ProtocolError(f"the robot link {link} has ended too early, {how_far}")
-        missing = [one.arm for one in self._plan.arms if one.arm not in self._told]
+        missing = [arm.arm for arm in self._plan.arms if arm.arm not in self._told]
         if self._motion.reports_progress and missing:
             raise ProtocolError(
                 f"the robot link {link} has ended and told nothing of the {missing[0]} arm's part"
@@ -201,7 +202,7 @@ def _arm(cell: Cell, name: str) -> Arm:
 def _check_count(value: Any, most: int, what: str) -> None:
     is_whole = type(value) is not bool and isinstance(value, Integral)
     if not is_whole or not 0 <= int(value) <= most:
-        raise ProtocolError(f"the controller reports {what} as {_shown(value)}")
+        raise ProtocolError(f"the controller reports {what} as {_format(value)}")
 
 
 def _number(value: Any, what: str) -> float:
@@ -213,15 +214,15 @@ def _number(value: Any, what: str) -> float:
     if math.isfinite(number):
         return number
     raise ProtocolError(
-        f"the controller reports {what} as {_shown(value)}, which is no finite number"
+        f"the controller reports {what} as {_format(value)}, which is no finite number"
     )
 
 
-def _shown(value: Any) -> str:
+def _format(value: Any) -> str:
     if isinstance(value, int) and value.bit_length() > 64:
         return f"a whole number of {value.bit_length()} bits"
     return f"{value!r:.40}"
 
 
-def _said(value: float, turns: bool) -> str:
+def _format_value(value: float, turns: bool) -> str:
     return f"{math.degrees(value):.6g} degrees" if turns else f"{value * 1000:.6g} mm"

@@ -348,15 +348,15 @@ def send(
         check_status(status, cell)
         show(status)
 
-    told = Receipts(plan, link.motion)
+    receipts = Receipts(plan, link.motion)
     sending = link.send(
         plan, approval, cell, now=now, cancelled=cancelled, show=shown, patience=patience, **words
     )
     with _closing(sending):
         for receipt in sending:
-            told.check(receipt)
+            receipts.check(receipt)
             yield receipt
-    told.check_end()
+    receipts.check_end()
 
 
 def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
@@ -373,10 +373,10 @@ def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
 
 
 @contextmanager
-def _closing(one: Iterator[Any]) -> Generator[None]:
+def _closing(iterator: Iterator[Any]) -> Generator[None]:
     """At the end the connection of an iterator is closed, where it has one."""
     try:
         yield
     finally:
-        if isinstance(one, Generator):
-            one.close()
+        if isinstance(iterator, Generator):
+            iterator.close()

@@ -46,7 +46,7 @@ class Batch:
         Where two sets are asked about, the longer one is cut.  `levers` (nq,) tell how much each
         value counts in a length.
         """
-        corners, origins, asked = _halved(self.corners, self.sizes, items, levers)
+        corners, origins, asked = _halve(self.corners, self.sizes, items, levers)
         return Batch(corners, self.sizes[origins], self.at[origins]), asked
 
 
@@ -55,7 +55,7 @@ def around(base: Floats, blocks: tuple[Sets, ...]) -> Batch:
 
     `base` (nq,) [rad, m] is the whole configuration of what does not move.
     """
-    return reduce(_joined, (_whole(base, b, b.around, np.full(len(b.at), 3)) for b in blocks))
+    return reduce(_join, (_whole(base, b, b.around, np.full(len(b.at), 3)) for b in blocks))
 
 
 def firsts(base: Floats, blocks: tuple[Sets, ...]) -> Batch:
@@ -64,7 +64,7 @@ def firsts(base: Floats, blocks: tuple[Sets, ...]) -> Batch:
     `base` (nq,) [rad, m] is the whole configuration of what does not move.
     """
     sets = [b.only(np.diff(b.groups, prepend=-1) > 0) for b in blocks]
-    return reduce(_joined, (_whole(base, b, b.corners, b.sizes) for b in sets))
+    return reduce(_join, (_whole(base, b, b.corners, b.sizes) for b in sets))
 
 
 def inside(base: Floats, blocks: tuple[Sets, ...], items: Ints) -> tuple[Batch, Ints]:
@@ -75,7 +75,7 @@ def inside(base: Floats, blocks: tuple[Sets, ...], items: Ints) -> tuple[Batch, 
         blocks: at most two, of different columns.
         items: what is asked of the groups as `around` has them.
     """
-    batch = reduce(_joined, (_whole(base, b, b.corners, b.sizes, b.groups) for b in blocks))
+    batch = reduce(_join, (_whole(base, b, b.corners, b.sizes, b.groups) for b in blocks))
     counts = np.concatenate([np.bincount(b.groups, minlength=len(b.at)) for b in blocks])
     return batch.only(_inside(items, counts, np.cumsum(counts) - counts))
 
@@ -89,11 +89,11 @@ def _whole(
     return Batch(whole, sizes, block.at if groups is None else block.at[groups])
 
 
-def _joined(one: Batch, other: Batch) -> Batch:
+def _join(batch: Batch, other: Batch) -> Batch:
     return Batch(
-        np.concatenate([one.corners, other.corners]),
-        np.concatenate([one.sizes, other.sizes]),
-        np.concatenate([one.at, np.full(len(other), OTHER)]),
+        np.concatenate([batch.corners, other.corners]),
+        np.concatenate([batch.sizes, other.sizes]),
+        np.concatenate([batch.at, np.full(len(other), OTHER)]),
     )
 
 
@@ -148,7 +148,7 @@ def spread(
 
 
 @njit(cache=True)
-def _halved(
+def _halve(
     corners: Floats, sizes: Ints, items: Ints, levers: Floats
 ) -> tuple[Floats, Ints, Ints]:  # pragma: no cover (compiled)
     """Halves and what was left whole (m, 3, nq), of which sets they are (m,), and what is asked."""
@@ -168,14 +168,14 @@ def _halved(
     for n in range(len(items)):
         a, b = items[n, 0], items[n, 1]
         is_first = a == b or lengths[a] > lengths[b]
-        one, other = (a, b) if is_first else (b, a)
-        if cut[one] < 0:
-            cut[one], number = number, number + 2
-        if a != b and whole[other] < 0:
-            whole[other], number = number, number + 1
+        longer, shorter = (a, b) if is_first else (b, a)
+        if cut[longer] < 0:
+            cut[longer], number = number, number + 2
+        if a != b and whole[shorter] < 0:
+            whole[shorter], number = number, number + 1
         for half in range(2):
-            m, mine = 2 * n + half, cut[one] + half
-            others = mine if a == b else whole[other]
+            m, mine = 2 * n + half, cut[longer] + half
+            others = mine if a == b else whole[shorter]
             asked[m, 0], asked[m, 1] = (mine, others) if is_first else (others, mine)
             asked[m, 2] = items[n, 2]
     pieces, origins = np.empty((number, most, values)), np.empty(number, np.int64)

@@ -107,14 +107,16 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[Body]:
 
 
 def _parts(cell: Cell, scene: Scene) -> Iterator[Body]:
-    for number, one in enumerate(scene.detections):
-        label, part = f"part-{number + 1}", cell.part(one.part)
+    for number, detection in enumerate(scene.detections):
+        label, part = f"part-{number + 1}", cell.part(detection.part)
         for piece in part.pieces:
-            shape, T = piece.shape, one.T_world_part * piece.T_owner_shape
-            if not one.roll_known:
-                room, T_part_room = room_of(piece, roll_axis(part, one))
-                shape, T = room, one.T_world_part * T_part_room
-            yield Body("part", label, label, "", number, 0, T, shape, is_rolled=not one.roll_known)
+            shape, T = piece.shape, detection.T_world_part * piece.T_owner_shape
+            if not detection.roll_known:
+                room, T_part_room = room_of(piece, roll_axis(part, detection))
+                shape, T = room, detection.T_world_part * T_part_room
+            yield Body(
+                "part", label, label, "", number, 0, T, shape, is_rolled=not detection.roll_known
+            )
 
 
 def roll_axis(part: Part, found: Detection) -> Floats:
@@ -298,9 +300,9 @@ def _pieces(shape: Shape) -> _Pieces:
     hulls = [hull(piece) for piece in pieces]
     return _Pieces(
         tuple(coal_shape(piece) for piece in pieces),
-        np.array([one.centre for one in hulls]),
-        np.array([one.half for one in hulls]),
-        np.array([one.radius for one in hulls]),
+        np.array([convex.centre for convex in hulls]),
+        np.array([convex.half for convex in hulls]),
+        np.array([convex.radius for convex in hulls]),
     )
 
 
@@ -309,12 +311,12 @@ def is_divided(shape: Shape) -> bool:
     return isinstance(shape, Mesh) and len(shape.pieces) > 0
 
 
-def measured(one: Placed, other: Placed) -> coal.DistanceResult:
+def measure(first: Placed, second: Placed) -> coal.DistanceResult:
     """How far two shapes are apart, where they are nearest: their pieces, where they have some."""
-    (shape, T), (bed, U) = one, other
+    (shape, T), (bed, U) = first, second
     mine, its = _pieces(shape), _pieces(bed)
     least = _apart_at_least(mine, its, T.actInv(U))
-    at, where = (coal.Transform3s(one.rotation, one.translation) for one in (T, U))
+    at, where = (coal.Transform3s(pose.rotation, pose.translation) for pose in (T, U))
     best: coal.DistanceResult | None = None
     for k in np.argsort(least, axis=None):
         i, j = divmod(int(k), least.shape[1])
@@ -329,30 +331,30 @@ def measured(one: Placed, other: Placed) -> coal.DistanceResult:
     return best
 
 
-def _apart_at_least(one: _Pieces, other: _Pieces, T: pin.SE3) -> Floats:
+def _apart_at_least(pieces: _Pieces, other: _Pieces, T: pin.SE3) -> Floats:
     """How far pieces are apart at least (n, m) [m]: the box around each, the ball around the other.
 
     `T` is the pose of the other shape in the frame of the one.
     """
     theirs = other.centres @ T.rotation.T + T.translation
-    ours = (one.centres - T.translation) @ T.rotation
-    beside = np.maximum(np.abs(theirs - one.centres[:, None]) - one.halves[:, None], 0.0)
+    ours = (pieces.centres - T.translation) @ T.rotation
+    beside = np.maximum(np.abs(theirs - pieces.centres[:, None]) - pieces.halves[:, None], 0.0)
     besides = np.maximum(np.abs(ours[:, None] - other.centres) - other.halves, 0.0)
     return np.maximum(
         np.sqrt((beside**2).sum(axis=2)) - other.radii,
-        np.sqrt((besides**2).sum(axis=2)) - one.radii[:, None],
+        np.sqrt((besides**2).sum(axis=2)) - pieces.radii[:, None],
     )
 
 
-def gap_of(one: Placed, other: Placed, far: float = np.inf) -> float:
+def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
     """The distance [m] of two bodies in the world, negative inside; at least `far` beyond that."""
-    (shape, T), (bed, U) = one, other
+    (shape, T), (bed, U) = first, second
     around, about = hull(shape), hull(bed)
     offset = U.rotation.T @ (T.act(around.centre) - U.act(about.centre))
     apart = np.linalg.norm(np.maximum(np.abs(offset) - about.half, 0.0)) - around.radius
     if apart >= far:
         return float(apart)
-    return float(measured(one, other).min_distance)
+    return float(measure(first, second).min_distance)
 
 
 def _measure_aslant_first() -> None:

@@ -50,13 +50,13 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
     if len(set(taken)) != len(taken) or len(set(names)) != len(names):
         yield Violation(ProofText.USED_TWICE())
     known = {arm.name for arm in cell.arms}
-    for one in plan.arms:
-        if one.arm not in known:
-            yield Violation(ProofText.UNKNOWN_ARM(name=one.arm))
-        elif not 0 <= one.detection < len(plan.detections):
-            yield Violation(ProofText.NO_DETECTION(number=one.detection), one.arm)
+    for arm_plan in plan.arms:
+        if arm_plan.arm not in known:
+            yield Violation(ProofText.UNKNOWN_ARM(name=arm_plan.arm))
+        elif not 0 <= arm_plan.detection < len(plan.detections):
+            yield Violation(ProofText.NO_DETECTION(number=arm_plan.detection), arm_plan.arm)
         else:
-            yield from _legs(cell, cell.arm(one.arm), one)
+            yield from _legs(cell, cell.arm(arm_plan.arm), arm_plan)
     yield from _sequence(plan)
 
 
@@ -83,13 +83,13 @@ def _scene(scene: Scene, plan: Plan) -> Iterator[Violation]:
             yield Violation(ProofText.INVENTED_PALLET(obstacle=f"seen-{number + 1}"))
 
 
-def _same_part(one: Detection, other: Detection) -> bool:
-    is_alike = one.part == other.part
-    if one.T_world_found is not None and other.T_world_found is not None:
-        is_alike &= one.T_world_found.isApprox(other.T_world_found, 1e-9)
-    elif one.T_world_found is not None or other.T_world_found is not None:
+def _same_part(detection: Detection, other: Detection) -> bool:
+    is_alike = detection.part == other.part
+    if detection.T_world_found is not None and other.T_world_found is not None:
+        is_alike &= detection.T_world_found.isApprox(other.T_world_found, 1e-9)
+    elif detection.T_world_found is not None or other.T_world_found is not None:
         return False
-    return is_alike and one.T_world_part.isApprox(other.T_world_part, 1e-9)
+    return is_alike and detection.T_world_part.isApprox(other.T_world_part, 1e-9)
 
 
 def _no_surer(said: Detection, known: Detection) -> bool:
@@ -100,14 +100,14 @@ def _no_surer(said: Detection, known: Detection) -> bool:
     return len(axes) == 0 or (len(axes) == 2 and np.allclose(axes[0], axes[1], rtol=0, atol=1e-9))
 
 
-def _same_box(one: Obstacle, other: Obstacle) -> bool:
-    is_alike = np.allclose(one.size, other.size, rtol=0, atol=1e-9)
-    return bool(is_alike) and one.T_world_box.isApprox(other.T_world_box, 1e-9)
+def _same_box(obstacle: Obstacle, other: Obstacle) -> bool:
+    is_alike = np.allclose(obstacle.size, other.size, rtol=0, atol=1e-9)
+    return bool(is_alike) and obstacle.T_world_box.isApprox(other.T_world_box, 1e-9)
 
 
-def _same_kept(one: Obstacle, other: Obstacle) -> bool:
-    T, U = one.T_world_put, other.T_world_put
-    if T is None or U is None or one.part != other.part or not _same_box(one, other):
+def _same_kept(obstacle: Obstacle, other: Obstacle) -> bool:
+    T, U = obstacle.T_world_put, other.T_world_put
+    if T is None or U is None or obstacle.part != other.part or not _same_box(obstacle, other):
         return False
     return bool(T.isApprox(U, 1e-9))
 
@@ -144,22 +144,22 @@ def _sequence(plan: Plan) -> Iterator[Violation]:
         yield Violation(ProofText.AT_ONCE(strategy=strategy_message(plan.strategy)))
 
 
-def _legs(cell: Cell, arm: Arm, one: ArmPlan) -> Iterator[Violation]:
-    if one.joints != arm.joints:
+def _legs(cell: Cell, arm: Arm, arm_plan: ArmPlan) -> Iterator[Violation]:
+    if arm_plan.joints != arm.joints:
         yield Violation(ProofText.OTHER_JOINTS(joints=arm.joints), arm.name)
         return
-    if tuple(leg.name for leg in one.legs) != LEG_NAMES:
+    if tuple(leg.name for leg in arm_plan.legs) != LEG_NAMES:
         yield Violation(ProofText.OTHER_LEGS(legs=map(leg_message, LEG_NAMES)), arm.name)
         return
-    problems = [problem for leg in one.legs for problem in _shape(arm, leg)]
+    problems = [problem for leg in arm_plan.legs for problem in _shape(arm, leg)]
     yield from problems
     if problems:
         return
     motion, (lower, upper, _) = cell.controller.motion, cell.robot.limits(arm.joints)
     # A home at a limit between two steps cannot be sent: the last step before the limit is home.
     home = np.clip(np.asarray(arm.home), *motion.limits(lower, upper))
-    ends = [home, *(leg.q[-1] for leg in one.legs)]
-    starts = [*(leg.q[0] for leg in one.legs), home]
+    ends = [home, *(leg.q[-1] for leg in arm_plan.legs)]
+    starts = [*(leg.q[0] for leg in arm_plan.legs), home]
     at_home = SAME + motion.quantum / 2
     off = [at_home, *[SAME] * (len(LEG_NAMES) - 1), at_home]
     for name, end, start, most in zip((*LEG_NAMES, "home"), ends, starts, off, strict=True):

@@ -84,7 +84,7 @@ def away(k: int, b: int, j: int, bodies: Bodies, world: World) -> float:  # prag
 
 
 @njit(cache=True)
-def moved(
+def bound_motion(
     k: int, b: int, common: int, chain: Chain, bodies: Bodies, world: World, spans: Floats
 ) -> float:  # pragma: no cover (compiled)
     """How far [m] no point of a body gets from where it is, against joint `common`.
@@ -165,7 +165,7 @@ def poses(
     world = World(turns, centres, places, axes, np.empty((count, number)))
     for k in range(count):
         for b in some:
-            world.moves[k, b] = moved(k, int(b), 0, chain, bodies, world, spans)
+            world.moves[k, b] = bound_motion(k, int(b), 0, chain, bodies, world, spans)
     return world
 
 

@@ -70,7 +70,7 @@ class Sets:
         )
 
 
-def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets:
+def sweep_path(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets:
     """Everything that a controller may make of waypoints: a group after each of them.
 
     Args:
@@ -96,7 +96,7 @@ def moved(columns: Ints, path: Floats, motion: MotionModel, zone: float) -> Sets
     return Sets(columns, corners, sizes, groups, np.stack([start, end, after], axis=1), at)
 
 
-def _blended(tip: Floats, times: int) -> Iterator[Floats]:
+def _blend(tip: Floats, times: int) -> Iterator[Floats]:
     """Triangles (3, n) that hold all between a corner (3, n) and the parabolas that cut it.
 
     A parabola from start to end touches the line between the middles of both sides in its own
@@ -107,20 +107,20 @@ def _blended(tip: Floats, times: int) -> Iterator[Floats]:
     yield np.stack([a, corner, b])
     for half in (np.stack([start, a, (a + b) / 2]), np.stack([(a + b) / 2, b, end])):
         if times:
-            yield from _blended(half, times - 1)
+            yield from _blend(half, times - 1)
         else:
             yield half
 
 
 CUTS = {
     "stop": np.empty((0, 3, 3)),
-    "blend": np.stack(list(_blended(np.eye(3), TWICE))),
+    "blend": np.stack(list(_blend(np.eye(3), TWICE))),
     "streamed": np.eye(3)[None],
 }
 """Triangles (c, 3, 3) for what is cut off a corner, whose corners are means of that corner's."""
 
 
-def changed(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:
+def sweep_change(columns: Ints, start: Floats, end: Floats, at: int) -> Sets:
     """The segment between two configurations (n,) [rad, m], at a waypoint."""
     corners = np.stack([start, end, end])[None]
     return Sets(columns, corners, np.array([2]), np.array([0]), corners, np.array([at]))

@@ -52,20 +52,24 @@ def prove(
     """
     violations = list(form_violations(cell, scene, plan))
     walked = None
-    arms = [(cell.arm(one.arm), one) for one in plan.arms] if not violations else []
-    legs = [(arm, leg) for arm, one in arms for leg in one.legs]
+    arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
+    legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
     # Joints that turn a hundred times would be followed for hours.
     violations += [f for arm, leg in legs for f in range_violations(cell, arm, leg)]
     if not violations:
         tree = tree_of(cell)
         violations += [f for arm, leg in legs for f in limit_violations(cell, arm, leg)]
         violations += pace_violations(cell, plan)
-        violations += [f for _, one in arms for f in grasp_violations(cell, tree, plan, one)]
-        violations += [f for _, one in arms for f in load_violations(cell, plan, one)]
-        violations += [f for _, one in arms for f in roll_violations(cell, tree, plan, one)]
+        violations += [
+            f for _, arm_plan in arms for f in grasp_violations(cell, tree, plan, arm_plan)
+        ]
+        violations += [f for _, arm_plan in arms for f in load_violations(cell, plan, arm_plan)]
+        violations += [
+            f for _, arm_plan in arms for f in roll_violations(cell, tree, plan, arm_plan)
+        ]
         violations += pair_violations(cell, plan)
         violations += [
-            f for _, one in arms for f in pallet_violations(cell, tree, scene, plan, one)
+            f for _, arm_plan in arms for f in pallet_violations(cell, tree, scene, plan, arm_plan)
         ]
         walked = Walk(cell, tree, plan, resolution, stated).result()
         violations += walked.violations
@@ -97,21 +101,23 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
         plan: in whose scene it holds that nothing moves but what is taken, or that puts a part on
             a station.
     """
-    tree, taken = tree_of(cell), {one.detection for one in plan.arms}
+    tree, taken = tree_of(cell), {arm_plan.detection for arm_plan in plan.arms}
     boxes: list[Obstacle] = []
     stand: list[Detection] = []
-    for one in plan.arms:
-        arm, found = cell.arm(one.arm), plan.detections[one.detection]
-        if one.station:
-            stand.append(standing_after(cell, tree, plan, one))
+    for arm_plan in plan.arms:
+        arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+        if arm_plan.station:
+            stand.append(standing_after(cell, tree, plan, arm_plan))
         elif not arm.passes_parts_on:
             known = (*plan.obstacles, *boxes)
-            boxes.append(kept_box(cell, known, found, put_at(cell, tree, plan, one)))
-    rest = tuple(one for number, one in enumerate(plan.detections) if number not in taken)
+            boxes.append(kept_box(cell, known, found, put_at(cell, tree, plan, arm_plan)))
+    rest = tuple(
+        detection for number, detection in enumerate(plan.detections) if number not in taken
+    )
     is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
     if stand and rest and not is_sure:
         boxes.append(_full_bin(cell, plan.detections))
-        rest = tuple(one for one in rest if one.T_world_found is not None)
+        rest = tuple(arm_plan for arm_plan in rest if arm_plan.T_world_found is not None)
     return Scene(plan.scan_digest, (*rest, *stand), (*plan.obstacles, *boxes))
 
 
@@ -121,13 +127,13 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
     Those are parts nearer to a taken one than the policy's `pair_gap`: from then on the scan does
     not say where they are.
     """
-    taken = {one.detection: one.arm for one in plan.arms}
-    pieces = [turned_pieces(cell.part(one.part), one) for one in plan.detections]
+    taken = {arm.detection: arm.arm for arm in plan.arms}
+    pieces = [turned_pieces(cell.part(detection.part), detection) for detection in plan.detections]
     for number, stays in product(taken, range(len(plan.detections))):
         if stays in taken:
             continue
-        for one, other in product(pieces[number], pieces[stays]):
-            gap = min(gap_of(a, b, cell.policy.pair_gap) for a, b in product(one, other))
+        for moved, standing in product(pieces[number], pieces[stays]):
+            gap = min(gap_of(a, b, cell.policy.pair_gap) for a, b in product(moved, standing))
             if gap < cell.policy.pair_gap:
                 pair = (f"part-{number + 1}", f"part-{stays + 1}")
                 problem = ProofText.MAY_MOVE(stays=FoundPart(stays), taken=FoundPart(number))
@@ -141,10 +147,10 @@ def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
     Without walls they may lie over the side, by a part's length; what rolls further is not in it.
     """
     T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
-    for one in parts:
-        points, T = cell.part(one.part).mesh.points, T_bin_world * one.T_world_part
+    for part in parts:
+        points, T = cell.part(part.part).mesh.points, T_bin_world * part.T_world_part
         longest = max(longest, float(np.linalg.norm(np.ptp(points, axis=0))))
-        if one.T_world_found is None:
+        if part.T_world_found is None:
             high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
     T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
     beside = 0.0 if cell.bin.has_walls else 2 * longest

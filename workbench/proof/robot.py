@@ -52,12 +52,14 @@ def tree_of(cell: Cell) -> Tree:
         if joint.kind == "fixed":
             frames[joint.child] = (parent, T)
         else:
-            frames[joint.child] = (_added(model, joints, parent, T, joint), pin.SE3.Identity())
+            frames[joint.child] = (_add_joint(model, joints, parent, T, joint), pin.SE3.Identity())
     fingers: dict[str, tuple[int, ...]] = {}
     for arm in cell.arms:
         parent, T_joint_flange = frames[arm.flange]
         fingers[arm.name] = tuple(
-            _added(model, joints, parent, T_joint_flange, _finger(arm, number, finger.direction))
+            _add_joint(
+                model, joints, parent, T_joint_flange, _finger(arm, number, finger.direction)
+            )
             for number, finger in enumerate(arm.tool.fingers)
         )
     columns = {
@@ -90,21 +92,21 @@ def _finger(arm: Arm, number: int, direction: Floats) -> Joint:
     )
 
 
-def _added(
+def _add_joint(
     model: pin.Model, joints: dict[int, Joint], parent: int, T: pin.SE3, joint: Joint
 ) -> int:
     is_turning = joint.kind == "revolute"
     kind = pin.JointModelRevoluteUnaligned if is_turning else pin.JointModelPrismaticUnaligned
-    one = np.ones(1)
+    ones = np.ones(1)
     number = model.addJoint(
         parent,
         kind(np.array(joint.axis)),
         T,
         joint.name,
-        one * 1e3,
-        one * joint.velocity,
-        one * joint.lower,
-        one * joint.upper,
+        ones * 1e3,
+        ones * joint.velocity,
+        ones * joint.lower,
+        ones * joint.upper,
     )
     joints[number] = joint
     return number

@@ -103,13 +103,15 @@ def search(
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
         sight: [m] up to here distances are told.
     """
-    one = _Search(space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated))
+    branch_and_bound = _Search(
+        space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated)
+    )
     for blocks in sets:
         for some in product(*(block.runs(RUN) for block in blocks)):
-            one.look(some)
-            if one.is_over():
-                return one.found
-    return one.found
+            branch_and_bound.look(some)
+            if branch_and_bound.is_over():
+                return branch_and_bound.found
+    return branch_and_bound.found
 
 
 class _Wanted:
@@ -185,7 +187,7 @@ class _Search:
             count = len(self.found.bounds)
             seem = items[foremost(items, self._asked, sets.at, count, arrays, there)]
             planes(seem, self._ways(sets, q, seem), self._asked, *compiled)
-        close = self._sifted(batch, items, world, spreads)
+        close = self._sift(batch, items, world, spreads)
         if len(close.items) and not self.is_over():
             # The direction in which a pair is apart in one set often is good for others.
             order = np.argsort(close.told, kind="stable")
@@ -200,13 +202,13 @@ class _Search:
         space, asked, ways = self._space, self._asked, np.zeros((len(items), 3))
         looked = (-1, -1)
         for n in np.lexsort(items.T[1::-1]).tolist():
-            one, other, pair = items[n].tolist()
-            if looked != (one, other):
-                looked = (one, other)
-                space.look(self._both(q[one], q[other]))
-            row, place = int(self._pairs.rows[pair]), int(batch.at[[one, other]].max())
+            first, second, pair = items[n].tolist()
+            if looked != (first, second):
+                looked = (first, second)
+                space.look(self._both(q[first], q[second]))
+            row, place = int(self._pairs.rows[pair]), int(batch.at[[first, second]].max())
             distance, shown = space.distance(row), bool(asked.shown[pair])
-            self._noted(row, distance, float(asked.margins[pair]), place, shown)
+            self._note(row, distance, float(asked.margins[pair]), place, shown)
             ways[n] = space.way()
         return ways
 
@@ -242,7 +244,7 @@ class _Search:
         q, spreads = spread(batch.corners, batch.sizes, is_motion)
         return q, spreads, poses(space.chain, space.arrays, q, spreads.spans, needed)
 
-    def _sifted(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
+    def _sift(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
         space, goals = self._space, np.array(self._wanted.goals)
         return sieve(
             items, self._asked, goals, batch.at, self.found.bounds, space.normals,
@@ -253,20 +255,22 @@ class _Search:
         """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be looked at."""
         first, second = self._asked.first[items[:, 2]], self._asked.second[items[:, 2]]
         q, spreads, world = self._world(batch, first, second, True)
-        close = self._sifted(batch, items, world, spreads)
+        close = self._sift(batch, items, world, spreads)
         if not len(close.items):
             return close.items
-        asked, space, told, which = self._asked, self._space, close.told, close.items[:, 2]
+        asked, space, lower_bounds, which = self._asked, self._space, close.told, close.items[:, 2]
         at = batch.at[close.items[:, :2]].max(axis=1)
-        ways = self._measured(q, close, at)
+        ways = self._measure_pairs(q, close, at)
         if ways:
             n, way = np.array(list(ways)), np.array(list(ways.values()))
             compiled = space.normals, space.chain, space.arrays, world, spreads
-            told[n] = np.fmax(told[n], planes(close.items[n], way, asked, *compiled))
+            lower_bounds[n] = np.fmax(
+                lower_bounds[n], planes(close.items[n], way, asked, *compiled)
+            )
         # What is no number is not far enough, here and below.
-        is_left = ~(told >= self._needs(which, at)) & (close.moves > self._fine[which])
+        is_left = ~(lower_bounds >= self._needs(which, at)) & (close.moves > self._fine[which])
         is_told = asked.shown[which] & ~is_left
-        np.minimum.at(self.found.bounds, at[is_told], told[is_told])
+        np.minimum.at(self.found.bounds, at[is_told], lower_bounds[is_told])
         return close.items[is_left]
 
     def _needs(self, which: Ints, at: Ints) -> Floats:
@@ -274,7 +278,7 @@ class _Search:
         margins, goals = self._asked.margins[which], np.array(self._wanted.goals)[at]
         return np.where(self._asked.shown[which], np.maximum(margins, goals), margins)
 
-    def _measured(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
+    def _measure_pairs(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
         """Measure pairs in the middles `q` (k, nq) of sets after waypoints (n,), nearest first.
 
         Better bounds are put into `close`.
@@ -296,28 +300,28 @@ class _Search:
         columns = order, *(column[order] for column in (*columns, space.known(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
-        for n, one, other, place, row, told, moves, margin, counts, is_known in zip(
+        for n, mine, theirs, place, row, bound, moves, margin, counts, is_known in zip(
             *(column.tolist() for column in columns), strict=True
         ):
-            if told >= margin and not (counts and told < goals[place]):
+            if bound >= margin and not (counts and bound < goals[place]):
                 continue
-            if looked != (one, other):
-                looked = (one, other)
-                space.look(self._both(q[one], q[other]))
+            if looked != (mine, theirs):
+                looked = (mine, theirs)
+                space.look(self._both(q[mine], q[theirs]))
             distance = space.distance(row)
             if counts and wanted.stated is not None and distance < goals[place] - SAME:
                 found.bounds[place] = distance
                 return {}
-            self._noted(row, distance, margin, place, counts)
+            self._note(row, distance, margin, place, counts)
             if found.too_near is not None:
                 return {}
-            told = max(told, distance - moves)
-            close.told[n] = told
-            if told < margin or (counts and told < goals[place]) or not is_known:
+            bound = max(bound, distance - moves)
+            close.told[n] = bound
+            if bound < margin or (counts and bound < goals[place]) or not is_known:
                 ways[n] = space.way()
         return ways
 
-    def _noted(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
+    def _note(self, row: int, distance: float, margin: float, place: int, counts: bool) -> None:
         """Note what was measured of a pair after a waypoint, where that is too near or nearest."""
         is_near = not distance >= margin
         if is_near or (counts and distance < self._wanted.nearest[place]):
@@ -329,6 +333,6 @@ class _Search:
             if found.nearest is None or distance < found.nearest.distance:
                 found.nearest = state
 
-    def _both(self, one: Floats, other: Floats) -> Floats:
+    def _both(self, first: Floats, second: Floats) -> Floats:
         """The whole configuration (nq,) of two in each of which another arm has moved."""
-        return np.where(other != self._base, other, one)
+        return np.where(second != self._base, second, first)

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.proof.frames import Bodies, Chain, Spread, World, moved
+from workbench.proof.frames import Bodies, Chain, Spread, World, bound_motion
 from workbench.proof.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
@@ -84,12 +84,12 @@ def reachable(
             found += 1
     others = max(count - split, 1)
     items, n = np.empty((split * others * found, 3), np.int64), 0
-    for one in range(split):
+    for index in range(split):
         for other in range(others):
             for pair in chosen[:found]:
-                second = one if count == split else split + other
-                items[n, 0] = second if sides[asked.first[pair]] else one
-                items[n, 1] = second if sides[asked.second[pair]] else one
+                second = index if count == split else split + other
+                items[n, 0] = second if sides[asked.first[pair]] else index
+                items[n, 1] = second if sides[asked.second[pair]] else index
                 items[n, 2] = pair
                 n += 1
     return items
@@ -181,8 +181,8 @@ def sieve(
             bound = low - far
         if bound < need:
             if common != 0:
-                far = moved(ka, a, common, chain, bodies, world, spread.spans)
-                far += moved(kb, b, common, chain, bodies, world, spread.spans)
+                far = bound_motion(ka, a, common, chain, bodies, world, spread.spans)
+                far += bound_motion(kb, b, common, chain, bodies, world, spread.spans)
             wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
             low = max(low, wide - ROUNDING)
             bound = low - far
@@ -240,7 +240,7 @@ def planes(
         world: where everything is at the middles of the sets.
         spread: the sets.
     """
-    told = np.full(len(items), -np.inf)
+    bounds = np.full(len(items), -np.inf)
     for n in range(len(items)):
         ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
         a, b = int(asked.first[pair]), int(asked.second[pair])
@@ -251,8 +251,8 @@ def planes(
         normal = ways[n] / length
         _note(normals[a, b], normal, ka, a, kb, b, world)
         common = int(asked.commons[pair])
-        told[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
-    return told
+        bounds[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+    return bounds
 
 
 @njit(cache=True)

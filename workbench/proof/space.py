@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
-from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measured
+from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measure
 from workbench.proof.frames import Bodies, Chain, levers, poses
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
@@ -81,16 +81,16 @@ class Space:
         """Between the two of a pair [m]; negative: how deep they are in each other."""
         pair = int(self.table.first[row]), int(self.table.second[row])
         if self._is_divided[pair[0]] or self._is_divided[pair[1]]:
-            one, other = ((self.bodies[k].shape, self._measured.oMg[k]) for k in pair)
-            self._last = measured(one, other)
+            first, second = ((self.bodies[k].shape, self._measured.oMg[k]) for k in pair)
+            self._last = measure(first, second)
             return float(self._last.min_distance)
         number = self._numbers.get(row)
         if number is None:
-            number = self._numbers[row] = self._added(row)
+            number = self._numbers[row] = self._add_pair(row)
         self._last = pin.computeDistance(self._geometry, self._measured, number)
         return float(self._last.min_distance)
 
-    def _added(self, row: int) -> int:
+    def _add_pair(self, row: int) -> int:
         """Make room for measuring a pair, as Pinocchio does: for all of them it would take long."""
         pair, measured = (int(self.table.first[row]), int(self.table.second[row])), self._measured
         self._geometry.addCollisionPair(pin.CollisionPair(*pair))
@@ -124,15 +124,15 @@ def _arrays_of(bodies: tuple[Body, ...], table: Table) -> Bodies:
     return Bodies(
         np.array([body.joint for body in bodies]),
         np.array([T.rotation for T in at]),
-        np.array([T.act(one.centre) for T, one in zip(at, hulls, strict=True)]),
-        np.array([one.half for one in hulls]),
-        np.array([one.radius for one in hulls]),
+        np.array([T.act(convex.centre) for T, convex in zip(at, hulls, strict=True)]),
+        np.array([convex.half for convex in hulls]),
+        np.array([convex.radius for convex in hulls]),
         table.rounds,
-        np.concatenate([one.points for one in hulls]),
-        np.cumsum([0, *(len(one.points) for one in hulls)]),
-        np.array([one.box for one in hulls]),
-        np.array([one.disc for one in hulls]),
-        np.array([one.ball for one in hulls]),
+        np.concatenate([convex.points for convex in hulls]),
+        np.cumsum([0, *(len(convex.points) for convex in hulls)]),
+        np.array([convex.box for convex in hulls]),
+        np.array([convex.disc for convex in hulls]),
+        np.array([convex.ball for convex in hulls]),
     )
 
 
@@ -143,7 +143,7 @@ def _chain_of(tree: Tree) -> Chain:
         np.array(list(model.parents)),
         np.array([T.rotation for T in model.jointPlacements]),
         np.array([T.translation for T in model.jointPlacements]),
-        np.array([np.zeros(3) if one is None else one.axis for one in joints]),
-        np.array([one is not None and one.kind == "prismatic" for one in joints]),
+        np.array([np.zeros(3) if joint is None else joint.axis for joint in joints]),
+        np.array([joint is not None and joint.kind == "prismatic" for joint in joints]),
         np.array([max(int(model.joints[j].idx_q), 0) for j in range(model.njoints)]),
     )

@@ -54,20 +54,20 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
     wanted = set(place.pair)
     rows = [row for row in range(len(table.first)) if set(table.labels(row)) == wanted]
     for step in steps_of(cell, tree, plan):
-        for one in step.moving:
-            if (one.arm.name, one.leg.name) == (place.arm, place.leg) and rows:
+        for arm_motion in step.moving:
+            if (arm_motion.arm.name, arm_motion.leg.name) == (place.arm, place.leg) and rows:
                 space.put_parts(plan, carried(cell, tree, plan, step))
-                return _found(tree, space, step, one, place, rows)
+                return _locate(tree, space, step, arm_motion, place, rows)
     return None
 
 
-def _found(
-    tree: Tree, space: Space, step: Step, one: Moving, place: Violation, rows: list[int]
+def _locate(
+    tree: Tree, space: Space, step: Step, arm_motion: Moving, place: Violation, rows: list[int]
 ) -> Spot:
-    seconds = _seconds(one, place)
+    seconds = _seconds(arm_motion, place)
     wanted = 0.0 if place.distance is None else place.distance
     best: tuple[float, float, int, Floats, Mapping[str, float]] | None = None
-    for q, others in _states(tree, step, one, np.asarray(place.q), seconds):
+    for q, others in _states(tree, step, arm_motion, np.asarray(place.q), seconds):
         space.look(q)
         distance, row = min((space.distance(row), row) for row in rows)
         if best is None or abs(distance - wanted) < best[0]:
@@ -87,9 +87,9 @@ def _found(
     return Spot(seconds, space.nearest(), distance, shown, others)
 
 
-def _seconds(one: Moving, place: Violation) -> float:
+def _seconds(arm_motion: Moving, place: Violation) -> float:
     """When [s] on a leg the arm is nearest to the configuration of a place."""
-    q, t, after = np.asarray(one.leg.q), np.asarray(one.leg.t), place.waypoint or 0
+    q, t, after = np.asarray(arm_motion.leg.q), np.asarray(arm_motion.leg.t), place.waypoint or 0
     best, seconds = np.inf, float(t[-1])
     # A blend that is counted with a waypoint ends in the segment after the next one.
     for k in range(after, min(after + 2, len(q) - 1)):
@@ -102,22 +102,22 @@ def _seconds(one: Moving, place: Violation) -> float:
 
 
 def _states(
-    tree: Tree, step: Step, one: Moving, q_arm: Floats, seconds: float
+    tree: Tree, step: Step, arm_motion: Moving, q_arm: Floats, seconds: float
 ) -> Iterator[tuple[Floats, Mapping[str, float]]]:
     """Whole configurations (nq,) that may have been meant, the likeliest first."""
-    others = [other for other in step.moving if other is not one]
+    others = [other for other in step.moving if other is not arm_motion]
     at_once = [{other.arm.name: min(seconds, other.leg.seconds) for other in others}]
     ways = [np.linspace(0.0, other.leg.seconds, SAMPLES) for other in others]
     at_any = [
         {other.arm.name: float(t)} for other, times in zip(others, ways, strict=True) for t in times
     ]
-    fingers = len(one.arm.tool.fingers)
-    openings = [one.leg.opening]
+    fingers = len(arm_motion.arm.tool.fingers)
+    openings = [arm_motion.leg.opening]
     if fingers:
-        ends = (one.leg.opening, one.fingers_after)
+        ends = (arm_motion.leg.opening, arm_motion.fingers_after)
         # Before the first leg they may be anywhere.
-        is_first = one.leg.name == "reach" and seconds == 0.0
-        openings += np.linspace(*(one.arm.tool.stroke if is_first else ends), 5).tolist()
+        is_first = arm_motion.leg.name == "reach" and seconds == 0.0
+        openings += np.linspace(*(arm_motion.arm.tool.stroke if is_first else ends), 5).tolist()
     waits = waiting_fingers(tree, step)
     for when, share in product(at_once + at_any, np.linspace(0.0, 1.0, 5 if waits else 1)):
         q = step.base.copy()
@@ -128,5 +128,5 @@ def _states(
             values[: len(other.arm.joints)] = other.leg.at(when[other.arm.name])
             q[tree.columns[other.arm.name]] = values
         for opening in openings:
-            q[tree.columns[one.arm.name]] = np.append(q_arm, np.full(fingers, opening / 2))
+            q[tree.columns[arm_motion.arm.name]] = np.append(q_arm, np.full(fingers, opening / 2))
             yield q.copy(), when

@@ -14,7 +14,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
-from workbench.proof.motion import Sets, changed, moved
+from workbench.proof.motion import Sets, sweep_change, sweep_path
 from workbench.proof.robot import Tree
 from workbench.proof.table import Situation
 
@@ -71,13 +71,17 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
     waiting = list(cell.arms)
     for step in plan.sequence:
         moving = tuple(_moving(cell, plan.arm(arm), name) for arm, name in step.runs)
-        waiting = [arm for arm in waiting if all(arm is not one.arm for one in moving)]
+        waiting = [
+            arm for arm in waiting if all(arm is not arm_motion.arm for arm_motion in moving)
+        ]
         yield Step(moving, tuple(waiting), q.copy(), dict(held), dict(placed))
-        for one in moving:
-            q[tree.columns[one.arm.name]] = _whole(one.arm, one.leg.q[-1], one.fingers_after)
-            number, name = one.plan.detection, one.leg.name
+        for arm_motion in moving:
+            q[tree.columns[arm_motion.arm.name]] = _whole(
+                arm_motion.arm, arm_motion.leg.q[-1], arm_motion.fingers_after
+            )
+            number, name = arm_motion.plan.detection, arm_motion.leg.name
             if name == "approach":
-                held[number] = one.plan
+                held[number] = arm_motion.plan
             elif name == "place":
                 placed[number] = held.pop(number)
 
@@ -85,64 +89,66 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
 def carried(cell: Cell, tree: Tree, plan: Plan, step: Step) -> dict[int, tuple[int, pin.SE3]]:
     """Parts in a hand or put down during a step: detection -> joint, and `T_joint_part`."""
     where: dict[int, tuple[int, pin.SE3]] = {}
-    for number, one in step.held.items():
-        arm = cell.arm(one.arm)
+    for number, arm_plan in step.held.items():
+        arm = cell.arm(arm_plan.arm)
         joint, T_joint_flange = tree.flange(arm)
-        T_flange_part = arm.tool.T_flange_tcp * in_hand(cell, tree, plan, one)
+        T_flange_part = arm.tool.T_flange_tcp * in_hand(cell, tree, plan, arm_plan)
         where[number] = joint, T_joint_flange * T_flange_part
-    for number, one in step.placed.items():
-        where[number] = 0, put_at(cell, tree, plan, one)
+    for number, arm_plan in step.placed.items():
+        where[number] = 0, put_at(cell, tree, plan, arm_plan)
     return where
 
 
-def in_hand(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+def in_hand(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> pin.SE3:
     """`T_tcp_part` as the hand takes the part where it was found, whatever the plan states."""
-    q_grasp = np.asarray(one.leg("approach").q[-1])
-    T_world_part = plan.detections[one.detection].T_world_part
-    return tcp(tree, tree.rest, cell.arm(one.arm), q_grasp).actInv(T_world_part)
+    q_grasp = np.asarray(arm_plan.leg("approach").q[-1])
+    T_world_part = plan.detections[arm_plan.detection].T_world_part
+    return tcp(tree, tree.rest, cell.arm(arm_plan.arm), q_grasp).actInv(T_world_part)
 
 
-def put_at(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> pin.SE3:
+def put_at(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> pin.SE3:
     """`T_world_part` where the hand lets go of the part, whatever the plan states."""
-    q_place = np.asarray(one.leg("place").q[-1])
-    T_world_tcp = tcp(tree, tree.rest, cell.arm(one.arm), q_place)
-    return T_world_tcp * in_hand(cell, tree, plan, one)
+    q_place = np.asarray(arm_plan.leg("place").q[-1])
+    T_world_tcp = tcp(tree, tree.rest, cell.arm(arm_plan.arm), q_place)
+    return T_world_tcp * in_hand(cell, tree, plan, arm_plan)
 
 
-def stages_of(cell: Cell, tree: Tree, step: Step, one: Moving, left_at: int) -> Iterator[Stage]:
+def stages_of(
+    cell: Cell, tree: Tree, step: Step, arm_motion: Moving, left_at: int
+) -> Iterator[Stage]:
     """The stages of one leg.
 
     Args:
         cell: as it is.
         tree: of its robot.
         step: that the leg belongs to.
-        one: the leg.
+        arm_motion: the leg.
         left_at: on the way home, the waypoint from which on the hand has left the part.
     """
-    name, now = one.leg.name, situation_of(tree, step, one)
-    sets = _way_of(cell, tree, one)
+    name, now = arm_motion.leg.name, situation_of(tree, step, arm_motion)
+    sets = _way_of(cell, tree, arm_motion)
     if name == "extract":
-        first, rest = _cut(sets, *_released(tree, step, one, cell.policy.release))
+        first, rest = _cut(sets, *_find_release(tree, step, arm_motion, cell.policy.release))
         yield Stage(first, now, comes_off=True)
         yield Stage(rest, now)
     elif name == "home":
-        is_left = np.arange(len(one.path)) >= left_at
+        is_left = np.arange(len(arm_motion.path)) >= left_at
         yield Stage(sets.after(~is_left), now, leaves=True)
         yield Stage(sets.after(is_left), now)
     else:
         yield Stage(sets, now)
-    if name in ("approach", "place") and one.arm.tool.fingers:
+    if name in ("approach", "place") and arm_motion.arm.tool.fingers:
         fingers = np.zeros(tree.model.nq, bool)
-        fingers[tree.columns[one.arm.name][len(one.arm.joints) :]] = True
-        lets_go = replace(now, moves=fingers, lets_go=one.plan.detection)
-        yield Stage(fingers_of(tree, one), lets_go)
+        fingers[tree.columns[arm_motion.arm.name][len(arm_motion.arm.joints) :]] = True
+        lets_go = replace(now, moves=fingers, lets_go=arm_motion.plan.detection)
+        yield Stage(fingers_of(tree, arm_motion), lets_go)
 
 
 def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
     """What is true while arms are on their legs; what only one leg allows, for one arm alone."""
     moves = np.zeros(tree.model.nq, bool)
-    for one in ones:
-        moves[tree.columns[one.arm.name][: len(one.arm.joints)]] = True
+    for arm_motion in ones:
+        moves[tree.columns[arm_motion.arm.name][: len(arm_motion.arm.joints)]] = True
     now = Situation(
         moves,
         {number: plan.arm for number, plan in step.held.items()},
@@ -150,30 +156,30 @@ def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
     )
     if len(ones) != 1:
         return now
-    (one,) = ones
+    (arm_motion,) = ones
     return replace(
         now,
-        straight=one.arm.name if one.leg.name in STRAIGHT else "",
-        target=one.plan.detection if one.leg.name == "approach" else -1,
+        straight=arm_motion.arm.name if arm_motion.leg.name in STRAIGHT else "",
+        target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
     )
 
 
-def course_of(cell: Cell, tree: Tree, one: Moving) -> Sets:
+def course_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
     """All configurations of a leg, fingers included, for what does not depend on its stages."""
-    sets = _way_of(cell, tree, one)
-    if one.fingers_after == one.leg.opening:
+    sets = _way_of(cell, tree, arm_motion)
+    if arm_motion.fingers_after == arm_motion.leg.opening:
         return sets
-    return sets.with_others(fingers_of(tree, one))
+    return sets.with_others(fingers_of(tree, arm_motion))
 
 
-def _way_of(cell: Cell, tree: Tree, one: Moving) -> Sets:
+def _way_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
     """The way of a leg; before the first one the fingers may be anywhere in their stroke."""
-    columns, arm = tree.columns[one.arm.name], one.arm
-    sets = moved(columns, one.path, cell.controller.motion, cell.policy.zone)
-    if one.leg.name != "reach" or not arm.tool.fingers:
+    columns, arm = tree.columns[arm_motion.arm.name], arm_motion.arm
+    sets = sweep_path(columns, arm_motion.path, cell.controller.motion, cell.policy.zone)
+    if arm_motion.leg.name != "reach" or not arm.tool.fingers:
         return sets
-    closed, wide = (_whole(arm, one.leg.q[0], opening) for opening in arm.tool.stroke)
-    return sets.with_others(changed(columns, closed, wide, 0))
+    closed, wide = (_whole(arm, arm_motion.leg.q[0], opening) for opening in arm.tool.stroke)
+    return sets.with_others(sweep_change(columns, closed, wide, 0))
 
 
 def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
@@ -187,25 +193,29 @@ def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
     columns = np.concatenate([tree.columns[arm.name][len(arm.joints) :] for arm in some])
     counts = [len(arm.tool.fingers) for arm in some]
     closed, wide = np.repeat([arm.tool.stroke for arm in some], counts, axis=0).T / 2
-    return (changed(columns, closed, wide, 0),)
+    return (sweep_change(columns, closed, wide, 0),)
 
 
-def fingers_of(tree: Tree, one: Moving) -> Sets:
+def fingers_of(tree: Tree, arm_motion: Moving) -> Sets:
     """The way of the fingers when a leg has ended."""
-    after = _whole(one.arm, one.leg.q[-1], one.fingers_after)
-    return changed(tree.columns[one.arm.name], one.path[-1], after, len(one.path) - 2)
+    after = _whole(arm_motion.arm, arm_motion.leg.q[-1], arm_motion.fingers_after)
+    return sweep_change(
+        tree.columns[arm_motion.arm.name], arm_motion.path[-1], after, len(arm_motion.path) - 2
+    )
 
 
-def _released(tree: Tree, step: Step, one: Moving, least: float) -> tuple[int, Floats]:
+def _find_release(tree: Tree, step: Step, arm_motion: Moving, least: float) -> tuple[int, Floats]:
     """The segment in which a lifted part has come `least` [m] far, and where in it (n,)."""
-    places = np.array([tcp(tree, step.base, one.arm, q).translation for q in one.path])
+    places = np.array(
+        [tcp(tree, step.base, arm_motion.arm, q).translation for q in arm_motion.path]
+    )
     far = np.linalg.norm(places - places[0], axis=1)
     beyond = np.flatnonzero(far >= least)
     if len(beyond) == 0:
-        return len(one.path) - 1, one.path[-1]
+        return len(arm_motion.path) - 1, arm_motion.path[-1]
     k = int(beyond[0]) - 1
     share = (least - far[k]) / (far[k + 1] - far[k])
-    return k, one.path[k] + share * (one.path[k + 1] - one.path[k])
+    return k, arm_motion.path[k] + share * (arm_motion.path[k + 1] - arm_motion.path[k])
 
 
 def _cut(sets: Sets, segment: int, q: Floats) -> tuple[Sets, Sets]:
@@ -217,7 +227,7 @@ def _cut(sets: Sets, segment: int, q: Floats) -> tuple[Sets, Sets]:
         start = corners[0, 0].copy()
         corners[0, 0] = q
         after = replace(after, corners=corners)
-        before = before.with_others(changed(sets.columns, start, q, segment))
+        before = before.with_others(sweep_change(sets.columns, start, q, segment))
     return before, after
 
 

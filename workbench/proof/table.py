@@ -108,8 +108,10 @@ class Table:
         name = np.array([names[b.name] for b in bodies])
         meet = ~np.eye(len(names), dtype=bool)
         for pair in cell.robot.disabled_pairs:
-            one, other = ([k for k in map(names.get, _meant(n)) if k is not None] for n in pair)
-            for i, j in product(one, other):
+            first, second = (
+                [k for k in map(names.get, _parse_name(n)) if k is not None] for n in pair
+            )
+            for i, j in product(first, second):
                 meet[i, j] = meet[j, i] = False
         self.counts = np.triu(meet[np.ix_(name, name)], 1)
         self.first, self.second = np.nonzero(self.counts)
@@ -177,8 +179,8 @@ class Table:
         low = [model.getJointId(j) for arm in self._cell.arms for j in arm.joints[:2]]
         is_low = np.isin(joints, low)
         both_low = is_low[self.first[pairs.rows]] & is_low[self.second[pairs.rows]]
-        one, other = pairs.arms.T
-        return (one >= 0) & (other >= 0) & (one != other) & ~both_low
+        first_arm, second_arm = pairs.arms.T
+        return (first_arm >= 0) & (second_arm >= 0) & (first_arm != second_arm) & ~both_low
 
     def are_fingers(self, rows: Ints) -> Bools:
         """True (r,) where one of the two of a pair is a finger; `rows` (r,) are indices."""
@@ -197,7 +199,7 @@ class Table:
         return self._bodies[first].label, self._bodies[second].label
 
 
-def _meant(name: str) -> tuple[str, str]:
+def _parse_name(name: str) -> tuple[str, str]:
     """What may be called so in a list of pairs that need no check."""
     return f"link {name}", f"tool {name}"
 

@@ -14,7 +14,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Plan, Proof, Violation, are_in_step
 from workbench.proof.bodies import bodies_of
 from workbench.proof.grasps.straight import part_reach, straight_violations
-from workbench.proof.motion import Sets, moved
+from workbench.proof.motion import Sets, sweep_path
 from workbench.proof.robot import Tree
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
@@ -97,8 +97,8 @@ class Walk:
         apart: list[tuple[str, str, Floats]] = []
         for step in steps_of(self._cell, self._tree, self._plan):
             self._put(step)
-            for one in step.moving:
-                self._alone(step, one)
+            for arm_motion in step.moving:
+                self._alone(step, arm_motion)
             if len(step.moving) > 1:
                 self._together(step)
             if self._stated is None:
@@ -111,9 +111,9 @@ class Walk:
         for asked in self._asked:
             key, bounds = (asked.one.arm.name, asked.one.leg.name), asked.found.bounds
             clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
-        told = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
+        table = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
-        return Walked(tuple(self._violations), told, tuple(apart), clearance, nearest, looks)
+        return Walked(tuple(self._violations), table, tuple(apart), clearance, nearest, looks)
 
     def _put(self, step: Step) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
@@ -122,30 +122,30 @@ class Walk:
 
     # -- one arm, all others standing -----------------------------------------------------
 
-    def _alone(self, step: Step, one: Moving) -> None:
+    def _alone(self, step: Step, arm_motion: Moving) -> None:
         """An arm on its leg against everything but arms that move meanwhile."""
-        others = [self._numbers[other.arm.name] for other in step.moving if other is not one]
+        others = [self._numbers[other.arm.name] for other in step.moving if other is not arm_motion]
         left_at = 0
-        if one.leg.name == "home":
-            left_at = self._left_at(step, one)
+        if arm_motion.leg.name == "home":
+            left_at = self._left_at(step, arm_motion)
             if left_at:
-                out = np.asarray(one.leg.q[: left_at + 1])
-                reach = part_reach(self._cell, self._tree, self._plan, one.plan)
+                out = np.asarray(arm_motion.leg.q[: left_at + 1])
+                reach = part_reach(self._cell, self._tree, self._plan, arm_motion.plan)
                 self._violations += straight_violations(
-                    self._tree, one.arm, "home", out, reach=reach
+                    self._tree, arm_motion.arm, "home", out, reach=reach
                 )
         now, all_pairs = None, None
-        for stage in stages_of(self._cell, self._tree, step, one, left_at):
+        for stage in stages_of(self._cell, self._tree, step, arm_motion, left_at):
             if all_pairs is None or stage.now is not now:
                 now, all_pairs = stage.now, self._pairs(stage.now)
                 for other in others:
-                    is_other = all_pairs.between(self._numbers[one.arm.name], other)
+                    is_other = all_pairs.between(self._numbers[arm_motion.arm.name], other)
                     all_pairs = all_pairs.among(~is_other)
             # How near a hand stays to the part that it has put down is not worth showing.
             pairs = all_pairs.hiding(all_pairs.left)
             if stage.comes_off or stage.leaves:
-                pairs = self._as_it_begins(step, one, stage, pairs)
-            self._ask(step, one, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
+                pairs = self._as_it_begins(step, arm_motion, stage, pairs)
+            self._ask(step, arm_motion, ((stage.sets, *waiting_fingers(self._tree, step)),), pairs)
 
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
@@ -154,11 +154,11 @@ class Walk:
             self._known[key] = self._table.pairs(now, self._space.joints)
         return self._known[key]
 
-    def _as_it_begins(self, step: Step, one: Moving, stage: Stage, pairs: Pairs) -> Pairs:
+    def _as_it_begins(self, step: Step, arm_motion: Moving, stage: Stage, pairs: Pairs) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
         near, sink = self._cell.policy.near_margin, self._cell.policy.sink
         margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.left
-        self._space.look(self._with(step, one, one.path[0]))
+        self._space.look(self._with(step, arm_motion, arm_motion.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
             margins[k] = min(margins[k], near, kept(distance))
@@ -169,39 +169,39 @@ class Walk:
             ):
                 state = Nearest(int(pairs.rows[k]), distance, -sink, self._space.at, 0)
                 problem = ProofText.TOO_DEEP()
-                self._violations.append(self._violation(one, state, problem))
+                self._violations.append(self._violation(arm_motion, state, problem))
         return pairs.keeping(margins)
 
-    def _left_at(self, step: Step, one: Moving) -> int:
+    def _left_at(self, step: Step, arm_motion: Moving) -> int:
         """The first waypoint of the way home at which the hand has left the part.
 
         It keeps its margin from there on.  However wide the fingers are open, it has not left a
         part that they would meet if they closed.
         """
-        pairs = self._pairs(situation_of(self._tree, step, one))
+        pairs = self._pairs(situation_of(self._tree, step, arm_motion))
         rows = pairs.rows[pairs.left]
         away = self._cell.policy.margin + ROOM
-        for number, values in enumerate(one.path):
-            self._space.look(self._with(step, one, values))
+        for number, values in enumerate(arm_motion.path):
+            self._space.look(self._with(step, arm_motion, values))
             is_away = all(self._space.distance(int(row)) >= away for row in rows)
-            if is_away and not self._is_between(step, one, values, rows):
+            if is_away and not self._is_between(step, arm_motion, values, rows):
                 return number
-        if np.diff(one.path, axis=0).any():
+        if np.diff(arm_motion.path, axis=0).any():
             problem = ProofText.NEVER_LEAVES()
-            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
-        return len(one.path)
+            self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
+        return len(arm_motion.path)
 
-    def _is_between(self, step: Step, one: Moving, values: Floats, rows: Ints) -> bool:
+    def _is_between(self, step: Step, arm_motion: Moving, values: Floats, rows: Ints) -> bool:
         """Whether fingers that close at joints (n,) [rad, m] would meet a part, in pairs (r,).
 
         Each moves by half of what the opening changes: where the nearest is `d` away from the part,
         none meets it before the opening is less by `2 d`.
         """
         rows = rows[self._table.are_fingers(rows)]
-        opening, closed = one.fingers_after, values.copy()
+        opening, closed = arm_motion.fingers_after, values.copy()
         while len(rows):
-            closed[-len(one.arm.tool.fingers) :] = opening / 2
-            self._space.look(self._with(step, one, closed))
+            closed[-len(arm_motion.arm.tool.fingers) :] = opening / 2
+            self._space.look(self._with(step, arm_motion, closed))
             nearest = min(self._space.distance(int(row)) for row in rows)
             # What is no number is not away.
             if not nearest > 0.0:
@@ -221,14 +221,16 @@ class Walk:
         pairs = pairs.among(pairs.between(*numbers))
         in_step = self._plan.guarantee is Guarantee.SYNCHRONISED
         if in_step and are_in_step([first.leg, second.leg]):
-            both = [self._tree.columns[one.arm.name] for one in step.moving]
+            both = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
             path = np.hstack([first.path, second.path])
             motion, zone = self._cell.controller.motion, self._cell.policy.zone
-            sets: list[tuple[Sets, ...]] = [(moved(np.concatenate(both), path, motion, zone),)]
+            sets: list[tuple[Sets, ...]] = [(sweep_path(np.concatenate(both), path, motion, zone),)]
             # At its end the fingers of both move, in any order.
-            sets.append(tuple(fingers_of(self._tree, one) for one in step.moving))
+            sets.append(tuple(fingers_of(self._tree, arm_motion) for arm_motion in step.moving))
         else:
-            sets = [tuple(course_of(self._cell, self._tree, one) for one in step.moving)]
+            sets = [
+                tuple(course_of(self._cell, self._tree, arm_motion) for arm_motion in step.moving)
+            ]
         if sum(prod(len(each.sizes) for each in blocks) for blocks in sets) > MOST_TOGETHER:
             leg = leg_message(second.leg.name)
             problem = ProofText.TOO_MANY(leg=leg, arm=second.arm.name)
@@ -246,64 +248,66 @@ class Walk:
         pairs = self._pairs(situation_of(self._tree, step, *step.moving))
         pairs = pairs.among(self._table.between_hands(pairs, self._space.joints))
         pairs = pairs.keeping(np.full(len(pairs.rows), -np.inf))
-        times = np.unique(np.concatenate([one.leg.t for one in step.moving]))
-        columns = [self._tree.columns[one.arm.name] for one in step.moving]
-        path = np.hstack([_passed(one, times) for one in step.moving])
+        times = np.unique(np.concatenate([arm_motion.leg.t for arm_motion in step.moving]))
+        columns = [self._tree.columns[arm_motion.arm.name] for arm_motion in step.moving]
+        path = np.hstack([_sample(arm_motion, times) for arm_motion in step.moving])
         motion, zone = self._cell.controller.motion, self._cell.policy.zone
-        way = moved(np.concatenate(columns), path, motion, zone)
+        way = sweep_path(np.concatenate(columns), path, motion, zone)
         asked = ((way, *waiting_fingers(self._tree, step)),)
         found = search(
             self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
         )
         if found.gave_up:
             return
-        for one in step.moving:
-            first = np.searchsorted(times, one.leg.t)
+        for arm_motion in step.moving:
+            first = np.searchsorted(times, arm_motion.leg.t)
             apart = np.minimum.reduceat(found.bounds, first)
-            yield one.arm.name, one.leg.name, apart
+            yield arm_motion.arm.name, arm_motion.leg.name, apart
 
     # -- asking ---------------------------------------------------------------------------
 
     def _ask(
         self,
         step: Step,
-        one: Moving,
+        arm_motion: Moving,
         sets: tuple[tuple[Sets, ...], ...],
         pairs: Pairs,
         other: Moving | None = None,
     ) -> None:
-        is_free = any(each.leg.name not in STRAIGHT for each in (one, other) if each is not None)
-        count, stated, resolution = len(one.path), None, self._resolution
+        is_free = any(
+            each.leg.name not in STRAIGHT for each in (arm_motion, other) if each is not None
+        )
+        count, stated, resolution = len(arm_motion.path), None, self._resolution
         if self._stated is not None:
-            stated = self._claim(one)
+            stated = self._claim(arm_motion)
             if is_free:
                 stated, resolution = np.maximum(stated, self._stated.clearance), TIGHT
         found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
         if found.is_less_than(stated):
             problem = ProofText.NEARER_THAN_STATED()
-            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
-        self._asked.append(_Question(step, one, sets, pairs, found, is_free))
+            self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
+        self._asked.append(_Question(step, arm_motion, sets, pairs, found, is_free))
         if found.gave_up:
             problem = ProofText.NEAR_TOO_LONG()
-            self._violations.append(Violation(problem, one.arm.name, one.leg.name))
+            self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
         if found.too_near is not None:
             margin = found.too_near.margin
             problem = ProofText.MARGIN(margin=margin)
             if other is not None:
                 leg = leg_message(other.leg.name)
                 problem = ProofText.MARGIN_BESIDE(margin=margin, arm=other.arm.name, leg=leg)
-            self._violations.append(self._violation(one, found.too_near, problem))
+            self._violations.append(self._violation(arm_motion, found.too_near, problem))
 
-    def _claim(self, one: Moving) -> Floats:
+    def _claim(self, arm_motion: Moving) -> Floats:
         """What was stated of a leg: bounds (w,) [m] after each waypoint; too much of one left out.
 
         What two arms keep from each other is stated with the leg of the first.
         """
         stated = self._stated.clearances if self._stated is not None else ()
         known = {(arm, leg): bounds for arm, leg, bounds in stated}
-        bounds = known.get((one.arm.name, one.leg.name))
-        if bounds is None or bounds.shape != (len(one.path),):
-            bounds = np.full(len(one.path), np.inf)
+        bounds = known.get((arm_motion.arm.name, arm_motion.leg.name))
+        if bounds is None or bounds.shape != (len(arm_motion.path),):
+            bounds = np.full(len(arm_motion.path), np.inf)
         return bounds
 
     def _closest(self) -> tuple[float, Violation | None]:
@@ -311,11 +315,17 @@ class Walk:
 
         Bounds that are looked at more closely for it are better afterwards.
         """
-        free = [one for one in self._asked if one.is_free]
-        measured = [(one.found.nearest, one) for one in free if one.found.nearest is not None]
+        free = [question for question in self._asked if question.is_free]
+        measured = [
+            (question.found.nearest, question)
+            for question in free
+            if question.found.nearest is not None
+        ]
         if not measured:
-            return min((float(one.found.bounds.min()) for one in free), default=SIGHT), None
-        state, where = min(measured, key=lambda one: one[0].distance)
+            return min(
+                (float(question.found.bounds.min()) for question in free), default=SIGHT
+            ), None
+        state, where = min(measured, key=lambda distance: distance[0].distance)
         within = state.distance
         for asked in free:
             close = asked.found.bounds < within - TIGHT
@@ -332,20 +342,24 @@ class Walk:
                 asked.found.bounds[close] = again.bounds[close]
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
-        bound = min(float(one.found.bounds.min()) for one in free)
+        bound = min(float(question.found.bounds.min()) for question in free)
         return bound, self._violation(where.one, state, ProofText.NEAREST())
 
-    def _with(self, step: Step, one: Moving, values: Floats) -> Floats:
+    def _with(self, step: Step, arm_motion: Moving, values: Floats) -> Floats:
         q = step.base.copy()
-        q[self._tree.columns[one.arm.name]] = values
+        q[self._tree.columns[arm_motion.arm.name]] = values
         return q
 
-    def _violation(self, one: Moving, state: Nearest, problem: Message) -> Violation:
-        columns = self._tree.columns[one.arm.name][: len(one.arm.joints)]
+    def _violation(self, arm_motion: Moving, state: Nearest, problem: Message) -> Violation:
+        columns = self._tree.columns[arm_motion.arm.name][: len(arm_motion.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
-        return Violation(problem, one.arm.name, one.leg.name, state.at, labels, state.distance, q)
+        return Violation(
+            problem, arm_motion.arm.name, arm_motion.leg.name, state.at, labels, state.distance, q
+        )
 
 
-def _passed(one: Moving, times: Floats) -> Floats:
+def _sample(arm_motion: Moving, times: Floats) -> Floats:
     """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
-    return np.stack([np.interp(times, one.leg.t, column) for column in one.path.T], axis=1)
+    return np.stack(
+        [np.interp(times, arm_motion.leg.t, column) for column in arm_motion.path.T], axis=1
+    )

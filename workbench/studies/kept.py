@@ -94,15 +94,17 @@ def tally(case: Case, detections: Sequence[Detection]) -> Tally:
     # Who moves a part by less than what counts, or takes the poses of another matcher, does not
     # call wrong what was found.
     called_wrong = [
-        one for one in case.changed if all(_error(case, true, one) > 1.0 for true in case.truth)
+        called
+        for called in case.changed
+        if all(_error(case, true, called) > 1.0 for true in case.truth)
     ]
     stated = (*case.truth, *called_wrong)
-    found = {digest_of(one) for one in case.search.detections}
-    limits = [1.0 if digest_of(one) in found else BY_HAND for one in stated]
+    found = {digest_of(known_part) for known_part in case.search.detections}
+    limits = [1.0 if digest_of(true_pose) in found else BY_HAND for true_pose in stated]
     right: set[int] = set()
     wrong = unjudged = 0
     for detection in detections:
-        errors = [_error(case, one, detection) for one in stated]
+        errors = [_error(case, true_pose, detection) for true_pose in stated]
         near = [k for k, limit in enumerate(limits) if errors[k] <= limit]
         if not near:
             wrong += case.is_complete
@@ -145,9 +147,9 @@ def held_cases(paths: Iterable[Path], report: Report = silent) -> list[Held]:
             case = read_case(path)
             parts = tuple(part.digest for part in case.cell.parts)
             if parts not in ready:
-                _searched(case)
+                _search(case)
                 ready.add(parts)
-            found.append(_held(path.name, case))
+            found.append(_compare(path.name, case))
         except WorkbenchError as error:
             found.append(Held(path.name, problem=" ".join(str(error).split())))
         except Exception as error:
@@ -157,9 +159,9 @@ def held_cases(paths: Iterable[Path], report: Report = silent) -> list[Held]:
     return found
 
 
-def _held(name: str, case: Case) -> Held:
+def _compare(name: str, case: Case) -> Held:
     began = working_time()
-    now = _searched(case)
+    now = _search(case)
     seconds = working_time() - began
     before = case.search
     return Held(
@@ -174,31 +176,31 @@ def _held(name: str, case: Case) -> Held:
     )
 
 
-def _searched(case: Case) -> tuple[Detection, ...]:
+def _search(case: Case) -> tuple[Detection, ...]:
     about = {"scan": case.scan, "seed": case.search.seed, "overrides": case.search.overrides}
     return find_parts(case.cell, about, silent, never).detections
 
 
 def in_all(held: Sequence[Held]) -> dict[str, Any]:
     """Sums over the cases that were searched, and how many became worse or better."""
-    done = [one for one in held if not one.problem]
+    done = [comparison for comparison in held if not comparison.problem]
     sides = {
         side: {
-            "right": sum(one.right for one in tallies),
-            "wrong": sum(one.wrong for one in tallies),
-            "missed": sum(one.missed for one in tallies),
-            "unjudged": sum(one.unjudged for one in tallies),
+            "right": sum(case_tally.right for case_tally in tallies),
+            "wrong": sum(case_tally.wrong for case_tally in tallies),
+            "missed": sum(case_tally.missed for case_tally in tallies),
+            "unjudged": sum(case_tally.unjudged for case_tally in tallies),
         }
         for side, tallies in (
-            ("before", [one.before for one in done]),
-            ("now", [one.now for one in done]),
+            ("before", [comparison.before for comparison in done]),
+            ("now", [comparison.now for comparison in done]),
         )
     }
     return {
         "cases": len(done),
-        "parts": sum(len(one.now.is_right) for one in done),
+        "parts": sum(len(comparison.now.is_right) for comparison in done),
         **sides,
-        "worse": sum(one.is_worse for one in done),
-        "better": sum(one.is_better for one in done),
+        "worse": sum(comparison.is_worse for comparison in done),
+        "better": sum(comparison.is_better for comparison in done),
         "unusable": len(held) - len(done),
     }

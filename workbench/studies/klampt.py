@@ -65,15 +65,15 @@ def attempts_by_klampt(
     )
     return [
         Attempt(
-            f"Klamp't {one.planner}",
-            goals[one.goal][0],
+            f"Klamp't {klampt_path.planner}",
+            goals[klampt_path.goal][0],
             None,
             None,
-            one.seconds,
+            klampt_path.seconds,
             0.0,
-            None if one.path is None else course.tool_way(one.path),
+            None if klampt_path.path is None else course.tool_way(klampt_path.path),
         )
-        for one in found
+        for klampt_path in found
     ]
 
 
@@ -120,7 +120,7 @@ def paths_by_klampt(
             "moving": moving,
             "seconds": seconds,
         }
-        answers = _asked(request, len(planners) * len(goals), report)
+        answers = _ask(request, len(planners) * len(goals), report)
     return [
         KlamptPath(
             answer["planner"],
@@ -134,7 +134,7 @@ def paths_by_klampt(
     ]
 
 
-def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
+def _ask(request: dict[str, Any], count: int, report: Report) -> list[dict[str, Any]]:
     """The answers of the peer process, which is ended whatever happens here."""
     # What it complains of goes to a file: a pipe that nobody empties would hold it up.
     with (
@@ -167,7 +167,7 @@ def _asked(request: dict[str, Any], count: int, report: Report) -> list[dict[str
     return answers
 
 
-def _reason(told: str) -> str:
-    if "No module named 'klampt'" in told:
+def _reason(text: str) -> str:
+    if "No module named 'klampt'" in text:
         return "it is not installed; pip install 'workbench[bench]'"
-    return told.strip().splitlines()[-1] if told.strip() else "it ended without a word"
+    return text.strip().splitlines()[-1] if text.strip() else "it ended without a word"

@@ -141,25 +141,29 @@ def localized_scene(task: Task) -> Scene:
     T_world_bin = cell.bin.T_world_bin
     off = T_world_bin * pose_from_rpy((0, 0, task.raised), (task.tilted, 0, 0))
     off = off * T_world_bin.inverse()
-    truth = tuple(replace(one, T_world_part=off * one.T_world_part) for one in fallen)
+    truth = tuple(
+        replace(detection, T_world_part=off * detection.T_world_part) for detection in fallen
+    )
     scan = replace(scan, T_world_scanner=off * scan.T_world_scanner)
     began, processor_began = working_time(), processor_time()
     result = find_parts(cell, {"scan": scan, "seed": task.seed}, silent, never)
     seconds, processor_seconds = working_time() - began, processor_time() - processor_began
     detections = result.detections
     names = {part.name for part in cell.parts}
-    is_searched = [one.part in names for one in truth]
-    there = [one for one, wanted in zip(truth, is_searched, strict=True) if wanted]
+    is_searched = [detection.part in names for detection in truth]
+    there = [detection for detection, wanted in zip(truth, is_searched, strict=True) if wanted]
     found, is_found = compare(cell.parts, there, detections)
     shares = visible_shares(lying, fallen)
     visible = tuple(share for share, wanted in zip(shares, is_searched, strict=True) if wanted)
     T_scanner_world = scan.T_world_scanner.inverse()
     bop = Judged(
         tuple(
-            Estimate(one.part, one.score, _errors(cell, T_scanner_world, there, one))
-            for one in detections
+            Estimate(
+                detection.part, detection.score, _errors(cell, T_scanner_world, there, detection)
+            )
+            for detection in detections
         ),
-        tuple((one.part, share) for one, share in zip(there, visible, strict=True)),
+        tuple((detection.part, share) for detection, share in zip(there, visible, strict=True)),
     )
     return Scene(task, found, visible, is_found, seconds, bop, result.scales, processor_seconds)
 
@@ -193,7 +197,7 @@ def _kinds(names: str) -> tuple[Part, ...]:
 @lru_cache(maxsize=12)
 def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> Cell:
     """The cell with those parts and scanner, after a search: code and parts are prepared."""
-    kinds = tuple(sized(_taught(part, models), cad_scale) for part in _kinds(parts))
+    kinds = tuple(sized(_with_model(part, models), cad_scale) for part in _kinds(parts))
     deviation = BUILDS[build].deviation
     cell = read_cell(name)
     scanner = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)
@@ -205,7 +209,7 @@ def _warm(name: str, parts: str, build: str, cad_scale: float, models: str) -> C
     return cell
 
 
-def _taught(part: Part, models: str) -> Part:
+def _with_model(part: Part, models: str) -> Part:
     """The part with the mesh of its name in a folder, if one is given."""
     return (
         replace(part, mesh=read_mesh(Path(models, f"{part.name}.ply"), 0.001)) if models else part
@@ -270,9 +274,11 @@ def _squared_error(part: Part, true: Detection, found: Detection) -> tuple[float
 
 def how_sure(scenes: Sequence[Scene]) -> dict[str, Any]:
     """Over all scenes, how well holds what detections state of themselves; see `sureness`."""
-    found = [one for scene in scenes for one in scene.found]
-    stated = [(one.probability, one.is_right) for one in found if one.probability is not None]
-    errors = [one.squared_error for one in found if one.is_right and one.squared_error is not None]
+    found = [pose for scene in scenes for pose in scene.found]
+    stated = [(pose.probability, pose.is_right) for pose in found if pose.probability is not None]
+    errors = [
+        pose.squared_error for pose in found if pose.is_right and pose.squared_error is not None
+    ]
     return sureness(stated, errors)
 
 
@@ -293,9 +299,9 @@ def summary(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
 
 
 def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str, Any]:
-    found = [one for scene in scenes for one in scene.found]
-    best = [one for scene in scenes for one in scene.found[:BEST]]
-    right = [one for one in found if one.is_right]
+    found = [pose for scene in scenes for pose in scene.found]
+    best = [pose for scene in scenes for pose in scene.found[:BEST]]
+    right = [pose for pose in found if pose.is_right]
     clear = [
         is_found
         for scene in scenes
@@ -310,15 +316,15 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
         "parts": sum(len(scene.visible) for scene in scenes),
         "clear": len(clear),
         "found": len(found),
-        "best_right": _share([one.is_right for one in best]),
-        "precision": _share([one.is_right for one in found]),
+        "best_right": _share([pose.is_right for pose in best]),
+        "precision": _share([pose.is_right for pose in found]),
         "recall": _share(clear),
         "wrong": len(found) - len(right),
         "missed": clear.count(False),
-        "roll_unknown": sum(not one.roll_known for one in right),
-        "distance": _percentiles([one.distance for one in right if one.distance is not None]),
-        "turn": _percentiles([one.turn for one in right if one.turn is not None]),
-        "mssd": _percentiles([one.mssd for one in right if one.mssd and one.roll_known]),
+        "roll_unknown": sum(not pose.roll_known for pose in right),
+        "distance": _percentiles([pose.distance for pose in right if pose.distance is not None]),
+        "turn": _percentiles([pose.turn for pose in right if pose.turn is not None]),
+        "mssd": _percentiles([pose.mssd for pose in right if pose.mssd and pose.roll_known]),
         "seconds": _percentiles([scene.seconds for scene in scenes]),
         "processor_seconds": _percentiles([scene.processor_seconds for scene in scenes]),
         "bop": detection_figures([scene.bop for scene in scenes]),
@@ -327,10 +333,10 @@ def _row(part: str, build: str, count: int, scenes: Sequence[Scene]) -> dict[str
 
 
 def _size(scenes: Sequence[tuple[ScaleCheck, ...]]) -> dict[str, Any]:
-    ratios = [one.ratio for scales in scenes for one in scales]
+    ratios = [scale.ratio for scales in scenes for scale in scales]
     return {
         "told": sum(bool(scales) for scales in scenes),
-        "said": sum(any(one.is_off for one in scales) for scales in scenes),
+        "said": sum(any(scale.is_off for scale in scales) for scales in scenes),
         "median": float(np.median(ratios)) if ratios else None,
     }
 

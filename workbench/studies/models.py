@@ -84,8 +84,8 @@ def made_model(part: Part, task: ModelTask) -> MadeModel:
         "unseen": made.unseen,
         "triangles": len(made.mesh.triangles),
         "apart": made.apart,
-        "model": _compared(model, true),
-        "hull": _compared(hull, true),
+        "model": _compare(model, true),
+        "hull": _compare(hull, true),
     }
     return MadeModel(made, row)
 
@@ -132,7 +132,7 @@ def _looking(eye: Floats, at: Floats) -> pin.SE3:
     return pin.SE3(np.stack([x, np.cross(z, x), z], axis=1), eye)
 
 
-def _compared(model: trimesh.Trimesh, true: trimesh.Trimesh) -> dict[str, float]:
+def _compare(model: trimesh.Trimesh, true: trimesh.Trimesh) -> dict[str, float]:
     """Distances [m] of points on each surface from the other, and volume over the true one."""
     apart = np.concatenate([_off(model, true), _off(true, model)])
     return {
@@ -143,6 +143,6 @@ def _compared(model: trimesh.Trimesh, true: trimesh.Trimesh) -> dict[str, float]
     }
 
 
-def _off(one: trimesh.Trimesh, other: trimesh.Trimesh) -> Floats:
-    points = trimesh.sample.sample_surface(one, POINTS, seed=0)[0]
+def _off(mesh: trimesh.Trimesh, other: trimesh.Trimesh) -> Floats:
+    points = trimesh.sample.sample_surface(mesh, POINTS, seed=0)[0]
     return distances(points, other)

@@ -41,8 +41,8 @@ def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, see
         return Taken(0, why, False, why)
     if len(first.plan.arms) == len(detections):
         return Taken(len(detections), "", True, "")
-    gone = {one.detection for one in first.plan.arms}
-    rest = tuple(one for number, one in enumerate(detections) if number not in gone)
+    gone = {arm.detection for arm in first.plan.arms}
+    rest = tuple(detection for number, detection in enumerate(detections) if number not in gone)
     second = plan_pick(cell, rest, "study", seed=seed)
     is_whole = _holds(second)
     left = "" if is_whole else f"one: {_why_none(second)}"
@@ -53,20 +53,20 @@ def counted(taken: Sequence[Taken]) -> dict[str, Any]:
     """How many pairs were taken by two arms, by one, not at all, and whole; and why not more."""
     return {
         "pairs": len(taken),
-        "two_arms": sum(one.parts == 2 for one in taken),
-        "one_arm": sum(one.parts == 1 for one in taken),
-        "none": sum(one.parts == 0 for one in taken),
-        "whole": sum(one.is_whole for one in taken),
-        "why_one_arm": _most(one.why for one in taken if one.parts == 1),
-        "why_none": _most(one.why for one in taken if one.parts == 0),
-        "why_not_whole": _most(one.left for one in taken if not one.is_whole),
+        "two_arms": sum(scene_pair.parts == 2 for scene_pair in taken),
+        "one_arm": sum(scene_pair.parts == 1 for scene_pair in taken),
+        "none": sum(scene_pair.parts == 0 for scene_pair in taken),
+        "whole": sum(scene_pair.is_whole for scene_pair in taken),
+        "why_one_arm": _most(scene_pair.why for scene_pair in taken if scene_pair.parts == 1),
+        "why_none": _most(scene_pair.why for scene_pair in taken if scene_pair.parts == 0),
+        "why_not_whole": _most(scene_pair.left for scene_pair in taken if not scene_pair.is_whole),
     }
 
 
 def _most(reasons: Iterator[str]) -> dict[str, int]:
     """How often each comes, the most frequent first; the same for the same reasons in any order."""
     found = Counter(reasons)
-    return dict(sorted(found.items(), key=lambda one: (-one[1], one[0])))
+    return dict(sorted(found.items(), key=lambda entry: (-entry[1], entry[0])))
 
 
 def _holds(result: PlanResult) -> bool:
@@ -77,16 +77,20 @@ def _why_none(result: PlanResult) -> str:
     """Why no part of a result was taken: the refusal that got furthest."""
     if result.plan is not None:
         return "the proof does not hold"
-    if any(one.verdict.is_ok for one in result.candidates):
+    if any(candidate.verdict.is_ok for candidate in result.candidates):
         return f"grasps work, {result.verdict.reason}"
-    return _furthest(result, {one.detection for one in result.candidates})
+    return _furthest(result, {candidate.detection for candidate in result.candidates})
 
 
 def _why_one(cell: Cell, detections: Sequence[Detection], result: PlanResult) -> str:
     """Why a plan for a pair takes one part alone."""
-    able = {(one.arm, one.detection) for one in result.candidates if one.verdict.is_ok}
+    able = {
+        (candidate.arm, candidate.detection)
+        for candidate in result.candidates
+        if candidate.verdict.is_ok
+    }
     arms = {arm for arm, _ in able}
-    unable = {one.detection for one in result.candidates} - {part for _, part in able}
+    unable = {candidate.detection for candidate in result.candidates} - {part for _, part in able}
     if unable:
         return f"the other part by no arm: {_furthest(result, unable)}"
     if len(arms) == 1:
@@ -98,7 +102,9 @@ def _why_one(cell: Cell, detections: Sequence[Detection], result: PlanResult) ->
 
 def _furthest(result: PlanResult, parts: set[int]) -> str:
     """The reason of the refusal that got furthest, of some parts."""
-    verdicts = [one.verdict for one in result.candidates if one.detection in parts]
+    verdicts = [
+        candidate.verdict for candidate in result.candidates if candidate.detection in parts
+    ]
     if not verdicts:
         return "no grasps"
-    return str(max(verdicts, key=lambda one: one.progress).reason)
+    return str(max(verdicts, key=lambda verdict: verdict.progress).reason)

@@ -26,7 +26,7 @@ from workbench.planning.grasps.pads import has_pads
 from workbench.planning.kinematics.quickness import hand_acceleration
 from workbench.planning.picking.propose import propose
 from workbench.planning.placing.budget import Budget, budget_of
-from workbench.planning.placing.chance import SURE, drawn, within
+from workbench.planning.placing.chance import SURE, draw_errors, within
 from workbench.planning.placing.sources import calibration_error, localization_error
 from workbench.plugins.progress import Report, never, silent
 from workbench.studies.cases import run_cases
@@ -111,7 +111,7 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
     results: list[Gripped] = []
     seed = case.seed
     for _ in range(MOST_ROUNDS):
-        left = grips - sum(len(one.shifts) for one in results)
+        left = grips - sum(len(result.shifts) for result in results)
         if left <= 0:
             break
         cases = [replace(case, seed=seed + k) for k in range(-(-left // (GRASPS * EACH)))]
@@ -135,24 +135,31 @@ def gripped(case: Case) -> list[Gripped]:
         if far <= NEAR and turn <= TOO_FAR and found.covariance is not None:
             covariance = found.covariance * case.wider**2
             lying = replace(found, T_world_part=true, covariance=covariance)
-            return _gripped(case, cell, part, lying)
+            return _grip(case, cell, part, lying)
     return []
 
 
-def _gripped(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:
+def _grip(case: Case, cell: Cell, part: Part, lying: Detection) -> list[Gripped]:
     if not _lies_by_itself(cell, part, lying):
         return []
     rng = np.random.default_rng([case.seed, 1])
     fitting = [
-        one
-        for one in propose(World(cell, (lying,)))
-        if one.verdict.is_ok and has_pads(cell.arm(one.arm).tool)
+        candidate
+        for candidate in propose(World(cell, (lying,)))
+        if candidate.verdict.is_ok and has_pads(cell.arm(candidate.arm).tool)
     ]
-    once = list({one.grasp.name: one for one in fitting}.values())
+    once = list({candidate.grasp.name: candidate for candidate in fitting}.values())
     chosen = [once[k] for k in sorted(rng.permutation(len(once))[:GRASPS])]
     covariance = calibration_error(cell.scanner, lying) + localization_error(lying)
     return [
-        _by_one(case, cell, part, lying, candidate, drawn(covariance, each, case.seed + 7 * number))
+        _by_one(
+            case,
+            cell,
+            part,
+            lying,
+            candidate,
+            draw_errors(covariance, each, case.seed + 7 * number),
+        )
         for number, candidate in enumerate(chosen)
         for each in [GRASPS * EACH // len(chosen)]
     ]
@@ -181,9 +188,9 @@ def _by_one(
         off = pin.SE3(pin.exp3(error[3:]) @ T.rotation, T.translation + error[:3])
         T_world_tcp = T * off.inverse() * candidate.T_world_tcp
         held.append(gripping.grip(T_world_tcp, candidate.grasp.opening, shaking))
-    shifts, turns = measured([one.T_tcp_part for one in held], T_tcp_meant, budget)
-    closed = measured([one.T_tcp_closed for one in held], T_tcp_meant, budget)
-    slips = [one.slip for one in held if one.slip is not None]
+    shifts, turns = measured([grip.T_tcp_part for grip in held], T_tcp_meant, budget)
+    closed = measured([grip.T_tcp_closed for grip in held], T_tcp_meant, budget)
+    slips = [grip.slip for grip in held if grip.slip is not None]
     return Gripped(
         candidate.grasp.name,
         case.seed,
@@ -230,11 +237,11 @@ def summary(results: Sequence[Gripped]) -> dict[str, Any]:
 
     Chances are means over the grips; lengths in m, angles in rad.
     """
-    names = list(dict.fromkeys(entry_of(one.grasp) for one in results))
+    names = list(dict.fromkeys(entry_of(result.grasp) for result in results))
     return {
         "all": _row(results),
         "grasps": {
-            name: _row([one for one in results if entry_of(one.grasp) == name])
+            name: _row([result for result in results if entry_of(result.grasp) == name])
             for name in sorted(names)
         },
     }
@@ -248,13 +255,13 @@ def entry_of(grasp: str) -> str:
 def _row(results: Sequence[Gripped]) -> dict[str, Any]:
     if not results:
         return {"grips": 0}
-    counts = np.array([len(one.shifts) for one in results])
-    said = float(counts @ [one.chance for one in results] / counts.sum())
-    right = float(np.mean([right for one in results for right in one.is_right]))
+    counts = np.array([len(result.shifts) for result in results])
+    said = float(counts @ [result.chance for result in results] / counts.sum())
+    right = float(np.mean([right for result in results for right in result.is_right]))
     inside = [
-        np.mean(one.shifts <= one.shift) * np.array([1.0, 0.0])
-        + np.mean(one.turns <= one.turn) * np.array([0.0, 1.0])
-        for one in results
+        np.mean(result.shifts <= result.shift) * np.array([1.0, 0.0])
+        + np.mean(result.turns <= result.turn) * np.array([0.0, 1.0])
+        for result in results
     ]
     shares = counts @ np.array(inside) / counts.sum()
     return {
@@ -262,12 +269,12 @@ def _row(results: Sequence[Gripped]) -> dict[str, Any]:
         "predicted": said,
         "measured": right,
         "difference": said - right,
-        "closed": float(np.mean([right for one in results for right in one.was_right])),
+        "closed": float(np.mean([right for result in results for right in result.was_right])),
         "stated": SURE,
         "within_shift": float(shares[0]),
         "within_turn": float(shares[1]),
         **{
-            name: sum(getattr(one, name) for one in results)
+            name: sum(getattr(result, name) for result in results)
             for name in ("slipped", "tipped", "lost", "missed")
         },
     }
@@ -277,7 +284,7 @@ def _row(results: Sequence[Gripped]) -> dict[str, Any]:
 def _warm(name: str, part: str, build: str) -> Cell:
     """The cell with that part and scanner, the part of its own that is meant where it has it."""
     cell = read_cell(name)
-    own = tuple(one for one in cell.parts if one.name == part or not part)[:1]
+    own = tuple(known_part for known_part in cell.parts if known_part.name == part or not part)[:1]
     parts = own or (read_part(part),)
     deviation = BUILDS[build].deviation
     mount = cell.scanner if deviation is None else replace(cell.scanner, depth_noise=deviation)

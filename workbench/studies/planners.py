@@ -145,21 +145,21 @@ def compare(
 def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     """One row a planner and number of iterations; times in s, of all attempts."""
     groups: dict[tuple[str, int | None], list[Attempt]] = {}
-    for one in attempts:
-        groups.setdefault((one.planner, one.allowed), []).append(one)
+    for attempt in attempts:
+        groups.setdefault((attempt.planner, attempt.allowed), []).append(attempt)
     return [_row(planner, allowed, group) for (planner, allowed), group in groups.items()]
 
 
 def _row(planner: str, allowed: int | None, group: Sequence[Attempt]) -> dict[str, Any]:
-    whole = np.array([one.search + one.finish for one in group])
-    used = [one.iterations for one in group if one.iterations is not None]
-    ways = [one.tool_way for one in group if one.tool_way is not None]
+    whole = np.array([attempt.search + attempt.finish for attempt in group])
+    used = [attempt.iterations for attempt in group if attempt.iterations is not None]
+    ways = [attempt.tool_way for attempt in group if attempt.tool_way is not None]
     return {
         "planner": planner,
         "allowed": allowed,
         "attempts": len(group),
         "success": len(ways) / len(group),
-        "search_mean": float(np.mean([one.search for one in group])),
+        "search_mean": float(np.mean([attempt.search for attempt in group])),
         "mean": float(whole.mean()),
         "median": float(np.median(whole)),
         "p95": float(np.percentile(whole, 95)),

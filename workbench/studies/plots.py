@@ -126,9 +126,9 @@ def draw_localization(path: Path, rows: Rows, sure: Mapping[str, Any]) -> None:
     figure.update_yaxes(rangemode="tozero", row=2, col=1)
     figure.add_trace(
         go.Scatter(
-            x=[100 * one["stated"] for one in sure["bins"]],
-            y=[100 * one["right"] for one in sure["bins"]],
-            text=[f"{one['count']} detections" for one in sure["bins"]],
+            x=[100 * probability_bin["stated"] for probability_bin in sure["bins"]],
+            y=[100 * probability_bin["right"] for probability_bin in sure["bins"]],
+            text=[f"{probability_bin['count']} detections" for probability_bin in sure["bins"]],
             name="chance",
             mode="markers",
             marker={"size": 13, "color": COLOURS[5]},

@@ -82,7 +82,7 @@ def reach_of(cell: Cell, arm: Arm, *, seed: int = 0) -> Reach:
     bin_targets = judged(world, arm, down_poses(cell.bin), seed)
     places = judged(world, arm, list(arm.Ts_world_place), seed)
     placed = tuple(
-        _placed(cell, arm, number, part, seed)
+        _place(cell, arm, number, part, seed)
         for number, place in enumerate(arm.part_places, start=1)
         for part in cell.parts
         if place.is_for(part.name)
@@ -90,7 +90,7 @@ def reach_of(cell: Cell, arm: Arm, *, seed: int = 0) -> Reach:
     return Reach(arm.name, at_home, tuple(bin_targets), tuple(places), placed)
 
 
-def _placed(cell: Cell, arm: Arm, number: int, part: Part, seed: int) -> PlacedPart:
+def _place(cell: Cell, arm: Arm, number: int, part: Part, seed: int) -> PlacedPart:
     """A part at one place, held by each of its grasps in turn, the way there left out."""
     place = arm.part_places[number - 1]
     world = World(cell, (Detection(part.name, place.T_world_part),))

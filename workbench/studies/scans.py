@@ -30,7 +30,7 @@ class SearchedScan:
     @property
     def sure(self) -> int:
         """How many parts are rather there than not."""
-        return sum((one.probability or 0.0) >= SURE for one in self.result.detections)
+        return sum((detection.probability or 0.0) >= SURE for detection in self.result.detections)
 
 
 def searched_scans(
@@ -55,6 +55,6 @@ def searched_scans(
         began = processor_time()
         result = find_parts(cell, {"scan": scan, "seed": seed}, silent, never)
         seconds = processor_time() - began
-        why = Counter(one.reason.value for one in result.rejected)
+        why = Counter(rejection.reason.value for rejection in result.rejected)
         searched.append(SearchedScan(name, scan, result, dict(why.most_common()), seconds))
     return searched

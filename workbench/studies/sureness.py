@@ -29,7 +29,7 @@ def sureness(
         Calibration of Modern Neural Networks, 2017); the share `within` the ellipsoid that should
         hold 99 %, and of how many `errors`.  None where nothing is to be counted.
     """
-    said = np.array([one for one, _ in stated])
+    said = np.array([probability for probability, _ in stated])
     is_right = np.array([right for _, right in stated], dtype=float)
     place = np.clip(np.digitize(said, BINS) - 1, 0, len(BINS) - 2)
     bins = [
@@ -41,11 +41,14 @@ def sureness(
         for chosen in (place == number for number in range(len(BINS) - 1))
         if chosen.any()
     ]
-    apart = sum(one["count"] * abs(one["stated"] - one["right"]) for one in bins)
+    apart = sum(
+        probability_bin["count"] * abs(probability_bin["stated"] - probability_bin["right"])
+        for probability_bin in bins
+    )
     return {
         "bins": bins,
         "calibration_error": apart / len(said) if len(said) else None,
-        "within": float(np.mean([_is_within(*one) for one in errors])) if errors else None,
+        "within": float(np.mean([_is_within(*error) for error in errors])) if errors else None,
         "errors": len(errors),
     }
 

@@ -93,7 +93,11 @@ def _warm(name: str) -> Cell:
 
 def _two_can(result: PlanResult) -> bool:
     """Whether two arms can each take another part, one working after the other or not."""
-    able = {(one.arm, one.detection) for one in result.candidates if one.verdict.is_ok}
+    able = {
+        (candidate.arm, candidate.detection)
+        for candidate in result.candidates
+        if candidate.verdict.is_ok
+    }
     return any(a != b and i != j for a, i in able for b, j in able)
 
 
@@ -136,8 +140,8 @@ def predictions(cell: Cell, rows: Sequence[Mapping[str, Any]]) -> Predictions:
 def _row(cases: Sequence[Case], piles: int, threshold: float) -> dict[str, Any]:
     far = [case for case in cases if case.distance >= threshold]
     allowed, both = [case.allowed for case in far], [case.coordinated for case in far]
-    one = [case.alternated for case in cases if case.distance < threshold]
-    taken = allowed + one
+    near = [case.alternated for case in cases if case.distance < threshold]
+    taken = allowed + near
     shares = [w.cycle / w.bound for w in taken if w.cycle is not None and w.bound]
     cycles = [way.cycle for way in taken if way.cycle is not None]
     seconds = sum(way.planning for way in taken) + sum(cycles)
@@ -150,8 +154,8 @@ def _row(cases: Sequence[Case], piles: int, threshold: float) -> dict[str, Any]:
         "allowed_planning": _times(allowed),
         "coordinated_success": _success(both),
         "coordinated_planning": _times(both),
-        "alternated_success": _success(one),
-        "alternated_planning": _times(one),
+        "alternated_success": _success(near),
+        "alternated_planning": _times(near),
         "success": _success(taken),
         "planning_median": float(np.median([way.planning for way in taken])) if taken else None,
         "cycle_mean": float(np.mean(cycles)) if cycles else None,

@@ -45,20 +45,20 @@ def check_localizer(
         )
 
     found = find()
-    scores = [one.score for one in found.detections]
+    scores = [detection.score for detection in found.detections]
     assert scores == sorted(scores, reverse=True), "the surest comes first"
     assert all(0.0 <= score <= 1.0 for score in scores), "scores are 0..1"
     known = {part.name for part in cell.parts}
-    there = [one.T_world_part.translation for one in truth]
-    for one in found.detections:
-        assert one.part in known, f"the cell has no part {one.part!r}"
-        off = min(float(np.linalg.norm(one.T_world_part.translation - p)) for p in there)
+    there = [detection.T_world_part.translation for detection in truth]
+    for detection in found.detections:
+        assert detection.part in known, f"the cell has no part {detection.part!r}"
+        off = min(float(np.linalg.norm(detection.T_world_part.translation - p)) for p in there)
         assert off < NEAR, f"a part was found {off * 1000:.0f} mm from where one lies"
     assert len(found.detections) > parts / 2, f"{len(found.detections)} of {parts} were found"
     again = find()
     assert len(again.detections) == len(found.detections) and all(
-        _same(one.T_world_part, other.T_world_part)
-        for one, other in zip(found.detections, again.detections, strict=True)
+        _same(detection.T_world_part, other.T_world_part)
+        for detection, other in zip(found.detections, again.detections, strict=True)
     ), "the same seed finds the same"
     try:
         localizer.find(

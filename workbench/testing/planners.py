@@ -44,8 +44,8 @@ class _Wall:
         if ax == bx:
             first, last = (0.0, 1.0) if abs(ax) < 0.1 else (1.0, 0.0)
         else:
-            one, other = (-0.1 - ax) / (bx - ax), (0.1 - ax) / (bx - ax)
-            first, last = max(0.0, min(one, other)), min(1.0, max(one, other))
+            enter, leave = (-0.1 - ax) / (bx - ax), (0.1 - ax) / (bx - ax)
+            first, last = max(0.0, min(enter, leave)), min(1.0, max(enter, leave))
         if first >= last:
             return True
         return all(abs(ay + t * (by - ay) - 1.5) <= self._gap for t in (first, last))
@@ -86,10 +86,10 @@ def check_planner(planner: Planner) -> None:
             f"with seed {seed} a path leads through the wall"
         )
     assert solved >= LEAST_SOLVED * SEEDS, f"{solved} of {SEEDS} problems were solved"
-    one, other = _Wall(0.6).search(planner, 1), _Wall(0.6).search(planner, 1)
-    assert (one.path is None) == (other.path is None), "the same seed brings the same path"
-    if one.path is not None and other.path is not None:
-        assert np.array_equal(one.path, other.path), "the same seed brings the same path"
+    first, second = _Wall(0.6).search(planner, 1), _Wall(0.6).search(planner, 1)
+    assert (first.path is None) == (second.path is None), "the same seed brings the same path"
+    if first.path is not None and second.path is not None:
+        assert np.array_equal(first.path, second.path), "the same seed brings the same path"
     assert _Wall(gap=0.0).search(planner, 0, iterations=50).path is None, "there is no way"
     try:
         _Wall(gap=0.0, last=20).search(planner, 0, iterations=100_000)

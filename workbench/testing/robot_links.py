@@ -25,8 +25,8 @@ def simulated(
     """The cell with its controller where the link's simulated controller runs, in a thread."""
     began, running = threading.Event(), list[Running]()
 
-    def ready(one: Running) -> None:
-        running.append(one)
+    def ready(running_link: Running) -> None:
+        running.append(running_link)
         began.set()
 
     wanted = Simulation(host, 0, 0, speed, None, None, (), float("inf"))
@@ -72,7 +72,7 @@ def check_robot_link(
         _check_states(link, plan, there, receipts)
         for change in ("plan_digest", "cell_digest", "scan_digest"):
             other = replace(approval, **{change: "0" * 64})
-            assert _refused(plan, other, there), f"an approval with another {change} was taken"
+            assert _is_refused(plan, other, there), f"an approval with another {change} was taken"
             try:
                 list(_straight(link, plan, other, there, patience))
             except CommandRefused:
@@ -107,7 +107,7 @@ def _check_receipts(link: RobotLink, plan: Plan, receipts: list[Receipt]) -> Non
     assert done == sorted(done), "receipts count upwards"
     assert done[-1] == receipts[-1].total, "the last receipt tells of the last message"
     if link.motion.reports_progress:
-        parts = {one.part.arm: one.part for one in receipts if one.part is not None}
+        parts = {receipt.part.arm: receipt.part for receipt in receipts if receipt.part is not None}
         assert set(parts) == {arm.arm for arm in plan.arms}, "each part of the plan is told of"
 
 
@@ -115,7 +115,7 @@ def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receip
     """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
     began = time.monotonic()
     reports = states(cell, lambda: time.monotonic() - began > PATIENCE)
-    is_told = any(one.part is not None for one in receipts)
+    is_told = any(receipt.part is not None for receipt in receipts)
     is_told = is_told or not getattr(link, "tells_of_parts", True)
     for state in reports:
         # `states` has looked at every number of it.
@@ -128,7 +128,7 @@ def _check_steps(
     link: RobotLink, cell: Cell, plan: Plan, approval: Approval, host: str, patience: LinkPatience
 ) -> None:
     if not link.motion.takes_steps:
-        assert _refused(plan, approval, cell), "a link that cannot wait was given a stepped plan"
+        assert _is_refused(plan, approval, cell), "a link that cannot wait was given a stepped plan"
         return
     with simulated(link, cell, 100.0, host) as there:
         waited = [0]
@@ -139,7 +139,7 @@ def _check_steps(
         assert waited == steps, "the robot waits once before each step, the first one too"
 
 
-def _refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
+def _is_refused(plan: Plan, approval: Approval, cell: Cell) -> bool:
     try:
         list(send(plan, approval, cell))
     except CommandRefused:

@@ -24,12 +24,12 @@ def check_scanner(kind: type[Scanner], cell: Cell, *, parts: int = 1) -> Scan:
         The scan, for what only its maker can check.
     """
     options = check_options(kind.Options, cell.scanner.options)
-    told: list[float] = []
+    shares: list[float] = []
 
     def report(done: float, note: str) -> None:
         assert 0.0 <= done <= 1.0, f"a share done is 0..1, not {done}"
         assert isinstance(note, str), "a note is a text"
-        told.append(done)
+        shares.append(done)
 
     request = ScanRequest(seed=1, parts=parts)
     scan = kind(cell, options).scan(request, report, never)
@@ -41,7 +41,7 @@ def check_scanner(kind: type[Scanner], cell: Cell, *, parts: int = 1) -> Scan:
     assert depth < 10.0, f"points are in metres; in the middle these are {depth:.0f} m away"
     T = cell.scanner.T_world_scanner.actInv(scan.T_world_scanner)
     assert np.allclose(T.homogeneous, np.eye(4), atol=1e-9), "the pose is that of the mount"
-    assert told, "nobody was told how far it is"
+    assert shares, "nobody was told how far it is"
     try:
         kind(cell, options).scan(request, report, lambda: True)
     except JobCancelled:

@@ -21,7 +21,9 @@ def check_tool(kind: type[ToolKind], given: Options | None = None) -> Tool:
     tool = kind().make("tool", check_options(kind.Options, given))
     assert tool.name == "tool", "the name is the one that is given"
     assert tool.body or tool.fingers, "a tool without solids cannot touch anything"
-    names = [solid.name for solid in (*tool.body, *(one.solid for one in tool.fingers))]
+    names = [
+        solid.name for solid in (*tool.body, *(each_finger.solid for each_finger in tool.fingers))
+    ]
     assert len(set(names)) == len(names), f"solids have different names, not {names}"
     low, high = tool.stroke
     assert 0.0 <= low <= high < 1.0, f"the stroke is in metres, not {tool.stroke}"

@@ -157,7 +157,7 @@ def serve_front(
         running = _Running(app, bound, tls, relay, connections, limits)
         running.start()
         undo.pop_all()
-    return Front(f"{scheme}://{_written(options.host)}:{port}", first, store, running)
+    return Front(f"{scheme}://{_format_host(options.host)}:{port}", first, store, running)
 
 
 def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
@@ -177,7 +177,7 @@ async def _is_login(request: web.Request) -> bool:
     return await identify(request) is not None
 
 
-def _written(host: str) -> str:
+def _format_host(host: str) -> str:
     """A host as a link has it."""
     shown = "localhost" if host in WILDCARDS else host
     return f"[{shown}]" if ":" in shown else shown

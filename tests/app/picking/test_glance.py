@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import two_parts
 
-from workbench.app.picking.glance import changed, glance_at
+from workbench.app.picking.glance import apply_change, glance_at
 from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.work import JOBS
 from workbench.gui.shared.things import moved, moving, pose_of
@@ -58,7 +58,7 @@ def test_a_thing_that_is_dragged_is_judged_as_planning_does_once_it_is_there(
     rng = np.random.default_rng(seed)
     shift, turn = rng.uniform(-most, most, 3), rng.uniform(-0.3, 0.3)
     T = pose_of(cell, thing) * pose_from_rpy(shift, (0.0, 0.0, turn))
-    found = glance_at(World(changed(cell, moving(cell, thing, T)), detections))
+    found = glance_at(World(apply_change(cell, moving(cell, thing, T)), detections))
     check_against_judging(moved(cell, thing, T), detections, found)
 
 
@@ -72,7 +72,7 @@ def test_a_grasp_that_is_dragged_is_judged_as_planning_does_once_it_is_there(
     drag = pose_from_rpy(rng.uniform(-0.01, 0.01, 3), (0.0, 0.0, rng.uniform(-0.5, 0.5)))
     dragged = with_grasp(entry, replace(grasp, T_part_tcp=grasp.T_part_tcp * drag))
     library = replace(part.library, entries=(dragged, *part.library.entries[1:]))
-    found = glance_at(World(changed(cell, {"libraries": {part.name: library}}), detections))
+    found = glance_at(World(apply_change(cell, {"libraries": {part.name: library}}), detections))
     check_against_judging(with_part(cell, part.name, library=library), detections, found)
 
 
@@ -80,7 +80,7 @@ def test_where_nothing_is_moved_something_works_and_far_away_nothing_is_reached(
     said = check_against_judging(cell, detections, glance_at(World(cell, detections)))
     assert Reason.OK in said
     T = cell.T_world_robot * pose_from_rpy((-2.0, 0.0, 0.0))
-    found = glance_at(World(changed(cell, {"T_world_robot": T}), detections))
+    found = glance_at(World(apply_change(cell, {"T_world_robot": T}), detections))
     said = check_against_judging(moved(cell, "robot", T), detections, found)
     assert Reason.OUT_OF_REACH in said and Reason.OK not in said
 
@@ -91,7 +91,7 @@ def test_what_is_changed_is_the_cell_that_would_be_and_the_rest_the_same_objects
     library = replace(part.library, entries=part.library.entries[:0])
     change = moving(cell, "bin", T) | {"libraries": {part.name: library}}
     made, wanted = (
-        changed(cell, change),
+        apply_change(cell, change),
         with_part(moved(cell, "bin", T), part.name, library=library),
     )
     unsaid = frozenset({"controller", "approvers", "digest", "parts"})
@@ -121,7 +121,7 @@ def test_an_arm_without_any_place_or_one_out_of_reach_takes_nothing(cell, detect
     far = pose_from_rpy((5.0, 0.0, 1.0))
     for places in ((), (far,)):
         arms = tuple(replace(arm, Ts_world_place=places, part_places=()) for arm in cell.arms)
-        found = glance_at(World(changed(cell, {"arms": arms}), detections))
+        found = glance_at(World(apply_change(cell, {"arms": arms}), detections))
         assert not found.working.any()
         was, now = np.array(here.reasons), np.array(found.reasons)
         assert set(now[was == Reason.OK]) == {Reason.NO_PLACE}
@@ -133,7 +133,7 @@ def test_a_place_for_the_part_is_asked_for_with_the_part_in_the_hand(cell, detec
         T = cell.bin.T_world_bin * pose_from_rpy(shift)
         place = PartPlace(T, cell.parts[0].name, free_rotation=np.pi)
         arms = tuple(replace(arm, Ts_world_place=(), part_places=(place,)) for arm in cell.arms)
-        found = glance_at(World(changed(cell, {"arms": arms}), detections))
+        found = glance_at(World(apply_change(cell, {"arms": arms}), detections))
         assert found.working.any() == is_near
 
 
@@ -151,7 +151,7 @@ def test_a_glance_shows_where_the_hand_would_be_and_how_it_comes(cell, detection
 
 def test_a_cell_without_grasps_has_an_empty_glance(cell, detections):
     part = cell.parts[0]
-    bare = changed(cell, {"libraries": {part.name: replace(part.library, entries=())}})
+    bare = apply_change(cell, {"libraries": {part.name: replace(part.library, entries=())}})
     glance = glance_at(World(bare, detections))
     assert glance.reasons == () and glance.tips.shape == (0, 3)
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import workbench.app.picking.row as row_module
-from workbench.app.picking.numbers import label_in, renumbered
+from workbench.app.picking.numbers import label_in, renumber
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
     check_picks,
@@ -241,7 +241,7 @@ def test_words_get_the_numbers_of_the_first_plan_and_names_stay(apart, row):
         named = VerdictNote.ALL_TURNS(parts=map(FoundPart, numbers))
         return all_of((named, VerdictNote.SPARE(grasp="part-1")))
 
-    assert renumbered(said(0, 1, 98), row.plan, left) == said(3, 1, 98)
+    assert renumber(said(0, 1, 98), row.plan, left) == said(3, 1, 98)
     assert [label_in(one, row.plan, left) for one in ("part-1", "finger")] == ["part-4", "finger"]
 
 

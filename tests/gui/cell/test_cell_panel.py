@@ -24,7 +24,7 @@ def test_a_tcp_is_moved_by_numbers_in_the_frame_of_its_flange_and_undone(bench, 
     assert np.allclose(np.array(inputs._position.value) / 1000, was.translation, atol=1e-5)
     x, y, z = inputs._position.value
     inputs._position.value = (x, y, z + 5.0)
-    inputs._end(inputs._typed())
+    inputs._end(inputs._typed_pose())
     assert visitor.client.told == []
     for arm in bench.state.cell.arms:
         for tool in (arm.tool, *arm.tools):

@@ -92,7 +92,7 @@ def test_a_click_on_a_part_in_the_scene_marks_its_row(emptied, sit_down):
     film(ada)._go_to_end()
     wait_until(lambda: node(ada, "/film/part-3/mesh") is not None, "the part that stays")
     assert node(ada, "/film/part-3/mesh")._impl.click_cb, "it can be clicked"
-    ada.panel(FilmScene)._pressed(2, None)
+    ada.panel(FilmScene)._on_pressed(2, None)
     assert ada.visitor.own.now.film.chosen == 2
     wait_until(lambda: "wb-chosen" in film(ada)._left.content, "the row that is marked")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.commands import ChangeCell, FindParts, JobEnded, MakePlan, UseScan
-from workbench.app.picking.fixing import applied
+from workbench.app.picking.fixing import make_fix_command
 from workbench.app.picking.pipeline import judge
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.look import NO_HELP, Help
@@ -95,13 +95,15 @@ def test_one_press_applies_what_was_tried_and_one_takes_it_back(stuck, visitor, 
 
 def test_a_fix_of_candidates_that_were_judged_before_is_not_applied(stuck, fix):
     with pytest.raises(InputError, match="planned for again"):
-        applied(replace(stuck.state, candidates=()), fix)
+        make_fix_command(replace(stuck.state, candidates=()), fix)
 
 
 @pytest.mark.parametrize("change", [{"lifts": LIFT_NAMES}, {"near_margin": 0.0}])
 def test_a_fix_of_the_policy_changes_that_alone(stuck, change):
     cell = stuck.state.cell
     policy = replace(cell.policy, **change)
-    command = applied(stuck.state, Fix(stuck.state.candidates[0], "another policy", policy=policy))
+    command = make_fix_command(
+        stuck.state, Fix(stuck.state.candidates[0], "another policy", policy=policy)
+    )
     assert isinstance(command, ChangeCell)
     assert command.cell.digest == replace(cell, policy=policy).digest

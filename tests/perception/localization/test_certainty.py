@@ -13,7 +13,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.perception.localization.certainty import probability_of, shared
+from workbench.perception.localization.certainty import count_shared, probability_of
 from workbench.perception.localization.pose_error import squared_error
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import NOISE_MODELS
@@ -36,9 +36,9 @@ def seen_with(errors):
 
 def test_points_whose_errors_are_alike_count_as_fewer():
     noise = np.random.default_rng(0).normal(0.0, 0.001, (60, 80))
-    assert 1.0 <= shared(seen_with(noise), 80) < 1.3
-    assert 6.0 < shared(seen_with(gaussian_filter(noise, 1.0)), 80) < 13.0
-    assert shared(seen_with(np.full((60, 80), 0.001)), 80) > 20.0
+    assert 1.0 <= count_shared(seen_with(noise), 80) < 1.3
+    assert 6.0 < count_shared(seen_with(gaussian_filter(noise, 1.0)), 80) < 13.0
+    assert count_shared(seen_with(np.full((60, 80), 0.001)), 80) > 20.0
 
 
 def test_where_errors_are_shared_the_roll_of_a_hexagon_is_not_known(cell):

@@ -11,7 +11,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization import kinds
 from workbench.perception.localization.choice import Choice, Hypothesis
 from workbench.perception.localization.kinds import compete, look_closely
-from workbench.perception.localization.localize import mapped, proposals
+from workbench.perception.localization.localize import begin_search, proposals
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -27,7 +27,7 @@ def proposed(cell):
     truth = drop_parts((CYLINDER,) * 4 + (BOLT,), mixed.bin, seed=21)
     scan = synthesize(mixed, truth, seed=21)
     scene = scene_model(scan, mixed)
-    sought = [mapped(scan, part, mixed, detail=1.0, scene=scene) for part in KINDS]
+    sought = [begin_search(scan, part, mixed, detail=1.0, scene=scene) for part in KINDS]
     nothing = [np.zeros(one.maps.depth.size, np.bool_) for one in sought]
     return sought, [
         proposals(one, 0, taken, seed=0, step=lambda _: None)

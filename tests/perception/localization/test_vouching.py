@@ -9,7 +9,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization import judging
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice, Rejection
-from workbench.perception.localization.judging import Judged, Sought, judged
+from workbench.perception.localization.judging import Judged, Sought, judge_choices
 from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE, SPREAD = 0.001, 0.00025
@@ -59,7 +59,7 @@ def judge(monkeypatch):
         claimed = np.repeat(np.arange(len(parts)), AREA)
         maps = SimpleNamespace(depth=np.zeros((len(parts), AREA)))
         choice = Choice(claimed, parts, rejected or [])
-        (one,) = judged([Sought(None, None, maps, maps, TOLERANCE, SPREAD, all, choice)])  # type: ignore[arg-type]
+        (one,) = judge_choices([Sought(None, None, maps, maps, TOLERANCE, SPREAD, all, choice)])  # type: ignore[arg-type]
         return one
 
     return outcome

@@ -14,7 +14,7 @@ from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.grasps.grasp_frames import fitted_opening, frame_at, snapped
+from workbench.planning.grasps.grasp_frames import fitted_opening, frame_at, snap_to_surface
 
 
 @pytest.fixture(scope="module")
@@ -219,11 +219,11 @@ def test_a_cup_stands_on_the_point(cup):
 
 def test_snapping_squares_a_pose_to_the_face_that_it_comes_through(checker):
     crooked = from_above(x=0.01, z=0.03) * pose_from_rpy((0, 0, 0), (0.3, 0.2, 0.1))
-    T = snapped(checker, crooked)
+    T = snap_to_surface(checker, crooked)
     assert T.rotation[:, 2] == pytest.approx([0, 0, -1])
     assert float(T.rotation[:, 0] @ crooked.rotation[:, 0]) > 0.9
     assert T.translation[2] == pytest.approx(-0.003)
-    again = snapped(checker, T)
+    again = snap_to_surface(checker, T)
     assert again.isApprox(T, 1e-9), "what is snapped stays"
 
 
@@ -233,7 +233,7 @@ def test_snapping_passes_over_triangles_without_an_area(gripper):
     corners = np.vstack([part.mesh.points, [[0.03, 0.015, 0.0]]])
     edge = np.flatnonzero((part.mesh.points[:, :2] > 0).all(axis=1))
     mesh = Mesh(corners, np.vstack([[[*edge, 8]], part.mesh.triangles]))
-    T = snapped(
+    T = snap_to_surface(
         GraspChecker(replace(part, mesh=mesh), gripper),
         pose_from_rpy((0.1, 0.1, 0.0), (np.pi, 0, 0)),
     )
@@ -242,5 +242,5 @@ def test_snapping_passes_over_triangles_without_an_area(gripper):
 
 def test_snapping_from_beside_goes_to_the_nearest_point(checker):
     away = from_above(x=0.05)
-    T = snapped(checker, away)
+    T = snap_to_surface(checker, away)
     assert T.rotation[:, 2] == pytest.approx([-1, 0, 0])

@@ -6,7 +6,7 @@ import pytest
 from bending import with_grasps
 
 from workbench.app.core.state import State
-from workbench.app.picking.fixing import applied
+from workbench.app.picking.fixing import make_fix_command
 from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
@@ -64,7 +64,7 @@ def test_the_nearest_fix_leads_beside_the_key_or_asks_for_the_roll(
     shown = fixes.fix(one, SHOWN)
     assert (shown.change, shown.grasp, shown.policy) == (SHOWN, None, None)
     with pytest.raises(InputError, match="nothing here can make that change"):
-        applied(State(over_key, detections=rolled, candidates=(one,)), shown)
+        make_fix_command(State(over_key, detections=rolled, candidates=(one,)), shown)
     assert SHOWN not in Fixes(over_key, detections, seed=0).of(one)
 
 

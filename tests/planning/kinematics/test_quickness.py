@@ -6,7 +6,7 @@ import pytest
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.execution import timed
-from workbench.planning.kinematics.quickness import LEAST, Pace, between, drawn, pace_of
+from workbench.planning.kinematics.quickness import LEAST, Pace, between, draw_towards, pace_of
 
 TURN = Pace(np.array([1.0, 2.0]), np.array([4.0, 4.0]))
 
@@ -56,7 +56,7 @@ def test_drawn_configurations_hold_the_tool_as_before_and_are_sooner_at_home(cel
     pace = pace_of(chain, cell.policy.speed)
     won = []
     for T, q in found:
-        nearer = drawn(chain, T, q, home[None], pace)
+        nearer = draw_towards(chain, T, q, home[None], pace)
         for one in nearer:
             assert chain.pose(one).isApprox(T, 1e-5)
         assert np.all((nearer >= chain.lower - 1e-12) & (nearer <= chain.upper + 1e-12))
@@ -71,4 +71,4 @@ def test_drawn_configurations_hold_the_tool_as_before_and_are_sooner_at_home(cel
 def test_an_arm_without_a_spare_axis_is_left_as_it_is(held):
     chain, home, _ = held
     q = np.array([home[:6]])
-    assert drawn(chain, chain.pose(home), q, q, Pace(np.ones(6), np.ones(6))) is q
+    assert draw_towards(chain, chain.pose(home), q, q, Pace(np.ones(6), np.ones(6))) is q

@@ -22,7 +22,7 @@ from workbench.planning.collision.legs import phase_of, stretches
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.picking.in_step import in_step
-from workbench.planning.picking.weave import woven
+from workbench.planning.picking.weave import interleave
 from workbench.plugins.robot_link import send, spoken_to_by
 
 
@@ -285,7 +285,7 @@ def in_turn(cell, apart):
 
 
 def test_the_second_arm_sets_out_while_the_first_goes_home(cell, apart, in_turn):
-    shorter, last = woven(World(cell, apart), in_turn, freely=False)
+    shorter, last = interleave(World(cell, apart), in_turn, freely=False)
     assert last is in_turn
     assert shorter.strategy is Strategy.ALTERNATED
     assert shorter.guarantee is Guarantee.TIME_INDEPENDENT

@@ -13,7 +13,7 @@ from workbench.model.plan import Strategy, cycle_words
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
-from workbench.planning.picking.least_time import least_cycle, least_seconds, shared
+from workbench.planning.picking.least_time import least_cycle, least_seconds, share_work
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 2.0, 15.0])
 
@@ -79,10 +79,10 @@ def test_parts_are_shared_among_arms_as_is_best(times, parts):
             work[arm] += alone.get((arm, part), np.inf)
         best = min(best, max(work.values()))
     if np.isfinite(best):
-        assert shared(alone, range(parts)) == pytest.approx(best)
+        assert share_work(alone, range(parts)) == pytest.approx(best)
     else:
         with pytest.raises(ValueError):
-            shared(alone, range(parts))
+            share_work(alone, range(parts))
 
 
 @pytest.mark.parametrize("seed", [3, 8, 16, 38])

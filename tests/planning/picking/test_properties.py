@@ -27,7 +27,7 @@ from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import arm_plan
-from workbench.planning.picking.search import searched
+from workbench.planning.picking.search import search_path
 from workbench.planning.planners.clock import processor_time
 
 MOTION = MotionModel("anything")
@@ -151,7 +151,7 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
     box = np.full(2, 3.0)
     policy = replace(CELL.policy, iterations=10**6)
     rng = np.random.default_rng(0)
-    found = searched(
+    found = search_path(
         -box / 2,
         box / 2,
         (-box, box),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from workbench.model.plan import LEG_NAMES, Leg, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking import weave
-from workbench.planning.picking.weave import COUNT, EVERY, Move, Weave, woven
+from workbench.planning.picking.weave import COUNT, EVERY, Move, Weave, interleave
 
 
 @pytest.fixture(scope="module")
@@ -90,9 +90,9 @@ def test_only_the_steps_of_ways_that_would_be_quickest_are_looked_at(cell, in_tu
     monkeypatch.setattr(weave, "met", never)
     monkeypatch.setattr(weave, "passes", lambda world, moving, waiting, done: True)
     world = World(cell, in_turn.detections)
-    assert woven(world, in_turn, freely=False) == (in_turn,)
+    assert interleave(world, in_turn, freely=False) == (in_turn,)
     assert looked == ["both"], "that of home and reach"
-    assert woven(world, in_turn, freely=True) == (in_turn,)
+    assert interleave(world, in_turn, freely=True) == (in_turn,)
     assert len(looked) <= 1 + COUNT**2 + 1
 
 
@@ -115,7 +115,7 @@ def test_where_grasps_go_by_pairs_the_second_arm_is_never_ahead(in_turn, monkeyp
 
     library = SimpleNamespace(pairs=pairs)
     world = SimpleNamespace(cell=SimpleNamespace(parts=[SimpleNamespace(library=library)]))
-    found = woven(world, in_turn, freely=True)[0]
+    found = interleave(world, in_turn, freely=True)[0]
     done = {arm.arm: 0 for arm in in_turn.arms}
     first, second = done
     is_ahead = False
@@ -128,7 +128,7 @@ def test_where_grasps_go_by_pairs_the_second_arm_is_never_ahead(in_turn, monkeyp
 
 def test_a_plan_with_legs_at_once_says_that_it_is_coordinated(cell, in_turn, monkeypatch):
     monkeypatch.setattr(weave, "met", lambda world, pair: None)
-    quickest, in_turns, last = woven(World(cell, in_turn.detections), in_turn, freely=True)
+    quickest, in_turns, last = interleave(World(cell, in_turn.detections), in_turn, freely=True)
     assert quickest.strategy is Strategy.COORDINATED and len(quickest.sequence) == COUNT
     assert in_turns.strategy is Strategy.ALTERNATED
     assert in_turns.cycle_seconds > quickest.cycle_seconds

@@ -10,7 +10,7 @@ from workbench.model.geometry import Box, Cylinder, Sphere
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.planning.placing.chance import counted, drawn, within
+from workbench.planning.placing.chance import counted, draw_errors, within
 
 HERE = pin.SE3.Identity()
 Z = np.array([0.0, 0.0, 1.0])
@@ -28,19 +28,19 @@ def found(roll_known=True, roll_axis=None):
 def test_errors_that_are_drawn_have_the_covariance_that_was_asked_for():
     root = np.random.default_rng(1).standard_normal((6, 6))
     wanted = root @ root.T
-    errors = drawn(wanted, 200_000, 0)
+    errors = draw_errors(wanted, 200_000, 0)
     assert np.allclose(np.cov(errors.T), wanted, atol=0.05 * np.abs(wanted).max())
-    assert np.array_equal(errors, drawn(wanted, 200_000, 0))
+    assert np.array_equal(errors, draw_errors(wanted, 200_000, 0))
 
 
 def test_what_is_known_exactly_is_drawn_as_nothing():
-    errors = drawn(np.diag([1.0, 0, 0, 0, 0, 0]), 100, 0)
+    errors = draw_errors(np.diag([1.0, 0, 0, 0, 0, 0]), 100, 0)
     assert np.abs(errors[:, 1:]).max() == 0.0 and errors[:, 0].std() > 0.5
 
 
 def test_the_chance_is_that_of_the_maxwell_distribution_where_all_directions_are_alike():
     shifts, turns = counted(box(), found(), PLACE).off(
-        drawn(np.diag([1e-3**2] * 3 + [1e-9] * 3), 200_000, 0)
+        draw_errors(np.diag([1e-3**2] * 3 + [1e-9] * 3), 200_000, 0)
     )
     assert within((shifts, turns), PLACE) == pytest.approx(chi(3).cdf(2.0), abs=0.003)
 

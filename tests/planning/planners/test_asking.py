@@ -13,8 +13,15 @@ from workbench.planning.collision.motion import RESOLUTION, chain_contact, segme
 from workbench.planning.picking.search import edge_check, joint_weights
 from workbench.planning.planners.asking import CompiledCheck, edges_in
 from workbench.planning.planners.rrt import rrt_connect
-from workbench.planning.planners.shorten import shortened
-from workbench.planning.planners.trees import EDGES_A_TURN, EXHAUSTED, OPEN, PAUSED, grown, planted
+from workbench.planning.planners.shorten import shorten_path
+from workbench.planning.planners.trees import (
+    EDGES_A_TURN,
+    EXHAUSTED,
+    OPEN,
+    PAUSED,
+    grow_trees,
+    plant_trees,
+)
 from workbench.studies.motion.problems import ARM, Case, cases_of
 
 
@@ -58,7 +65,7 @@ def test_the_way_is_the_same_whoever_checks_its_edges(case, seed):
     world, columns = case.world, case.world.kinematics.columns[ARM]
     for a, b in itertools.pairwise(paths[0]):
         assert chain_contact(world, columns, world.configuration({}), segment(a, b)) is None
-    short = [shortened(paths[0], check, most=10) for check in checks(case).values()]
+    short = [shorten_path(paths[0], check, most=10) for check in checks(case).values()]
     assert all(np.array_equal(path, short[0]) for path in short[1:])
 
 
@@ -69,10 +76,10 @@ def test_growing_looks_at_the_clock_and_can_be_ended_there(case):
     world, rng = case.world, np.random.default_rng(0)
     draws = (rng.uniform(chain.lower, chain.upper) for _ in range(10_000))
     goal = next(q for q in draws if world.contact(world.configuration({ARM: q})))
-    trees, box = planted(case.start, goal), np.array([chain.lower, chain.upper, weights])
-    assert grown(trees, box, 10**6, rng, edges, OPEN) == PAUSED
+    trees, box = plant_trees(case.start, goal), np.array([chain.lower, chain.upper, weights])
+    assert grow_trees(trees, box, 10**6, rng, edges, OPEN) == PAUSED
     assert trees.counts.sum() <= EDGES_A_TURN + 2
-    assert grown(trees, box, int(trees.at[1]), rng, edges, OPEN) == EXHAUSTED
+    assert grow_trees(trees, box, int(trees.at[1]), rng, edges, OPEN) == EXHAUSTED
 
 
 def test_what_the_clock_raises_ends_a_compiled_search(case):
@@ -82,4 +89,4 @@ def test_what_the_clock_raises_ends_a_compiled_search(case):
     check = checks(case)["compiled"]
     ending = CompiledCheck(lambda a, b: False, over, check.edges)
     with pytest.raises(TimeoutError):
-        shortened(np.array([case.start, case.goal]), ending, most=5)
+        shorten_path(np.array([case.start, case.goal]), ending, most=5)

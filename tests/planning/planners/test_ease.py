@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.planning.kinematics.execution import timed
-from workbench.planning.planners.ease import eased
+from workbench.planning.planners.ease import ease_corners
 
 VELOCITY, ACCELERATION, ZONE = np.array([1.0, 1.0]), np.array([4.0, 4.0]), 0.2
 
@@ -28,7 +28,7 @@ def seconds(path) -> float:
 
 
 def test_a_detour_takes_less_time_and_stays_clear():
-    quick = eased(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE)
+    quick = ease_corners(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE)
     assert np.array_equal(quick[[0, -1]], DETOUR[[0, -1]])
     assert all(clear_of_the_box(a, b) for a, b in pairwise(quick))
     assert seconds(quick) < 0.75 * seconds(DETOUR)
@@ -37,7 +37,7 @@ def test_a_detour_takes_less_time_and_stays_clear():
 
 
 def test_what_is_cut_off_a_corner_is_clear_straight_across_too():
-    quick = eased(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE)
+    quick = ease_corners(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE)
     assert len(quick) > 2
     for a, c, b in zip(quick[:-2], quick[1:-1], quick[2:], strict=True):
         if not np.array_equal(c, DETOUR[1]) and not np.array_equal(c, DETOUR[2]):
@@ -45,7 +45,7 @@ def test_what_is_cut_off_a_corner_is_clear_straight_across_too():
 
 
 def test_corners_that_nothing_needs_are_left_out():
-    found = eased(DETOUR, lambda a, b: True, VELOCITY, ACCELERATION, ZONE)
+    found = ease_corners(DETOUR, lambda a, b: True, VELOCITY, ACCELERATION, ZONE)
     assert np.array_equal(found, DETOUR[[0, -1]])
 
 
@@ -54,7 +54,7 @@ def test_by_the_pace_of_any_joints_it_takes_less_time(velocity):
     pace = np.array(velocity)
     before, after = (
         timed(path, pace, ACCELERATION, ZONE)[-1]
-        for path in (DETOUR, eased(DETOUR, clear_of_the_box, pace, ACCELERATION, ZONE))
+        for path in (DETOUR, ease_corners(DETOUR, clear_of_the_box, pace, ACCELERATION, ZONE))
     )
     assert after < 0.9 * before
 
@@ -62,11 +62,13 @@ def test_by_the_pace_of_any_joints_it_takes_less_time(velocity):
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_straight_path_is_left_as_it_is(count):
     path = np.zeros((2, count))
-    assert eased(path, lambda a, b: False, np.ones(count), np.ones(count), ZONE) is path
+    assert ease_corners(path, lambda a, b: False, np.ones(count), np.ones(count), ZONE) is path
 
 
 def test_the_same_path_comes_out_again():
-    first, again = (eased(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE) for _ in range(2))
+    first, again = (
+        ease_corners(DETOUR, clear_of_the_box, VELOCITY, ACCELERATION, ZONE) for _ in range(2)
+    )
     assert np.array_equal(first, again)
 
 
@@ -78,6 +80,6 @@ def test_of_the_edges_at_a_corner_that_is_asked_first_which_was_in_the_way():
         asked.append((a.tobytes(), b.tobytes()))
         return not np.array_equal(b, path[2])
 
-    assert np.array_equal(eased(path, is_clear, VELOCITY, ACCELERATION, ZONE), path)
+    assert np.array_equal(ease_corners(path, is_clear, VELOCITY, ACCELERATION, ZONE), path)
     assert len(asked) == len(set(asked)) > 5, "where nothing has moved nothing is asked again"
     assert sum(b != path[2].tobytes() for _, b in asked) == 1

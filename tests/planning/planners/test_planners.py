@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.planning.planners.shorten import TINY, merged, resampled, shortened
+from workbench.planning.planners.shorten import TINY, merged, resample, shorten_path
 from workbench.planning.planners.trees import sample_around
 from workbench.plugins.planner import planner_named, planner_names
 
@@ -70,7 +70,7 @@ def test_the_open_plane_is_crossed(planner):
 @pytest.mark.parametrize("seed", range(10))
 def test_shortening_keeps_the_ends_and_never_lengthens(seed):
     path = found(seed)
-    short = shortened(path, free_of_wall, most=10)
+    short = shorten_path(path, free_of_wall, most=10)
     assert len(short) <= max(10, len(path))
     assert np.array_equal(short[0], START) and np.array_equal(short[-1], GOAL)
     assert all(free_of_wall(a, b) for a, b in itertools.pairwise(short))
@@ -85,7 +85,7 @@ def test_shortening_keeps_the_ends_and_never_lengthens(seed):
 @given(corners=st.integers(2, 14), count=st.integers(2, 14), seed=st.integers(0, 999))
 def test_resampling_keeps_every_corner(corners, count, seed):
     path = np.cumsum(np.random.default_rng(seed).uniform(0.1, 1.0, (corners, 3)), axis=0)
-    points = resampled(path, count)
+    points = resample(path, count)
     assert len(points) == max(count, corners)
     for corner in path:
         assert np.isclose(points, corner).all(axis=1).any()

@@ -24,11 +24,12 @@ def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrat
     if not observations:
         raise InputError("no pose was scanned yet; a calibration needs 4, 8 are better")
     first = observations[0]
-    for one in observations:
-        sides = np.asarray(one.plate.sides)
-        if one.arm != first.arm or not np.array_equal(sides, first.plate.sides):
+    for observation in observations:
+        sides = np.asarray(observation.plate.sides)
+        if observation.arm != first.arm or not np.array_equal(sides, first.plate.sides):
             raise InputError(
-                f"{one.name} is of another plate or arm than {first.name}; remove one of them"
+                f"{observation.name} is of another plate or arm than {first.name}; "
+                "remove one of them"
             )
     return calibrate(poses_of(cell, observations), first.plate.centres)
 
@@ -38,9 +39,12 @@ def poses_of(cell: Cell, observations: Sequence[PlateObservation]) -> list[Plate
     kinematics = Kinematics(cell)
     return [
         PlatePose(
-            one.name, flange_pose(kinematics, cell.arm(one.arm), one.q), one.balls, one.is_used
+            observation.name,
+            flange_pose(kinematics, cell.arm(observation.arm), observation.q),
+            observation.balls,
+            observation.is_used,
         )
-        for one in observations
+        for observation in observations
     ]
 
 

@@ -18,15 +18,15 @@ def drift_words(cell: Cell, drift: Drift) -> tuple[str, ...]:
         drift: what is to be said.
     """
     says: list[str] = []
-    for one in drift.courses:
-        moved, noise = (at_corners(cell, value) for value in (one.change, one.deviation))
-        if one.thing in drift.drifted and one.kind == "fixture":
+    for course in drift.courses:
+        moved, noise = (at_corners(cell, value) for value in (course.change, course.deviation))
+        if course.thing in drift.drifted and course.kind == "fixture":
             says.append(
-                f"the scanner has drifted since its calibration, as {one.thing} shows: what lies "
-                f"at the corners of the bin is seen {moved:.2f} mm further off (days by themselves "
-                f"differ by {noise:.2f} mm)"
+                f"the scanner has drifted since its calibration, as {course.thing} shows: "
+                f"what lies at the corners of the bin is seen {moved:.2f} mm further off "
+                f"(days by themselves differ by {noise:.2f} mm)"
             )
-        if one.kind == "bin" and drift.is_bin_off:
+        if course.kind == "bin" and drift.is_bin_off:
             says.append(
                 f"the bin is seen {moved:.2f} mm from where it was in the first days (days by "
                 f"themselves differ by {noise:.2f} mm), and nothing else says that the scanner "
@@ -37,7 +37,7 @@ def drift_words(cell: Cell, drift: Drift) -> tuple[str, ...]:
             f"parts that the robot has put down, {drift.parts}, are seen elsewhere than it has put "
             "them, by more than the calibration leaves open"
         )
-    days = max((len(one.days) for one in drift.courses), default=0)
+    days = max((len(course.days) for course in drift.courses), default=0)
     if days < 2 * FEWEST:
         says.append(f"there are scans of {days} days, {2 * FEWEST} are needed to compare them")
     elif not says:

@@ -70,7 +70,7 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
         InputError: in no unit does it lie where the scanner measures.
     """
     mount, points = cell.scanner, points_of(path, content)
-    unit, axes, fitting = _guessed(points, mount)
+    unit, axes, fitting = _guess(points, mount)
     if fitting < FITTING:
         mount, (unit, axes, fitting) = _anywhere(points, mount)
     if fitting < FITTING:
@@ -106,7 +106,7 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
     return FirstScan(proposed, fitting, noise, found, shift, turn, says)
 
 
-def _guessed(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
+def _guess(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
     """Unit and axes by which most points lie where the scanner measures; first those it has."""
     best = (mount.unit, mount.cloud_axes, 0.0)
     some = points[:: max(1, len(points) // 20_000)]
@@ -121,7 +121,7 @@ def _guessed(points: Floats, mount: ScannerMount) -> tuple[str, str, float]:
 
 def _anywhere(points: Floats, mount: ScannerMount) -> tuple[ScannerMount, tuple[str, str, float]]:
     """Unit and axes by which most points lie where any scanner measures, and a mount for these."""
-    unit, axes, fitting = _guessed(points, replace(mount, near=NEAREST, far=FARTHEST))
+    unit, axes, fitting = _guess(points, replace(mount, near=NEAREST, far=FARTHEST))
     depth = points @ np.array(CLOUD_AXES[axes][2], dtype=float) * UNITS[unit]
     before = depth[(depth > NEAREST) & (depth < FARTHEST)]
     if fitting < FITTING:

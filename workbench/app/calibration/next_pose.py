@@ -62,7 +62,7 @@ def next_poses(
     if not qs:
         return ()
     kinematics = Kinematics(cell)
-    left_out = {one.name for one in found.residuals if one.left_out}
+    left_out = {residual.name for residual in found.residuals if residual.left_out}
     Ts = [flange_pose(kinematics, arm, q) for q in qs]
     error, errors = errors_with(
         [pose for pose in poses_of(cell, observations) if pose.name not in left_out],

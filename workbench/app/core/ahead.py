@@ -90,24 +90,24 @@ def after_the_end(before: State, after: State, entry: Entry) -> Ended:
 
 def _sees(state: State, ahead: Ahead) -> bool:
     """Whether the last plan that is sent has come, by the robot's reports, to where it is seen."""
-    sees_from, told = ahead.wanted.sees_from, state.receipts
-    if state.row or state.stopped_by or not sees_from or _failed(state):
+    sees_from, receipts = ahead.wanted.sees_from, state.receipts
+    if state.row or state.stopped_by or not sees_from or _has_failed(state):
         return False
-    return max((one.step for one in told), default=0) >= sees_from
+    return max((report.step for report in receipts), default=0) >= sees_from
 
 
-def _failed(state: State) -> bool:
+def _has_failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
-    told = (one.part for one in state.receipts if one.part is not None)
-    is_told = any(part.is_picked is False for part in (*told, *state.part_reports))
-    return is_told or any(not one.is_picked for one in state.outcomes)
+    reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
+    is_told = any(part.is_picked is False for part in (*reports, *state.part_reports))
+    return is_told or any(not outcome.is_picked for outcome in state.outcomes)
 
 
 def _as_if_ended(state: State, at: float) -> State:
     """The state that a good end of the plan that is sent would leave, at [s since the epoch]."""
     if state.plan is None or state.ahead is None:
         return state
-    parts = tuple(PartReport(one.arm, one.detection, True) for one in state.plan.arms)
+    parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.arms)
     ended = LinkEnded("", len(parts), parts, state.ahead.wanted.placed)
     return replace(after_sending(state, ended, at), job=None, ahead=None)
 
@@ -130,7 +130,7 @@ def _in_doubt(before: State, after: State, at: float) -> str:
     if before.row:
         return "the row has ended early"
     # A person may have seen more than the gripper felt afterwards.
-    if _failed(before) or _failed(after):
+    if _has_failed(before) or _has_failed(after):
         return "a pick has failed, so somebody has to look"
     if before.job is None and before.ahead is not None and not before.ahead.brought:
         return ""

@@ -100,10 +100,17 @@ def with_made(state: State, ended: JobEnded, made: Part | Tool) -> Changed:
 def carrying(cell: Cell, arm: str, tool: Tool) -> Cell:
     """The cell with one more tool for an arm, which carries it now."""
 
-    def changed(one: Arm) -> Arm:
-        return replace(one, tool=tool, tools=(*(one.tools or (one.tool,)), tool))
+    def changed(changed_arm: Arm) -> Arm:
+        return replace(
+            changed_arm, tool=tool, tools=(*(changed_arm.tools or (changed_arm.tool,)), tool)
+        )
 
-    return replace(cell, arms=tuple(changed(one) if one.name == arm else one for one in cell.arms))
+    return replace(
+        cell,
+        arms=tuple(
+            changed(arm_plan) if arm_plan.name == arm else arm_plan for arm_plan in cell.arms
+        ),
+    )
 
 
 def undone(state: State) -> Changed:

@@ -91,5 +91,5 @@ def with_control(state: State, command: ControlCommand, actor: str) -> State:
 
 
 def _held_by(state: State, name: str, message: str) -> State:
-    asking = tuple(one for one in state.asking if one != name)
+    asking = tuple(person for person in state.asking if person != name)
     return replace(state, control=name, asking=asking, message=message)

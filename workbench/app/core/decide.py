@@ -119,7 +119,7 @@ def decide(state: State, entry: commands.Entry) -> Outcome:
         case commands.WatchPlan(is_told=is_told):
             return with_watched(state, entry.actor, is_told=is_told), ()
         case commands.Approve() as vote:
-            return _approved(state, entry, vote), ()
+            return _approve(state, entry, vote), ()
         case commands.SendPlan():
             return _send(state, entry)
         case commands.NextStep(number=number):
@@ -221,7 +221,7 @@ def _waiting_for(before: State, after: State) -> Outcome:
     return replace(after, job=replace(job, then=None), message=message), ()
 
 
-def _approved(state: State, entry: commands.Entry, vote: commands.Approve) -> State:
+def _approve(state: State, entry: commands.Entry, vote: commands.Approve) -> State:
     if state.plan is None or state.proof is None:
         raise CommandRefused("there is no proven plan to approve")
     manner = vote.speed_share, vote.is_stepped

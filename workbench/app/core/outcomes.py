@@ -46,7 +46,7 @@ def step_reported(state: State) -> int:
 
     0 where it has reported none, as links do that know no steps.
     """
-    return max((one.step or one.waits for one in state.receipts), default=0)
+    return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
 
 
 def step_said(plan: Plan, number: int) -> str:
@@ -91,7 +91,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     # After a fault nobody knows: no other part is put where one may lie, and none onto it.
     placed = ended.placed or ()
     if ended.fault:
-        placed = tuple(map(_doubted, placed))
+        placed = tuple(map(_doubt, placed))
     state = replace(state, placed=(*_still_placed(state, ended), *placed))
     for part in ended.parts:
         if part.is_picked is not None:
@@ -105,7 +105,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = sum(len(plan.arms) for plan in _begun(state) if not _goes_on(plan))
+    expected = sum(len(plan.arms) for plan in _plans_begun(state) if not _goes_on(plan))
     message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
     for part in ended.parts:
         if part.is_picked is False:
@@ -115,10 +115,12 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
 
 def _failed(state: State, said: ReportPick) -> bool:
     """Whether somebody has said that the pick of the same part has failed."""
-    return any(one.detection == said.detection and not one.is_picked for one in state.outcomes)
+    return any(
+        outcome.detection == said.detection and not outcome.is_picked for outcome in state.outcomes
+    )
 
 
-def _doubted(placed: Detection) -> Detection:
+def _doubt(placed: Detection) -> Detection:
     """A part that was to be put down, of which nobody knows whether it is there."""
     return replace(placed, score=0.0)
 
@@ -137,15 +139,19 @@ def _goes_on(plan: Plan | None) -> bool:
 
 def _still_placed(state: State, ended: LinkEnded) -> tuple[Detection, ...]:
     """What was placed before, without what the plan has taken from a station."""
-    is_told = bool(ended.parts) and all(one.is_picked is True for one in ended.parts)
+    is_told = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
     if state.plan is None or ended.fault or not is_told:
         return state.placed
-    detections = (state.plan.detections[one.detection] for one in state.plan.arms)
-    taken = [one.T_world_part.translation for one in detections if one.T_world_found is not None]
+    detections = (state.plan.detections[arm.detection] for arm in state.plan.arms)
+    taken = [
+        detection.T_world_part.translation
+        for detection in detections
+        if detection.T_world_found is not None
+    ]
     return tuple(
-        one
-        for one in state.placed
-        if all(math.dist(one.T_world_part.translation, p) >= SAME_PLACE for p in taken)
+        detection
+        for detection in state.placed
+        if all(math.dist(detection.T_world_part.translation, p) >= SAME_PLACE for p in taken)
     )
 
 
@@ -160,9 +166,9 @@ def outcome_problem(state: State, command: ReportPick) -> str:
     if command.detection not in taken:
         parts = ", ".join(f"part-{number + 1}" for number in taken)
         return f"the plan does not take that part; it takes {parts}"
-    for one in sent.outcomes:
-        if (one.detection, one.is_picked) == (command.detection, command.is_picked):
-            return f"{one.by} has said so already"
+    for outcome in sent.outcomes:
+        if (outcome.detection, outcome.is_picked) == (command.detection, command.is_picked):
+            return f"{outcome.by} has said so already"
     return ""
 
 
@@ -182,11 +188,11 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         return state
     detection = sent.plans[0].detections[command.detection]
     outcome = Outcome(command.detection, command.is_picked, actor, command.why)
-    others = tuple(one for one in sent.outcomes if one.detection != command.detection)
+    others = tuple(earlier for earlier in sent.outcomes if earlier.detection != command.detection)
     said_of = {"outcomes": (*others, outcome)}
     if state.plan is None:
         said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
-    elsewhere = tuple(one for one in state.avoided if not _is_at(state.cell, detection, one))
+    elsewhere = tuple(entry for entry in state.avoided if not _is_at(state.cell, detection, entry))
     said = "was picked" if command.is_picked else "failed"
     why = f": {command.why}" if command.why else ""
     state = replace(
@@ -199,7 +205,10 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     if not command.is_picked:
         state = replace(
             state,
-            placed=tuple(_doubted(one) if _was(one, detection) else one for one in state.placed),
+            placed=tuple(
+                _doubt(placed_part) if _was(placed_part, detection) else placed_part
+                for placed_part in state.placed
+            ),
         )
         x, y, z = (state.cell.bin.T_world_bin.inverse() * detection.T_world_part).translation
         place = (float(x), float(y), float(z))
@@ -215,15 +224,15 @@ def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
     if sent is None:
         return ()
     return tuple(
-        (number, one.arm)
+        (number, arm.arm)
         for plan in sent.plans
-        for number, one in zip(parts_taken(sent.plans[0], plan), plan.arms, strict=True)
+        for number, arm in zip(parts_taken(sent.plans[0], plan), plan.arms, strict=True)
     )
 
 
 def sent_for(state: State) -> SentFor | None:
     """The plans of whose parts people can say what became of them; None where nothing was sent."""
-    return state.unscanned if state.plan is None else SentFor(_begun(state), state.outcomes)
+    return state.unscanned if state.plan is None else SentFor(_plans_begun(state), state.outcomes)
 
 
 def before_a_scan(state: State) -> State:
@@ -233,7 +242,7 @@ def before_a_scan(state: State) -> State:
     return replace(state, unscanned=sent_for(state))
 
 
-def _begun(state: State) -> tuple[Plan, ...]:
+def _plans_begun(state: State) -> tuple[Plan, ...]:
     """The plans that were sent, the one on its way among them."""
     return state.plans[: len(state.sent_before) + 1]
 
@@ -259,7 +268,9 @@ def escalated(state: State) -> State:
 def after_one_more_scan(avoided: tuple[Avoided, ...], at: float) -> tuple[Avoided, ...]:
     """What is still avoided in a new scan taken at [s since the epoch]."""
     return tuple(
-        replace(one, scans=one.scans - 1) for one in avoided if one.scans > 0 and at < one.until
+        replace(entry, scans=entry.scans - 1)
+        for entry in avoided
+        if entry.scans > 0 and at < entry.until
     )
 
 
@@ -267,11 +278,11 @@ def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
     """Indices of the parts found that are left alone at [s since the epoch], and why each."""
     found: list[tuple[int, Message]] = []
     for number, detection in enumerate(state.detections or ()):
-        for one in state.avoided:
-            if at < one.until and _is_at(state.cell, detection, one):
+        for entry in state.avoided:
+            if at < entry.until and _is_at(state.cell, detection, entry):
                 why = VerdictNote.PICK_FAILED()
-                if one.why:
-                    why = VerdictNote.PICK_FAILED_SINCE(why=plain(one.why))
+                if entry.why:
+                    why = VerdictNote.PICK_FAILED_SINCE(why=plain(entry.why))
                 found.append((number, why))
                 break
     return tuple(found)

@@ -31,9 +31,9 @@ SAME_THRESHOLD = 0.0005
 """[m] Thresholds are typed in whole millimetres."""
 
 
-def is_same_person(one: str, other: str) -> bool:
+def is_same_person(first: str, second: str) -> bool:
     """Whether two names are one: case, spaces and ways to write a letter make no other person."""
-    return _plain(one) == _plain(other)
+    return _plain(first) == _plain(second)
 
 
 def _plain(name: str) -> str:
@@ -154,7 +154,7 @@ def other_row(state: State, named: tuple[str, ...]) -> str:
 
     Who has seen or read one row has said nothing about another one.
     """
-    have = tuple(one.plan.digest for one in state.row)
+    have = tuple(proven_plan.plan.digest for proven_plan in state.row)
     if named == have:
         return ""
     there = ", ".join(digest[:12] for digest in have) or "none"
@@ -166,7 +166,9 @@ def other_row(state: State, named: tuple[str, ...]) -> str:
 
 def unapproved_row(state: State, approval: Approval) -> str:
     """Why an approval does not cover exactly the plans that follow; empty when it does."""
-    if approval.row == tuple((one.plan.digest, one.proof.digest) for one in state.row):
+    if approval.row == tuple(
+        (proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in state.row
+    ):
         return ""
     return "the approval is for another row of plans; have this one approved"
 
@@ -175,8 +177,8 @@ def left_on_station(plans: Sequence[Plan]) -> str:
     """Why plans are no whole row, as a part would stay on a station; empty when none does."""
     for number, plan in enumerate(plans):
         after = plans[number + 1] if number + 1 < len(plans) else None
-        taken = [] if after is None else [after.detections[one.detection] for one in after.arms]
-        if plan.stations and sum(one.T_world_found is not None for one in taken) < len(
+        taken = [] if after is None else [after.detections[arm.detection] for arm in after.arms]
+        if plan.stations and sum(detection.T_world_found is not None for detection in taken) < len(
             plan.stations
         ):
             return (
@@ -204,7 +206,7 @@ def length_problem(state: State, picks: int) -> str:
         return f"the row can have 1 to {most} picks, not {picks}"
     if picks == 1 + len(state.row):
         return f"the row has {counted(picks, 'pick')} already"
-    every = (state.plan, *(one.plan for one in (*state.row, *state.left_out)))
+    every = (state.plan, *(proven_plan.plan for proven_plan in (*state.row, *state.left_out)))
     return left_on_station([plan for plan in every[:picks] if plan is not None])
 
 
@@ -227,15 +229,15 @@ def shortened(state: State, picks: int, actor: str) -> State:
 
 def with_watched(state: State, actor: str, *, is_told: bool) -> State:
     """The state after the plan was played to its end before somebody, or a program said so."""
-    told, watched = state.told, state.watched
+    reported, watched = state.told, state.watched
     if actor not in watched:
-        watched, told = (*watched, actor), (*told, actor) if is_told else told
+        watched, reported = (*watched, actor), (*reported, actor) if is_told else reported
     elif not is_told:
-        told = tuple(name for name in told if name != actor)
+        reported = tuple(name for name in reported if name != actor)
     message = "the plan was played to its end"
     if is_told:
         message = f"a program says that the plan was played to its end before {actor}"
-    return replace(state, watched=watched, told=told, message=message)
+    return replace(state, watched=watched, told=reported, message=message)
 
 
 def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
@@ -253,8 +255,10 @@ def other_pallets(state: State, plan: Plan) -> str:
     for box in plan.obstacles:
         T = box.T_world_put
         if T is not None and not any(
-            one.part == box.part and one.score > 0 and one.T_world_part.isApprox(T, 1e-6)
-            for one in state.placed
+            detection.part == box.part
+            and detection.score > 0
+            and detection.T_world_part.isApprox(T, 1e-6)
+            for detection in state.placed
         ):
             return (
                 "a part that the plan counts on does not lie on the pallet any more, or nobody "

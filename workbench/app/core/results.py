@@ -155,17 +155,17 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
 def emptying_words(found: Emptying) -> str:
     """What came of piles emptied in simulation, in one sentence."""
     plain = found.plain
-    taken, parts = sum(one.taken for one in plain), sum(one.parts for one in plain)
+    taken, parts = sum(pile.taken for pile in plain), sum(pile.parts for pile in plain)
     words = f"{taken} of {counted(parts, 'part')} taken out of {counted(len(plain), 'pile')}"
-    tried = len({one.task.change for one in found.piles} - {""})
+    tried = len({pile.task.change for pile in found.piles} - {""})
     return f"{words} in simulation" + (f"; {counted(tried, 'change')} tried" if tried else "")
 
 
 def _outlines(state: State, result: PlanResult, job: Job) -> tuple[Outline, ...]:
     """All outlines; a plan that was made before keeps its place, by which people know it."""
     found = list(state.outlines)
-    for one in (*result.beside, result):
-        outline = _outline(one, job)
+    for plan_result in (*result.beside, result):
+        outline = _outline(plan_result, job)
         places = [k for k, known in enumerate(found) if known.digest == outline.digest != ""]
         if places:
             found[places[0]] = outline
@@ -180,15 +180,17 @@ def _outline(result: PlanResult, job: Job) -> Outline:
     if plan is None or proof is None:
         return Outline(result.planner, planning, verdict=result.verdict.message)
     every = [Proven(plan, proof), *result.row]
-    distances = [float(d.min()) for one in every for _, _, d in one.proof.apart if len(d)]
+    distances = [
+        float(d.min()) for proven_plan in every for _, _, d in proven_plan.proof.apart if len(d)
+    ]
     return Outline(
         result.planner,
         planning,
         str(plan.strategy),
         str(plan.guarantee),
         count_taken(result.plans),
-        sum(one.plan.cycle_seconds for one in every),
-        min(one.proof.clearance for one in every),
+        sum(proven_plan.plan.cycle_seconds for proven_plan in every),
+        min(proven_plan.proof.clearance for proven_plan in every),
         min(distances, default=None),
         plan.digest,
         None if proof.holds else proof.violations[0].message,
@@ -254,7 +256,7 @@ def find_parts(
 
 def sight_plate(state: State, entry: Entry, command: commands.SightPlate) -> Begun:
     """The plate is looked at, held in one more pose."""
-    numbers = (one.name.rpartition(" ")[2] for one in state.observations)
+    numbers = (observation.name.rpartition(" ")[2] for observation in state.observations)
     last = max((int(number) for number in numbers if number.isdecimal()), default=0)
     arguments = {
         "name": f"pose {last + 1}",
@@ -323,7 +325,7 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
         case (_, JobCancelled()):
             return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
         case (_, WorkbenchError()):
-            return replace(state, message=_failed(job, str(result)))
+            return replace(state, message=_failure_message(job, str(result)))
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
@@ -339,10 +341,10 @@ def with_result(state: State, ended: commands.JobEnded, at: float) -> State:
             return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
-            return replace(state, message=_failed(job, f"it brought a {wrong}"))
+            return replace(state, message=_failure_message(job, f"it brought a {wrong}"))
 
 
-def _failed(job: Job, why: str) -> Message:
+def _failure_message(job: Job, why: str) -> Message:
     return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
 
 

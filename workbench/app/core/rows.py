@@ -45,9 +45,9 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
     """
     if not state.row or state.plan is None or state.proof is None:
         return after, ()
-    one = state.row[0]
+    proven_plan = state.row[0]
     approval = None if state.approval is None else state.approval.onward()
-    problem = _ends_because(after, ended, entry, one, approval)
+    problem = _ends_because(after, ended, entry, proven_plan, approval)
     done = (*state.sent_before, Proven(state.plan, state.proof))
     if problem or approval is None:
         count = f"{len(done)} of {counted(len(done) + len(state.row), 'plan')}"
@@ -63,8 +63,8 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
     after = replace(
         after,
         phase=Phase.SENDING,
-        plan=one.plan,
-        proof=one.proof,
+        plan=proven_plan.plan,
+        proof=proven_plan.proof,
         row=state.row[1:],
         # What was asked for the first one.
         bound=0.0,
@@ -77,11 +77,11 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
         let_until=approval.until,
         message=f"plan {len(done) + 1} of {len(done) + len(state.row)} follows",
     )
-    return after, (Send(one.plan, approval, following(after)),)
+    return after, (Send(proven_plan.plan, approval, following(after)),)
 
 
 def _ends_because(
-    after: State, ended: LinkEnded, entry: Entry, one: Proven, approval: Approval | None
+    after: State, ended: LinkEnded, entry: Entry, proven_plan: Proven, approval: Approval | None
 ) -> str:
     """Why the next plan must not follow; empty when it may."""
     if ended.fault:
@@ -100,12 +100,12 @@ def _ends_because(
         # A person has seen more than the gripper felt.
         if not said.is_picked:
             return f"part-{said.detection + 1} was not picked, says {said.by}"
-    if approval is None or approval.proof_digest != one.proof.digest:
+    if approval is None or approval.proof_digest != proven_plan.proof.digest:
         return "nobody has approved what would follow"
     if not entry.joints:
         return "the controller does not report where the robot stands"
     return (
-        staleness(approval, one.plan, after.cell, after.scene_digest, entry.at)
-        or unwalked(after.cell, one.proof)
-        or stale_because(after, one.plan, entry.joints)
+        staleness(approval, proven_plan.plan, after.cell, after.scene_digest, entry.at)
+        or unwalked(after.cell, proven_plan.proof)
+        or stale_because(after, proven_plan.plan, entry.joints)
     )

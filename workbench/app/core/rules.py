@@ -108,9 +108,9 @@ def allowed(
             check_text("says", says)
             if len(observations) > MOST_OBSERVATIONS:
                 raise CommandRefused(f"up to {MOST_OBSERVATIONS} poses are taken")
-            for one in observations:
-                check_text("name", one.name)
-                check_configuration(state.cell, one.arm, one.q)
+            for observation in observations:
+                check_text("name", observation.name)
+                check_configuration(state.cell, observation.arm, observation.q)
         case commands.MakePlan() as command:
             _check_planning(state.cell, command)
         case commands.GoOn(scan=scan, find=find, plan=planning):
@@ -127,10 +127,12 @@ def allowed(
             _check_scene(state, plan)
             if state.proof is None:
                 raise CommandRefused("the plan has no proof, so it cannot be approved")
-            whole = [one.plan for one in state.whole_row]
+            whole = [proven_plan.plan for proven_plan in state.whole_row]
             _refuse(other_row(state, row) or untold(state) or left_on_station(whole))
-            for one in state.whole_row:
-                check_approvable(state.cell, one.plan, one.proof, actor, (share, is_stepped))
+            for observation in state.whole_row:
+                check_approvable(
+                    state.cell, observation.plan, observation.proof, actor, (share, is_stepped)
+                )
             _refuse(stale_because(state, plan, joints))
             _refuse(unwatched(state, actor))
             _refuse(said_already(state, actor, now, (share, is_stepped)))
@@ -254,9 +256,9 @@ def approve(
             belong together, or too few people have given a vote.
     """
     check_approvable(cell, plan, proof, actor, manner)
-    for one in row:
-        check_approvable(cell, one.plan, one.proof, actor, manner)
-        if one.plan.scan_digest != plan.scan_digest:
+    for proven_plan in row:
+        check_approvable(cell, proven_plan.plan, proven_plan.proof, actor, manner)
+        if proven_plan.plan.scan_digest != plan.scan_digest:
             raise CommandRefused("plans of a row are made after one scan, these are not")
     approval = Approval(
         plan_digest=plan.digest,
@@ -271,7 +273,7 @@ def approve(
         ran=ran,
         speed_share=manner[0],
         is_stepped=manner[1],
-        row=tuple((one.plan.digest, one.proof.digest) for one in row),
+        row=tuple((proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in row),
     )
     _refuse(lacks_people(cell, approval))
     return approval
@@ -356,7 +358,7 @@ def _check_actor(command: commands.Command, actor: str) -> None:
 
 
 def _check_scan(cell: Cell, command: commands.TakeScan) -> None:
-    check_among("part", command.part, ("", ALL_KINDS, *(one.name for one in cell.parts)))
+    check_among("part", command.part, ("", ALL_KINDS, *(part.name for part in cell.parts)))
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
     check_integer("parts", command.parts, 1, MOST_PARTS)
 

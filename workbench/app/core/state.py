@@ -274,8 +274,8 @@ class RunState(ReleaseState):
         """The plans of the whole row in order; the same row has the same values here."""
         if self.plan is None:
             return ()
-        before = (one.plan for one in self.sent_before)
-        return (*before, self.plan, *(one.plan for one in self.row))
+        before = (proven_plan.plan for proven_plan in self.sent_before)
+        return (*before, self.plan, *(proven_plan.plan for proven_plan in self.row))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -299,7 +299,10 @@ class State(RunState):
 def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
     """The state as a stage begins anew: it and all after it are void, but for `fields`."""
     earlier = cast(type[SessionState], stage.__base__)
-    kept = {one.name: getattr(state, one.name) for one in dataclasses.fields(earlier)}
+    kept = {
+        known_field.name: getattr(state, known_field.name)
+        for known_field in dataclasses.fields(earlier)
+    }
     return State(**kept | fields)
 
 

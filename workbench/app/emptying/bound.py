@@ -129,7 +129,7 @@ def bound_of(
     first = tuple(any_grasp(cell, lying, number, seed=seed) for number in range(len(lying)))
     rest, found, taken = tuple(lying), list(first), 0
     while rest:
-        number = next((k for k, one in enumerate(found) if one.pick is not None), None)
+        number = next((k for k, grasp in enumerate(found) if grasp.pick is not None), None)
         if number is None:
             break
         rest, taken = _without(cell, rest, number, found[number].pick, settles=settles), taken + 1
@@ -146,10 +146,12 @@ def _without(
 ) -> tuple[Detection, ...]:
     assert pick is not None
     if not settles:
-        return tuple(one for k, one in enumerate(lying) if k != number)
+        return tuple(detection for k, detection in enumerate(lying) if k != number)
     chain = chain_of(cell, cell.arm(pick.candidate.arm))
     way = [chain.pose(q) * pick.T_tcp_part for q in np.asarray(pick.extract)]
     settled = unloaded(cell, lying, number, way)
     return tuple(
-        one for one in settled if is_in_bin(cell.bin, cell.part(one.part), one.T_world_part)
+        detection
+        for detection in settled
+        if is_in_bin(cell.bin, cell.part(detection.part), detection.T_world_part)
     )

@@ -48,18 +48,18 @@ def changes_of(cell: Cell) -> Iterator[Change]:
     yield Change("fingers", "fingers as open as there is room", partial(_policy, least_air=0.0015))
     for mm in (-6, -3, 3):
         words = f"every grasp {abs(mm)} mm {'less' if mm < 0 else 'more'} open on arrival"
-        yield Change("fingers", words, partial(_opened, by=mm / 1000))
+        yield Change("fingers", words, partial(_open, by=mm / 1000))
     for degrees in (15, 30):
         words = f"every grasp tilted by up to {degrees} degrees more"
-        yield Change("grasps", words, partial(_tilted, by=float(np.deg2rad(degrees))))
-    yield Change("grasps", "every pattern with twice as many turns", _turned)
-    yield Change("grasps", f"{SUGGESTED} suggested grasps as spares", _suggested)
+        yield Change("grasps", words, partial(_tilt, by=float(np.deg2rad(degrees))))
+    yield Change("grasps", "every pattern with twice as many turns", _add_turns)
+    yield Change("grasps", f"{SUGGESTED} suggested grasps as spares", _suggest)
     for mm in (1, 3):
         yield Change("grasps", f"every grasp {mm} mm less deep as well", partial(_shallow, by=mm))
     yield Change("lifts", "all lifts, the first that is clear", partial(_policy, lifts=LIFT_NAMES))
     yield Change("lifts", "straight up alone", partial(_policy, lifts=("up",)))
-    yield Change("margins", "near_margin_mm halved", partial(_halved, name="near_margin"))
-    yield Change("margins", "margin_mm halved", partial(_halved, name="margin"))
+    yield Change("margins", "near_margin_mm halved", partial(_halve, name="near_margin"))
+    yield Change("margins", "margin_mm halved", partial(_halve, name="margin"))
     for mm in (10, 20):
         yield Change("bin", f"walls of the bin {mm} mm lower", partial(_lower, by=mm / 1000))
     for words, way in (("nearer", -0.05), ("farther away", 0.05)):
@@ -84,7 +84,7 @@ def changed(cell: Cell, words: str) -> Cell:
     """The cell with the change of those words; with none it is as it was."""
     if not words:
         return cell
-    change = next(one for one in changes_of(cell) if one.words == words)
+    change = next(known_change for known_change in changes_of(cell) if known_change.words == words)
     return change.made(cell) or cell
 
 
@@ -93,7 +93,7 @@ def _policy(cell: Cell, **values: object) -> Cell | None:
     return None if policy == cell.policy else replace(cell, policy=policy)
 
 
-def _halved(cell: Cell, name: str) -> Cell | None:
+def _halve(cell: Cell, name: str) -> Cell | None:
     return _policy(cell, **{name: getattr(cell.policy, name) / 2})
 
 
@@ -111,7 +111,7 @@ def _with_tools(cell: Cell, made: Callable[[Tool], Tool | None]) -> Cell | None:
 def _thinner(cell: Cell, by: float) -> Cell | None:
     """Fingers that are boxes, less thick on the outside."""
     return _with_tools(
-        cell, lambda tool: _with_fingers(tool, lambda one: np.asarray(one.direction), -by)
+        cell, lambda tool: _with_fingers(tool, lambda finger: np.asarray(finger.direction), -by)
     )
 
 
@@ -120,7 +120,7 @@ def _longer(cell: Cell, by: float) -> Cell | None:
 
     def made(tool: Tool) -> Tool | None:
         T, out = tool.T_flange_tcp, tool.T_flange_tcp.rotation[:, 2]
-        longer = _with_fingers(tool, lambda one: out, by)
+        longer = _with_fingers(tool, lambda finger: out, by)
         tcp = pin.SE3(T.rotation, T.translation + by * out)
         return None if longer is None else replace(longer, T_flange_tcp=tcp)
 
@@ -129,17 +129,17 @@ def _longer(cell: Cell, by: float) -> Cell | None:
 
 def _with_fingers(tool: Tool, way: Callable[[Finger], np.ndarray], by: float) -> Tool | None:
     """The tool with every finger resized along its way; None where one cannot be, or none is."""
-    solids = [_resized(one.solid, way(one), by) for one in tool.fingers]
+    solids = [_resize(finger.solid, way(finger), by) for finger in tool.fingers]
     fingers = tuple(
-        replace(one, solid=solid)
-        for one, solid in zip(tool.fingers, solids, strict=True)
+        replace(finger, solid=solid)
+        for finger, solid in zip(tool.fingers, solids, strict=True)
         if solid is not None
     )
     is_whole = fingers and len(fingers) == len(tool.fingers)
     return replace(tool, fingers=fingers) if is_whole else None
 
 
-def _resized(solid: Solid, way: np.ndarray, by: float) -> Solid | None:
+def _resize(solid: Solid, way: np.ndarray, by: float) -> Solid | None:
     """A box longer by so much [m] to the side of `way`; None where it is none, or lies askew."""
     T = solid.T_owner_shape
     along = T.rotation.T @ way
@@ -170,19 +170,19 @@ def _with_grasps(cell: Cell, made: Callable[[Part], tuple[Entry, ...] | None]) -
 def _each(part: Part, made: Callable[[Grasp], Grasp]) -> tuple[Entry, ...] | None:
     """The library with every grasp made into another; None where none is."""
     entries = tuple(
-        replace(one, grasp=made(one.grasp)) if isinstance(one, GraspPattern) else made(one)
-        for one in part.library.entries
+        replace(entry, grasp=made(entry.grasp)) if isinstance(entry, GraspPattern) else made(entry)
+        for entry in part.library.entries
     )
     return None if all(a is b for a, b in zip(_bare(entries), _bare(part.library.entries),
                                               strict=True)) else entries  # fmt: skip
 
 
 def _bare(entries: tuple[Entry, ...]) -> Iterator[Grasp]:
-    for one in entries:
-        yield one.grasp if isinstance(one, GraspPattern) else one
+    for entry in entries:
+        yield entry.grasp if isinstance(entry, GraspPattern) else entry
 
 
-def _opened(cell: Cell, by: float) -> Cell | None:
+def _open(cell: Cell, by: float) -> Cell | None:
     """As far as all fingers can go that open for a grasp as it is."""
     strokes = [arm.tool.stroke for arm in cell.arms if arm.tool.fingers]
 
@@ -198,7 +198,7 @@ def _opened(cell: Cell, by: float) -> Cell | None:
     return _with_grasps(cell, lambda part: _each(part, made))
 
 
-def _tilted(cell: Cell, by: float) -> Cell | None:
+def _tilt(cell: Cell, by: float) -> Cell | None:
     def made(grasp: Grasp) -> Grasp:
         tilt = max(grasp.tilt, min(grasp.tilt + by, MOST_TILT))
         return grasp if tilt == grasp.tilt else replace(grasp, tilt=tilt)
@@ -206,15 +206,15 @@ def _tilted(cell: Cell, by: float) -> Cell | None:
     return _with_grasps(cell, lambda part: _each(part, made))
 
 
-def _turned(cell: Cell) -> Cell | None:
+def _add_turns(cell: Cell) -> Cell | None:
     """Between every two turns of a pattern one more."""
 
     def made(part: Part) -> tuple[Entry, ...] | None:
         entries = tuple(
-            replace(one, angles=(*one.angles, *more))
-            if isinstance(one, GraspPattern) and (more := _between(one.angles))
-            else one
-            for one in part.library.entries
+            replace(entry, angles=(*entry.angles, *more))
+            if isinstance(entry, GraspPattern) and (more := _between(entry.angles))
+            else entry
+            for entry in part.library.entries
         )
         same = all(a is b for a, b in zip(entries, part.library.entries, strict=True))
         return None if same else entries
@@ -247,7 +247,7 @@ def _shallow(cell: Cell, by: int) -> Cell | None:
     return _with_grasps(cell, made)
 
 
-def _suggested(cell: Cell) -> Cell | None:
+def _suggest(cell: Cell) -> Cell | None:
     def made(part: Part) -> tuple[Entry, ...]:
         tool = cell.arms[0].tool
         found = suggest(
@@ -258,7 +258,7 @@ def _suggested(cell: Cell) -> Cell | None:
             name="what-if",
             acceleration=tool_acceleration(cell, tool),
         )
-        more = tuple(replace(one.grasp, priority=SPARE) for one in found)
+        more = tuple(replace(suggestion.grasp, priority=SPARE) for suggestion in found)
         return (*part.library.entries, *more)
 
     return _with_grasps(cell, made)
@@ -272,7 +272,7 @@ def _lower(cell: Cell, by: float) -> Cell | None:
     return replace(cell, bin=replace(cell.bin, size=size))
 
 
-def _moved(cell: Cell, T_bin_moved: pin.SE3) -> Cell:
+def _move(cell: Cell, T_bin_moved: pin.SE3) -> Cell:
     """The cell with its bin moved, and the scanner with it."""
     T = cell.bin.T_world_bin * T_bin_moved
     step = T * cell.bin.T_world_bin.inverse()
@@ -288,11 +288,11 @@ def _away(cell: Cell, by: float) -> Cell | None:
     if np.linalg.norm(way) < 2 * abs(by):
         return None
     step = by * way / np.linalg.norm(way)
-    return _moved(cell, pin.SE3(np.eye(3), cell.bin.T_world_bin.rotation.T @ step))
+    return _move(cell, pin.SE3(np.eye(3), cell.bin.T_world_bin.rotation.T @ step))
 
 
 def _bin_turned(cell: Cell, by: float) -> Cell:
-    return _moved(cell, pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, by)))
+    return _move(cell, pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, by)))
 
 
 def _home_higher(cell: Cell, by: float) -> Cell | None:
@@ -328,6 +328,9 @@ def _places(cell: Cell, rise: float, turn: float) -> Cell | None:
 
 
 def _with_tool(cell: Cell, arm: str, tool: str) -> Cell:
-    known: Mapping[str, Tool] = {one.name: one for one in cell.arm(arm).tools}
-    arms = tuple(replace(one, tool=known[tool]) if one.name == arm else one for one in cell.arms)
+    known: Mapping[str, Tool] = {known_tool.name: known_tool for known_tool in cell.arm(arm).tools}
+    arms = tuple(
+        replace(arm_plan, tool=known[tool]) if arm_plan.name == arm else arm_plan
+        for arm_plan in cell.arms
+    )
     return replace(cell, arms=arms)

@@ -102,8 +102,8 @@ def emptied(
         report(tally.taken / max(task.count, 1), f"{tally.taken} of {task.count} taken")
         seed = (task.seed * SEEDS + tally.scans) % SEED_LIMIT
         tally.scans += 1
-        avoided = [(one, age - 1) for one, age in avoided if age > 0]
-        truth = [one for _, one in lying]
+        avoided = [(detection, age - 1) for detection, age in avoided if age > 0]
+        truth = [detection for _, detection in lying]
         finding, plannings = tally.finding, len(tally.planning)
         result = _look_and_plan(cell, task, truth, avoided, seed, tally, cancelled)
         if seen_for:
@@ -112,7 +112,9 @@ def emptied(
         seen_for = 0.0
         plan = None if result is None else result.plan
         if result is None or plan is None or result.proof is None or not result.proof.holds:
-            has_pick = result is not None and any(one.verdict.is_ok for one in result.candidates)
+            has_pick = result is not None and any(
+                candidate.verdict.is_ok for candidate in result.candidates
+            )
             refusal = result.verdict if result is not None and has_pick else None
             # What is left alone for a while gets its turn before this counts as the end.
             idle += not avoided
@@ -136,17 +138,18 @@ def emptied(
         cell,
         known,
         refusal=refusal,
-        looked=_looked(tally.seen, result),
+        looked=_summarize(tally.seen, result),
         seed=task.seed,
         is_stopped=failures >= MOST_FAILURES,
         fixes=not task.change,
     )
     more = None
-    rest = [one for _, one in lying]
+    rest = [detection for _, detection in lying]
     if task.bounds:
-        told, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
+        bounds, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
         left = tuple(
-            replace(one, any_grasp=str(found)) for one, found in zip(left, told, strict=True)
+            replace(left_part, any_grasp=str(found))
+            for left_part, found in zip(left, bounds, strict=True)
         )
     return EmptiedPile(
         task,
@@ -191,7 +194,9 @@ def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
     if not task.change:
         return pile
     step = cell.bin.T_world_bin * plain.bin.T_world_bin.inverse()
-    return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)
+    return tuple(
+        replace(detection, T_world_part=step * detection.T_world_part) for detection in pile
+    )
 
 
 def _look_and_plan(
@@ -227,7 +232,7 @@ def _look_and_plan(
         strategy=task.strategy,
         obstacles=around.seen,
         unseen=around.unseen,
-        avoided=_left_alone(detections, [one for one, _ in avoided]),
+        avoided=_left_alone(detections, [detection for detection, _ in avoided]),
         seed=seed,
         cancelled=cancelled,
     )
@@ -241,23 +246,31 @@ def _as_seen(
 ) -> list[tuple[int, Detection]]:
     """What lies in the bin as it lies, its roll unknown where the last scan does not show it."""
 
-    def of(one: Detection) -> Detection:
+    def of(detection: Detection) -> Detection:
         for found in seen:
-            off = found.T_world_part.translation - one.T_world_part.translation
-            if not found.roll_known and found.part == one.part and np.linalg.norm(off) < SAME_PLACE:
-                return replace(one, roll_known=False, roll_axis=found.roll_axis)
-        return one
+            off = found.T_world_part.translation - detection.T_world_part.translation
+            if (
+                not found.roll_known
+                and found.part == detection.part
+                and np.linalg.norm(off) < SAME_PLACE
+            ):
+                return replace(detection, roll_known=False, roll_axis=found.roll_axis)
+        return detection
 
-    return [(number, of(one)) for number, one in lying]
+    return [(number, of(detection)) for number, detection in lying]
 
 
-def _looked(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
+def _summarize(seen: Sequence[Detection], result: PlanResult | None) -> Looked:
     """What the last scan showed and what was said of it; nothing where poses are true ones."""
-    told: dict[int, Verdict] = {}
-    for one in () if result is None else result.candidates:
-        best = told.setdefault(one.detection, one.verdict)
-        told[one.detection] = max(best, one.verdict, key=lambda verdict: verdict.progress)
-    return [(one, told[number]) for number, one in enumerate(seen) if number in told]
+    verdicts: dict[int, Verdict] = {}
+    for candidate in () if result is None else result.candidates:
+        best = verdicts.setdefault(candidate.detection, candidate.verdict)
+        verdicts[candidate.detection] = max(
+            best, candidate.verdict, key=lambda verdict: verdict.progress
+        )
+    return [
+        (detection, verdicts[number]) for number, detection in enumerate(seen) if number in verdicts
+    ]
 
 
 def _left_alone(
@@ -266,10 +279,10 @@ def _left_alone(
     """Numbers of the parts whose pick has failed a short while ago, and why they are left."""
     return {
         number: LeftText.PICK_FAILED()
-        for number, one in enumerate(detections)
+        for number, detection in enumerate(detections)
         for other in failed
-        if one.part == other.part
-        and np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation)
+        if detection.part == other.part
+        and np.linalg.norm(detection.T_world_part.translation - other.T_world_part.translation)
         <= SAME_PLACE
     }
 
@@ -282,7 +295,7 @@ def _carry_out(
     failed: list[int] = []
     picks: list[FilmedPick] = []
     for arm_plan in in_turn(plan):
-        truth = [one for _, one in lying]
+        truth = [detection for _, detection in lying]
         taking = carried_out(cell, truth, arm_plan, plan.detections[arm_plan.detection].part)
         tally.touches += taking.touches
         if plan.goes_unseen:
@@ -305,11 +318,13 @@ def _carry_out(
         rest = [entry for k, entry in enumerate(lying) if k != taking.number]
         if task.settles:
             settled = unloaded(cell, truth, taking.number, taking.way)
-            rest = [(number, one) for (number, _), one in zip(rest, settled, strict=True)]
+            rest = [
+                (number, detection) for (number, _), detection in zip(rest, settled, strict=True)
+            ]
         stays = [
-            (number, one)
-            for number, one in rest
-            if is_in_bin(cell.bin, cell.part(one.part), one.T_world_part)
+            (number, detection)
+            for number, detection in rest
+            if is_in_bin(cell.bin, cell.part(detection.part), detection.T_world_part)
         ]
         tally.knocked_out += len(rest) - len(stays)
         lying[:] = stays

@@ -43,15 +43,15 @@ def left_in(
         is_stopped: failed picks have ended it, whatever else could have been taken.
         fixes: whether the nearest fix is looked for, which takes a second for each part.
     """
-    detections = tuple(one for _, one in lying)
+    detections = tuple(detection for _, detection in lying)
     if not detections:
         return ()
     judged = judge(cell, detections, seed=seed)
     found: list[LeftPart] = []
     for index, (number, _) in enumerate(lying):
         label = str(FoundPart(number))
-        mine = tuple(one for one in judged if one.detection == index)
-        if any(one.verdict.is_ok for one in mine):
+        mine = tuple(candidate for candidate in judged if candidate.detection == index)
+        if any(candidate.verdict.is_ok for candidate in mine):
             if is_stopped:
                 kind, why = STOPPED, LeftText.WAS_STOPPED(count=MOST_FAILURES)
             elif refusal is None:
@@ -60,7 +60,7 @@ def left_in(
                 kind, why = str(refusal.reason), LeftText.NO_PLAN(verdict=refusal.message)
             found.append(LeftPart(label, kind, LeftText.WORKS_BUT(why=why), ""))
             continue
-        best = max((one.verdict for one in mine), key=lambda one: one.progress)
+        best = max((candidate.verdict for candidate in mine), key=lambda verdict: verdict.progress)
         fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
         why = _none_works(mine, best).renumbered(lambda index: lying[index][0])
         found.append(LeftPart(label, str(best.reason), why, "" if fix is None else fix.change))
@@ -70,12 +70,12 @@ def left_in(
 def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, Message]:
     """Why a part that could be taken as it lies was not taken as it was found, if it was."""
 
-    def is_same(found: Detection, one: Detection) -> bool:
-        off = found.T_world_part.translation - one.T_world_part.translation
-        return found.part == one.part and bool(np.linalg.norm(off) < SAME_PLACE)
+    def is_same(found: Detection, detection: Detection) -> bool:
+        off = found.T_world_part.translation - detection.T_world_part.translation
+        return found.part == detection.part and bool(np.linalg.norm(off) < SAME_PLACE)
 
     def as_fallen(index: int) -> int | Message:
-        fell = (number for number, one in lying if is_same(looked[index][0], one))
+        fell = (number for number, detection in lying if is_same(looked[index][0], detection))
         return next(fell, LeftText.FALSE_PART())
 
     for found, verdict in looked:
@@ -86,7 +86,7 @@ def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, Message
 
 
 def _none_works(mine: Sequence[Candidate], best: Verdict) -> Message:
-    counted = Counter(one.verdict.kind for one in mine)
+    counted = Counter(candidate.verdict.kind for candidate in mine)
     reasons = (
         LeftText.COUNTED(count=count, reason=reason.message)
         for reason, count in counted.most_common()

@@ -28,54 +28,54 @@ def summary(
         scan_seconds: [s] that a scan takes.
         approval_seconds: [s] that a person needs to look at a plan and approve it.
     """
-    parts, taken = sum(one.parts for one in scenes), sum(one.taken for one in scenes)
-    counts = zip_longest(*(one.failed for one in scenes), fillvalue=0)
+    parts, taken = sum(scene.parts for scene in scenes), sum(scene.taken for scene in scenes)
+    counts = zip_longest(*(scene.failed for scene in scenes), fillvalue=0)
     kinds = dict.fromkeys(FAILURES[:3], 0) | dict(zip(FAILURES, map(sum, counts), strict=False))
-    planning = [seconds for one in scenes for seconds in one.planning]
+    planning = [seconds for scene in scenes for seconds in scene.planning]
     stages: Counter[str] = Counter()
-    for one in scenes:
-        stages.update(dict(one.stages))
-    scans = sum(one.scans for one in scenes)
+    for scene in scenes:
+        stages.update(dict(scene.stages))
+    scans = sum(scene.scans for scene in scenes)
     seconds = sum(
-        one.motion_seconds
-        + one.finding
-        + sum(one.planning)
-        + one.scans * scan_seconds
-        + one.cycles * approval_seconds
-        - sum(min(moves, scan_seconds + took) for moves, took in one.beside)
-        for one in scenes
+        scene.motion_seconds
+        + scene.finding
+        + sum(scene.planning)
+        + scene.scans * scan_seconds
+        + scene.cycles * approval_seconds
+        - sum(min(moves, scan_seconds + took) for moves, took in scene.beside)
+        for scene in scenes
     )
     return {
         "parts": parts,
         "taken": taken,
         "taken_share": taken / parts if parts else None,
-        "taken_rolled": sum(one.rolled for one in scenes),
+        "taken_rolled": sum(scene.rolled for scene in scenes),
         "estimate_share": _estimate(scenes, taken, parts),
-        "bound_share": _bound(scenes, taken, parts),
+        "bound_share": _bound_share(scenes, taken, parts),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
         "failed_by_kind": kinds,
-        "touches": sum(one.touches for one in scenes),
-        "warned_picks": sum(one.warned_picks for one in scenes),
-        "warned_touches": sum(one.warned_touches for one in scenes),
-        "knocked_out": sum(one.knocked_out for one in scenes),
-        "cycles": sum(one.cycles for one in scenes),
+        "touches": sum(scene.touches for scene in scenes),
+        "warned_picks": sum(scene.warned_picks for scene in scenes),
+        "warned_touches": sum(scene.warned_touches for scene in scenes),
+        "knocked_out": sum(scene.knocked_out for scene in scenes),
+        "cycles": sum(scene.cycles for scene in scenes),
         "scans": scans,
-        "motion_seconds": sum(one.motion_seconds for one in scenes),
+        "motion_seconds": sum(scene.motion_seconds for scene in scenes),
         "parts_per_hour": 3600 * taken / seconds if seconds else None,
         "planning_ms": _percentiles(planning),
         "planning_ms_by_stage": {
             stage: MS * total / len(planning) for stage, total in stages.items()
         },
-        "finding_ms": MS * sum(one.finding for one in scenes) / max(1, scans),
+        "finding_ms": MS * sum(scene.finding for scene in scenes) / max(1, scans),
         "left_by_reason": dict(_reasons(scenes).most_common()),
-        "scenes": [_scene(one) for one in scenes],
+        "scenes": [_scene(scene) for scene in scenes],
     }
 
 
-def _by_kind(one: EmptiedPile) -> dict[str, int]:
+def _by_kind(pile: EmptiedPile) -> dict[str, int]:
     """Failed picks by kind, those that were counted."""
-    return dict(zip(FAILURES, one.failed, strict=False))
+    return dict(zip(FAILURES, pile.failed, strict=False))
 
 
 def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
@@ -86,35 +86,35 @@ def _percentiles(seconds: Sequence[float]) -> dict[str, float] | None:
     return {"median": float(median), "p95": float(p95)}
 
 
-def _bound(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
+def _bound_share(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
     """The share that any grasps of the tool take, None when nobody asked."""
-    more = [one.more for one in scenes if one.more is not None]
+    more = [scene.more for scene in scenes if scene.more is not None]
     return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
 
 
 def _estimate(scenes: Sequence[EmptiedPile], taken: int, parts: int) -> float | None:
     """The share that was taken, or that some hand could hold as it stays; None where unknown."""
-    more = [one.holdable for one in scenes if one.holdable is not None]
+    more = [scene.holdable for scene in scenes if scene.holdable is not None]
     return (taken + sum(more)) / parts if parts and len(more) == len(scenes) else None
 
 
 def _reasons(scenes: Sequence[EmptiedPile]) -> Counter[str]:
-    return Counter(left.kind for one in scenes for left in one.left)
+    return Counter(left.kind for scene in scenes for left in scene.left)
 
 
-def _scene(one: EmptiedPile) -> dict[str, Any]:
+def _scene(pile: EmptiedPile) -> dict[str, Any]:
     return {
-        "seed": one.task.seed,
-        "parts": one.parts,
-        "taken": one.taken,
-        "cycles": one.cycles,
-        "scans": one.scans,
-        "failed_picks": sum(one.failed),
-        "failed_by_kind": _by_kind(one),
-        "touches": one.touches,
-        "warned_picks": one.warned_picks,
-        "warned_touches": one.warned_touches,
-        "knocked_out": one.knocked_out,
-        "motion_seconds": one.motion_seconds,
-        "left": [left.form for left in one.left],
+        "seed": pile.task.seed,
+        "parts": pile.parts,
+        "taken": pile.taken,
+        "cycles": pile.cycles,
+        "scans": pile.scans,
+        "failed_picks": sum(pile.failed),
+        "failed_by_kind": _by_kind(pile),
+        "touches": pile.touches,
+        "warned_picks": pile.warned_picks,
+        "warned_touches": pile.warned_touches,
+        "knocked_out": pile.knocked_out,
+        "motion_seconds": pile.motion_seconds,
+        "left": [left.form for left in pile.left],
     }

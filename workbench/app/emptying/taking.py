@@ -149,9 +149,9 @@ def _between_fingers(
 ) -> tuple[int | None, bool]:
     """The part of a kind that lies where the hand closes, and whether as it should."""
     errors = {
-        number: pose_error(cell.part(part), one.T_world_part, T_world_part)
-        for number, one in enumerate(truth)
-        if one.part == part
+        number: pose_error(cell.part(part), detection.T_world_part, T_world_part)
+        for number, detection in enumerate(truth)
+        if detection.part == part
     }
     near = [number for number, (distance, _) in errors.items() if distance <= BESIDE]
     if not near:

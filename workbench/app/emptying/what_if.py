@@ -50,16 +50,16 @@ def ranked(
         {
             "change": words,
             "taken_share_before": before["taken_share"],
-            "taken_share": one["taken_share"],
-            "parts_gained": one["taken"] - before["taken"],
-            "taken_by_scene": [scene["taken"] for scene in one["scenes"]],
-            "failed_picks": one["failed_picks"],
-            "touches": one["touches"],
-            "cycles": one["cycles"],
-            "motion_seconds": one["motion_seconds"],
-            "left_by_reason": one["left_by_reason"],
+            "taken_share": answer["taken_share"],
+            "parts_gained": answer["taken"] - before["taken"],
+            "taken_by_scene": [scene["taken"] for scene in answer["scenes"]],
+            "failed_picks": answer["failed_picks"],
+            "touches": answer["touches"],
+            "cycles": answer["cycles"],
+            "motion_seconds": answer["motion_seconds"],
+            "left_by_reason": answer["left_by_reason"],
         }
-        for words, one in found.items()
+        for words, answer in found.items()
     ]
     # What the clock says is no part of the order: it is the same each time.
     return sorted(

@@ -91,8 +91,10 @@ def write_bundle(
         content |= derived
         moments, broke = _moments(journal, len(entries))
         rows = itertools.islice(journal.entries(), len(moments) + 1)
-        for one in certificates(rows, journal.read):
-            content[f"certificates/{one.number}-{one.digest[:12]}.json"] = one.certificate
+        for certificate in certificates(rows, journal.read):
+            content[f"certificates/{certificate.number}-{certificate.digest[:12]}.json"] = (
+                certificate.certificate
+            )
         head = _head(journal, entries, at)
         tables = tables_of(head, moments, broke)
         title = f"Evidence of session {journal.folder.name}"
@@ -181,13 +183,13 @@ def _manifest(
     packed: str,
 ) -> bytes:
     """The manifest; `packed` is the SHA-256 of all that the zip file has before it."""
-    files = {name: _named(source) for name, source in sorted(content.items())}
+    files = {name: _describe(source) for name, source in sorted(content.items())}
     about = {"format": packing.FORMAT, "session": session, "made_at": at, "made_with": __version__}
     about |= {"entries": len(entries), "head": entries[-1].hash, "files": files, "packed": packed}
     return (json.dumps(about, indent=1, sort_keys=True) + "\n").encode()
 
 
-def _named(source: Path | bytes) -> Mapping[str, Any]:
+def _describe(source: Path | bytes) -> Mapping[str, Any]:
     if isinstance(source, bytes):
         return {"size": len(source), "sha256": hashlib.sha256(source).hexdigest()}
     with source.open("rb") as file:

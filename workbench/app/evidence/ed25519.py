@@ -29,9 +29,12 @@ def _point(packed: bytes) -> Any:
     return None if x is None else (x, y, 1, x * y % P)
 
 
-def _sum(one: Any, other: Any) -> Any:
-    a, b = (one[1] - one[0]) * (other[1] - other[0]), (one[1] + one[0]) * (other[1] + other[0])
-    c, d = 2 * one[3] * other[3] * D, 2 * one[2] * other[2]
+def _sum(first: Any, second: Any) -> Any:
+    a, b = (
+        (first[1] - first[0]) * (second[1] - second[0]),
+        (first[1] + first[0]) * (second[1] + second[0]),
+    )
+    c, d = 2 * first[3] * second[3] * D, 2 * first[2] * second[2]
     e, f, g, h = b - a, d - c, d + c, b + a
     return e * f % P, g * h % P, f * g % P, e * h % P
 

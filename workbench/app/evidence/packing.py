@@ -25,7 +25,7 @@ class Bundle:
 
     def __init__(self, file: IO[bytes]) -> None:
         self.file = file
-        self.members: dict[str, Member] = {one.name: one for one in members_of(file)}
+        self.members: dict[str, Member] = {member.name: member for member in members_of(file)}
 
     def blocks(self, name: str) -> Iterator[bytes]:
         """The content of a file, in pieces."""
@@ -64,7 +64,7 @@ def packing_problems(bundle: Bundle, manifest: dict[str, Any]) -> Iterator[str]:
     while left and (block := bundle.file.read(min(left, STEP))):
         whole.update(block)
         left -= len(block)
-    if whole.hexdigest() != manifest["packed"] or any(one.method != STORED for one in end):
+    if whole.hexdigest() != manifest["packed"] or any(member.method != STORED for member in end):
         yield "the files are not packed as they were when they were signed"
 
 

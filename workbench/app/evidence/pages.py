@@ -110,7 +110,7 @@ def _lines(title: str, tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
     for table in tables:
         yield "", False
         yield table.title.upper(), True
-        yield from ((line, False) for line in _wrapped(table.says))
+        yield from ((line, False) for line in _wrap(table.says))
         if not table.rows:
             yield "None.", False
             continue
@@ -125,17 +125,17 @@ def _lines(title: str, tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
 
 def _cells(row: tuple[str, ...], widths: list[int]) -> list[str]:
     """A row of a table; what the last cell says goes on under itself."""
-    row = tuple("".join(one if one.isprintable() else " " for one in cell) for cell in row)
+    row = tuple("".join(letter if letter.isprintable() else " " for letter in cell) for cell in row)
     *before, last = row
     head = "".join(
         cell.ljust(width) + "  " for cell, width in zip(before, widths[:-1], strict=True)
     )
     if len(head) > COLUMNS - SHORT:
-        return _wrapped(head) + _wrapped(last, "    ", "    ")
-    return _wrapped(last, head, " " * len(head)) or [head.rstrip()]
+        return _wrap(head) + _wrap(last, "    ", "    ")
+    return _wrap(last, head, " " * len(head)) or [head.rstrip()]
 
 
-def _wrapped(text: str, first: str = "", others: str = "") -> list[str]:
+def _wrap(text: str, first: str = "", others: str = "") -> list[str]:
     return textwrap.wrap(
         text,
         COLUMNS,

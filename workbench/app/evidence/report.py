@@ -71,7 +71,7 @@ def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "
         moments: entries with the states after them, in order.
         broke: why they end before the journal does; empty when they do not.
     """
-    told = list(moments)
+    entries = list(moments)
     says = (
         "Times are UTC by the clock of the machine. Digests are SHA-256. Whether anything was "
         "changed since it was signed is told by verify.py with the signer's public key, not by "
@@ -80,12 +80,12 @@ def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "
     if broke:
         says += f" The session could not be computed again to its end: {broke}."
     tables = [Table("Session", says, (), tuple(head.items()))]
-    tables.append(_starts(told))
-    tables.append(_people(told))
-    for number, cycle in enumerate(_cycles(told), 1):
+    tables.append(_starts(entries))
+    tables.append(_people(entries))
+    for number, cycle in enumerate(_cycles(entries), 1):
         tables.append(_cycle(number, cycle))
-    tables.append(_interventions(told))
-    tables.append(_log(told))
+    tables.append(_interventions(entries))
+    tables.append(_log(entries))
     return tables
 
 
@@ -94,9 +94,9 @@ def clock(at: float) -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(at)) + f".{int(at * 1000) % 1000:03d}"
 
 
-def _starts(told: list[Moment]) -> Table:
+def _starts(entries: list[Moment]) -> Table:
     rows: list[tuple[str, ...]] = []
-    for entry, state in told:
+    for entry, state in entries:
         match entry.command:
             case Started(ran=ran, changes=changes):
                 what = f"workbench {ran.workbench} ({ran.files[:12]}), {ran.python}"
@@ -116,19 +116,19 @@ def _starts(told: list[Moment]) -> Table:
     return Table("What ran", says, ("when", "who", "what"), tuple(rows))
 
 
-def _people(told: list[Moment]) -> Table:
-    counts = Counter((e.actor, str(e.role)) for e, _ in told if e.actor not in MACHINES)
+def _people(entries: list[Moment]) -> Table:
+    counts = Counter((e.actor, str(e.role)) for e, _ in entries if e.actor not in MACHINES)
     rows = tuple((name, role, str(count)) for (name, role), count in sorted(counts.items()))
     return Table("Who acted", "", ("name", "role", "commands"), rows)
 
 
-def _cycles(told: list[Moment]) -> Iterator[list[Moment]]:
+def _cycles(entries: list[Moment]) -> Iterator[list[Moment]]:
     """From one sending to the next: all moments from the end of the cycle before.
 
     Of a row the end of a sending is the beginning of the next one, too.
     """
     cycle: list[Moment] = []
-    for moment in told:
+    for moment in entries:
         cycle.append(moment)
         if isinstance(moment[0].command, LinkEnded):
             yield cycle
@@ -145,11 +145,11 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
     if state.plan is not None and state.proof is not None:
         rows += _plan(state.plan, state.proof)
     rows += _in_row(state)
-    rows += _shown(before, state)
-    rows += _approved(before, state)
+    rows += _list_shown(before, state)
+    rows += _list_approval(before, state)
     sender = f"by {entry.actor}" if isinstance(entry.command, SendPlan) else "after the one before"
     rows.append(("sent", f"{clock(entry.at)} {sender} (entry {entry.number})"))
-    rows += _heard(cycle[sent + 1 :])
+    rows += _list_reports(cycle[sent + 1 :])
     return Table(f"Sending {number}", "", (), tuple(rows))
 
 
@@ -165,9 +165,9 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
-    for one in plan.arms:
-        told = "not stated" if one.loads is None else one.loads.words
-        yield f"load, {one.arm} arm", told
+    for arm in plan.arms:
+        words = "not stated" if arm.loads is None else arm.loads.words
+        yield f"load, {arm.arm} arm", words
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (
         "proof",
@@ -182,7 +182,7 @@ def _corners(proof: Proof) -> str:
     return f"corners sharp or rounded by up to {proof.zone:.0%} of the shorter segment beside them"
 
 
-def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+def _list_shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
     digest = None if state.plan is None else state.plan.digest
     for entry, _ in before:
         command = entry.command
@@ -191,7 +191,7 @@ def _shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
             yield "shown", f"{clock(entry.at)} to {entry.actor}, {how} (entry {entry.number})"
 
 
-def _approved(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
+def _list_approval(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
     digest = None if state.plan is None else state.plan.digest
     for entry, _ in before:
         if isinstance(entry.command, Approve) and entry.command.plan_digest == digest:
@@ -208,11 +208,11 @@ def _approved(before: list[Moment], state: State) -> Iterator[tuple[str, str]]:
         yield "approval", f"{approval.digest}: {people}, until {until}{how}{unseen}{ran}"
 
 
-def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
+def _list_reports(after: list[Moment]) -> Iterator[tuple[str, str]]:
     messages = [e.command.receipt for e, _ in after if isinstance(e.command, Sent)]
     if messages:
         began, ended = messages[0].at, messages[-1].at
-        answered = sum(bool(one.heard) for one in messages)
+        answered = sum(bool(message.heard) for message in messages)
         yield "messages", f"{len(messages)} in {ended - began:.1f} s, {answered} answered; wire.txt"
     for entry, state in after:
         match entry.command:
@@ -233,9 +233,9 @@ def _heard(after: list[Moment]) -> Iterator[tuple[str, str]]:
                 pass
 
 
-def _interventions(told: list[Moment]) -> Table:
+def _interventions(entries: list[Moment]) -> Table:
     rows: list[tuple[str, ...]] = []
-    for entry, state in told:
+    for entry, state in entries:
         command = entry.command
         by_person = entry.actor not in MACHINES and not isinstance(command, USUAL)
         faulty = state.phase is Phase.FAULT and isinstance(command, LinkEnded)
@@ -247,13 +247,13 @@ def _interventions(told: list[Moment]) -> Table:
     return Table("Interventions and faults", says, columns, tuple(rows))
 
 
-def _log(told: list[Moment]) -> Table:
-    shown = [(e, s) for e, s in told if not isinstance(e.command, Sent)]
+def _log(entries: list[Moment]) -> Table:
+    shown = [(e, s) for e, s in entries if not isinstance(e.command, Sent)]
     rows = tuple(
         (str(e.number), clock(e.at), e.actor, _kind(e), str(s.phase), str(s.message))
         for e, s in shown
     )
-    left_out = len(told) - len(shown)
+    left_out = len(entries) - len(shown)
     says = f"Every entry after the first but {left_out} messages to the robot, which wire.txt has."
     return Table("Log", says, ("entry", "when", "who", "what", "phase", "says"), rows)
 

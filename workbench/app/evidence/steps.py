@@ -56,7 +56,7 @@ def step_problems(entries: Iterable[tuple[int, str, Any]]) -> Iterator[str]:
     plan: Any = None
     approval: Any = {}
     let: Any = 0
-    told = place = 0
+    last_step = place = 0
     times: list[float] = []
     for number, kind, body in entries:
         command: Any = _fields(body.get("command"))
@@ -66,7 +66,7 @@ def step_problems(entries: Iterable[tuple[int, str, Any]]) -> Iterator[str]:
             # Of a row each plan goes out with its own times, and is stepped from its first step.
             row = row_plans(plan)
             place = 0 if kind == "SendPlan" else place + 1
-            approval, let, told = _fields(body.get("approval")), 0, 0
+            approval, let, last_step = _fields(body.get("approval")), 0, 0
             now = row[place] if place < len(row) else None
             times = _told_times(now, approval.get("speed_share", 1.0))
         elif kind == "NextStep":
@@ -78,9 +78,9 @@ def step_problems(entries: Iterable[tuple[int, str, Any]]) -> Iterator[str]:
             if len(words) < 3:
                 yield f"entry {number} is no message to a robot"
             elif words[1] == "next":
-                if int(words[2]) != told + 1 or int(words[2]) > let:
+                if int(words[2]) != last_step + 1 or int(words[2]) > let:
                     yield f"entry {number} tells the robot to run a step that nobody has let run"
-                told = int(words[2])
+                last_step = int(words[2])
             elif words[1] == "ticket":
                 if (words[5:] == ["stepped"]) != bool(approval.get("is_stepped")):
                     yield f"entry {number} is another manner of sending than the one approved"
@@ -97,7 +97,11 @@ def row_plans(result: Any) -> list[Any]:
     """The plan that a planning has brought, and those after it."""
     fields = _fields(result)
     after = fields.get("row")
-    others = [_fields(one).get("plan") for one in after] if isinstance(after, list) else []
+    others = (
+        [_fields(proven_plan).get("plan") for proven_plan in after]
+        if isinstance(after, list)
+        else []
+    )
     return [fields.get("plan"), *others]
 
 
@@ -122,8 +126,8 @@ def row_problem(given: Any, body: Any) -> str:
     if (after.get("plan"), after.get("proof")) != said:
         return "lets another plan follow than the one approved"
     command = _fields(_fields(body).get("command"))
-    parts = [_fields(one).get("is_picked") for one in command.get("parts") or ()]
-    if command.get("fault") or not parts or any(one is not True for one in parts):
+    parts = [_fields(part).get("is_picked") for part in command.get("parts") or ()]
+    if command.get("fault") or not parts or any(part is not True for part in parts):
         return "lets a plan follow after one that did not end well"
     return ""
 

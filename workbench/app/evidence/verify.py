@@ -125,9 +125,9 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
         if _rehashed(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
         expected, previous = entry.number + 1, entry.hash
-    told = [(one.number, one.kind, body_of(one)) for one in entries]
-    yield from approval_problems(told)
-    yield from step_problems(told)
+    bodies = [(member.number, member.kind, body_of(member)) for member in entries]
+    yield from approval_problems(bodies)
+    yield from step_problems(bodies)
 
 
 def clock_remarks(entries: list[Entry]) -> Iterator[str]:
@@ -161,16 +161,16 @@ def anchors_from(text: str) -> tuple[list[Any], list[str]]:
     """Anchors, one JSON object a line, and remarks on torn lines; ValueError when they are none."""
     anchors: list[Any] = []
     remarks: list[str] = []
-    for place, line in enumerate((one.strip() for one in text.splitlines()), 1):
+    for place, line in enumerate((text_line.strip() for text_line in text.splitlines()), 1):
         if line.startswith("{") and not line.endswith("}"):
             # Disk or power were gone while it was written; it was written again after that.
             remarks.append(f"line {place} of the anchors was not written to its end")
         elif line:
-            one = json.loads(line)
-            kinds = [type(one[name]) for name in ("session", "number", "hash") if name in one]
+            anchor = json.loads(line)
+            kinds = [type(anchor[name]) for name in ("session", "number", "hash") if name in anchor]
             if kinds != [str, int, str]:
                 raise ValueError("session, number or hash is missing, or of another kind")
-            anchors.append(one)
+            anchors.append(anchor)
     return anchors, remarks
 
 
@@ -203,9 +203,9 @@ def derived(entries: list[Entry]) -> dict[str, bytes]:
             approvals.append({"entry": entry.number, "vote_of": body["actor"], **about})
             approvals[-1]["approval"] = body.get("approval")
         if entry.kind == "Sent":
-            one = body["command"]["receipt"]
-            words = (one["arm"], one["kind"], one["sent"], one["heard"])
-            wire.append(json.dumps([entry.number, one["at"], *words], ensure_ascii=False))
+            receipt = body["command"]["receipt"]
+            words = (receipt["arm"], receipt["kind"], receipt["sent"], receipt["heard"])
+            wire.append(json.dumps([entry.number, receipt["at"], *words], ensure_ascii=False))
     texts = {
         "log.json": json.dumps(log, indent=1, ensure_ascii=False),
         "wire.txt": "\n".join(['["entry", "at", "arm", "kind", "sent", "heard"]', *wire]) + "\n",
@@ -321,7 +321,7 @@ def main(arguments: list[str] | None = None) -> int:
     problems, remarks, missing = problems_of(typed.bundle, key, anchors)
     for line in (*problems[:MOST_PROBLEMS], *torn, *remarks, *missing):
         # Names in the file may hold anything, also what a terminal obeys.
-        print("".join(one if one.isprintable() else ascii(one)[1:-1] for one in line))
+        print("".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in line))
     if problems:
         print(f"{typed.bundle}: CHANGED, {len(problems)} problem{'s' * (len(problems) > 1)}")
         return 1

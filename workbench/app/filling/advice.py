@@ -70,7 +70,7 @@ def advice(
 
 
 def _best(found: list[tuple[str, int]]) -> tuple[tuple[str, int], ...]:
-    return tuple(sorted(found, key=lambda one: -one[1])[:TOLD])
+    return tuple(sorted(found, key=lambda counted_change: -counted_change[1])[:TOLD])
 
 
 def _others(cell: Cell) -> Iterator[tuple[str, Cell]]:
@@ -93,4 +93,6 @@ def _cup(tool: Tool) -> Tool:
 
 def _in_bin(cell: Cell, other: Cell, pile: Sequence[Detection]) -> tuple[Detection, ...]:
     step = other.bin.T_world_bin * cell.bin.T_world_bin.inverse()
-    return tuple(replace(one, T_world_part=step * one.T_world_part) for one in pile)
+    return tuple(
+        replace(detection, T_world_part=step * detection.T_world_part) for detection in pile
+    )

@@ -50,7 +50,7 @@ def choose(hand: Hand, worlds: Sequence[World], seed: int, is_over: Callable[[],
     if not cases:
         return
     rng = np.random.default_rng(seed)
-    free = np.array([one.free for one in cases], np.float32)
+    free = np.array([case.free for case in cases], np.float32)
     worth = np.array(
         [WORTH ** sum(f.fits(c.world, hand.arm, c.number) for f in hand.families) for c in cases]
     )
@@ -106,7 +106,7 @@ def _best(
     for _, k in sorted(looked, reverse=True)[:GROWN]:
         part = hand.grower.part
         family = family_of(part, hand.arm, hand.grower.grown(grips[k]), hand.least_air)
-        fits = np.array([family.fits(one.world, hand.arm, one.number) for one in cases])
+        fits = np.array([family.fits(case.world, hand.arm, case.number) for case in cases])
         if best is None or float(worth @ fits) > best[0]:
             best = float(worth @ fits), family, fits
     return None if best is None else best[1:]

@@ -83,7 +83,7 @@ def cleared(
             for number in range(len(rest)):
                 if is_over():
                     return taken + len(gone), why
-                reason = _added(hands, world, number, seed, rng)
+                reason = _add_family(hands, world, number, seed, rng)
                 if reason:
                     why.append(Stays(tuple(rest), number, reason))
                 else:
@@ -101,13 +101,13 @@ def _takes(
     """Whether a family takes a part; it is told so."""
     tried = 0
     for hand in hands:
-        for family in sorted(hand.families, key=lambda one: -len(one.took)):
+        for family in sorted(hand.families, key=lambda other_family: -len(other_family.took)):
             if not family.fits(world, hand.arm, number):
                 continue
             free = np.flatnonzero(family.free(world, hand.arm, number))
             for k in rng.permutation(free)[:WAYS].tolist():
                 tried += 1
-                reason = _reached(hand, world, number, family.grasp(k), seed)
+                reason = _refuse_reach(hand, world, number, family.grasp(k), seed)
                 if not reason:
                     family.took.append((world, number))
                     return True
@@ -119,7 +119,7 @@ def _takes(
 COVERED = "others lie on it"
 
 
-def _reached(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
+def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
     """Why no arm takes a part by a grasp; empty when one does."""
     reason = ""
     for arm in hand.arms:
@@ -132,7 +132,7 @@ def _reached(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> 
     return reason
 
 
-def _added(
+def _add_family(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
 ) -> str:
     """Have a grip that takes a part add its family; else why none does."""
@@ -141,7 +141,7 @@ def _added(
     for hand in hands:
         for k, found in _firmest(hand, world, number, rng):
             narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)
-            reason = _reached(hand, world, number, narrow, seed)
+            reason = _refuse_reach(hand, world, number, narrow, seed)
             if not reason:
                 _add(hand, world, number, found[0])
                 return ""
@@ -163,7 +163,7 @@ def _firmest(
             holding.append((k, found))
         if len(holding) == GRIPS:
             break
-    return sorted(holding, key=lambda one: -hand.goodness(*one[1]))
+    return sorted(holding, key=lambda hold: -hand.goodness(*hold[1]))
 
 
 def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
@@ -177,11 +177,15 @@ def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
 
 def _without(cell: Cell, rest: Sequence[Detection], gone: Sequence[int]) -> list[Detection]:
     """What is left as some parts are gone and the last of them is lifted straight up."""
-    stays = [one for number, one in enumerate(rest) if number not in gone]
+    stays = [detection for number, detection in enumerate(rest) if number not in gone]
     if not stays:
         return []
     last = rest[gone[-1]]
     T = last.T_world_part
     way = [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, RISE]))]
     settled = unloaded(cell, [*stays, last], len(stays), way)
-    return [one for one in settled if is_in_bin(cell.bin, cell.parts[0], one.T_world_part)]
+    return [
+        detection
+        for detection in settled
+        if is_in_bin(cell.bin, cell.parts[0], detection.T_world_part)
+    ]

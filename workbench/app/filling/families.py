@@ -82,10 +82,12 @@ def family_of(part: Part, arm: Arm, entry: Entry, least_air: float | None) -> Fa
     """The family of an entry; its fingers as little open as the policy lets them arrive."""
     alone = GraspLibrary((entry,))
     grasps = multiplied(alone, part.symmetry)
-    one = grasps[0]
-    opening = one.opening
+    first_grasp = grasps[0]
+    opening = first_grasp.opening
     if least_air is not None and arm.tool.fingers:
-        opening = min(one.opening, max(one.grip + 2 * least_air, arm.tool.stroke[0]))
+        opening = min(
+            first_grasp.opening, max(first_grasp.grip + 2 * least_air, arm.tool.stroke[0])
+        )
     Ts = [grasp.T_part_tcp * T for grasp in grasps for T in grips(arm.tool, grasp)]
     R, p = np.array([T.rotation for T in Ts]), np.array([T.translation for T in Ts])
     F = arm.tool.T_flange_tcp.inverse()
@@ -93,11 +95,11 @@ def family_of(part: Part, arm: Arm, entry: Entry, least_air: float | None) -> Fa
         np.array([0, len(Ts)]),
         np.ascontiguousarray(R @ F.rotation),
         np.ascontiguousarray(p + R @ F.translation),
-        np.tile([opening, one.grip], (len(Ts), 1)),
+        np.tile([opening, first_grasp.grip], (len(Ts), 1)),
         np.zeros(len(Ts), np.int64),
         np.full((len(Ts), 2), NOTHING),
     )
-    return Family(entry, R, p, opening, one.grip, hands)
+    return Family(entry, R, p, opening, first_grasp.grip, hands)
 
 
 class Grower:
@@ -134,7 +136,7 @@ class Grower:
 
     def grown(self, grasp: Grasp) -> Entry:
         """The entry that a grip is the first of: tilted, in a row, and around a round body."""
-        axes = np.array([*(one.axis for one in self._bodies), *np.eye(3)])
+        axes = np.array([*(round_body.axis for round_body in self._bodies), *np.eye(3)])
         nice = _nice(grasp.T_part_tcp, axes)
         straight = None if nice is None else self.looked_at(nice)
         grasp = grasp if straight is None else straight[0]
@@ -150,7 +152,7 @@ class Grower:
         offsets = self._offsets(grasp, row) if self.checker.pads is not None else (0.0,)
         if len(offsets) == 1:
             return grasp
-        return self._thinned(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
+        return self._thin(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
 
     def _tilt(self, grasp: Grasp) -> float:
         """How far [rad] the hand may be tilted about the way of its fingers and still holds."""
@@ -159,7 +161,7 @@ class Grower:
         for tilt in TILTS:
             turned = [replace(grasp, T_part_tcp=grasp.T_part_tcp * T)
                       for T in (_about_y(tilt), _about_y(-tilt))]  # fmt: skip
-            if all(self.checker.check(one).is_ok for one in turned):
+            if all(self.checker.check(turned_grasp).is_ok for turned_grasp in turned):
                 return float(tilt)
         return 0.0
 
@@ -174,17 +176,17 @@ class Grower:
         step = max(ROW, round((high - low) / MOST_IN_ROW, 3))
         steps = np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
         return tuple(
-            float(one)
-            for one in steps
-            if one == 0.0 or self._holds(grasp, pin.SE3(np.eye(3), one * axis))
+            float(offset)
+            for offset in steps
+            if offset == 0.0 or self._holds(grasp, pin.SE3(np.eye(3), offset * axis))
         )
 
     def _angles(self, grasp: Grasp, body: RoundBody) -> tuple[float, ...]:
         """Turns [rad] about a round body at which the same grip holds, its own among them."""
         return tuple(
-            float(one)
-            for one in np.arange(round(body.period / TURN)) * TURN
-            if one == 0.0 or self._holds(grasp, body.turned(one))
+            float(angle)
+            for angle in np.arange(round(body.period / TURN)) * TURN
+            if angle == 0.0 or self._holds(grasp, body.turned(angle))
         )
 
     def _whole(self, pattern: GraspPattern) -> GraspPattern:
@@ -197,9 +199,9 @@ class Grower:
             some = rng.permutation(len(copies))[:each].tolist()
             if offset == 0.0 or all(self.checker.check(copies[k]).is_ok for k in some):
                 offsets.append(offset)
-        return self._thinned(replace(pattern, offsets=tuple(offsets)))
+        return self._thin(replace(pattern, offsets=tuple(offsets)))
 
-    def _thinned(self, pattern: GraspPattern) -> GraspPattern:
+    def _thin(self, pattern: GraspPattern) -> GraspPattern:
         """The pattern with every other place, and then every other turn, until it is small."""
         while (
             len(multiplied(GraspLibrary((pattern,)), self.part.symmetry)) > FAMILY

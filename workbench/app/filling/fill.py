@@ -123,13 +123,13 @@ def filled(
             break
         out, why = cleared(cell, hands, pile, seed, lambda: is_over(CLEARING))
         taken, parts = taken + out, parts + out + len(why)
-        stays.update(one.reason for one in why)
-        stuck += [one for one in why if one.reason == str(Reason.TOOL_COLLISION)]
+        stays.update(left_part.reason for left_part in why)
+        stuck += [left_part for left_part in why if left_part.reason == str(Reason.TOOL_COLLISION)]
     helps, looked = advice(cell, stuck, seed, is_over)
     worth = kept(part, hands, known, seed)
     return Filled(
-        tuple(_ranked(part, worth)),
-        tuple(one.adds for one in worth),
+        tuple(_rank(part, worth)),
+        tuple(family.adds for family in worth),
         parts,
         taken,
         tuple(stays.most_common()),
@@ -182,17 +182,17 @@ def _piles(cell: Cell, part: Part, seed: int) -> Iterator[tuple[Detection, ...]]
     raise problem
 
 
-def _ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
+def _rank(part: Part, families: Sequence[Kept]) -> list[Entry]:
     """Their entries with priorities and names, in their order."""
-    whole, so_far = sum(one.adds for one in families), 0.0
+    whole, so_far = sum(family.adds for family in families), 0.0
     taken = {entry.name for entry in part.library.entries}
     found: list[Entry] = []
-    for one in families:
+    for family in families:
         priority = FIRST_PRIORITY if so_far <= USUAL * whole else FIRST_PRIORITY - 1
-        so_far += one.adds
-        name = named(part, one.family.entry, taken)
+        so_far += family.adds
+        name = named(part, family.family.entry, taken)
         taken.add(name)
-        found.append(_as(one.family.entry, name, priority))
+        found.append(_as(family.family.entry, name, priority))
     return found
 
 

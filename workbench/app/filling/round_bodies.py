@@ -40,16 +40,18 @@ class RoundBody:
 def round_bodies(part: Part, checker: GraspChecker) -> tuple[RoundBody, ...]:
     """The axes of a part, that of its symmetry first."""
     found: list[RoundBody] = []
-    for one in part.symmetry.axes[:1]:
-        period = ANY_TURN if one.fold == 0 else 2 * np.pi / one.fold
-        found.append(RoundBody(np.array(one.axis), np.array(part.symmetry.point), float(period)))
+    for symmetry_axis in part.symmetry.axes[:1]:
+        period = ANY_TURN if symmetry_axis.fold == 0 else 2 * np.pi / symmetry_axis.fold
+        found.append(
+            RoundBody(np.array(symmetry_axis.axis), np.array(part.symmetry.point), float(period))
+        )
     if checker.pads is None:
         return tuple(found)
     rng = np.random.default_rng(0)
     points, inward, widths, _ = opposite_points(checker, PAIRS, rng)
     middles = points + widths[:, None] / 2 * inward
     for axis in np.eye(3):
-        if any(abs(float(axis @ one.axis)) > 0.99 for one in found):
+        if any(abs(float(axis @ round_body.axis)) > 0.99 for round_body in found):
             continue
         across = np.abs(inward @ axis) < 0.05
         if across.sum() < max(1.0, LEAST * len(inward)):

@@ -21,10 +21,13 @@ def with_exactness(
         detections: the parts found.
         candidates: with their verdicts.
     """
-    return tuple(replace(one, verdict=_noted(cell, detections, one.verdict)) for one in candidates)
+    return tuple(
+        replace(candidate, verdict=_note_excess(cell, detections, candidate.verdict))
+        for candidate in candidates
+    )
 
 
-def _noted(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:
+def _note_excess(cell: Cell, detections: Sequence[Detection], verdict: Verdict) -> Verdict:
     if verdict.is_ok or verdict.pair is None or verdict.distance is None:
         return verdict
     excess = sum(

@@ -27,12 +27,12 @@ from workbench.proof.spot import Spot, spot_of
 
 def bin_check_of(state: State) -> BinCheck | None:
     """What the scan of a state says about the bin of its cell; None without a scan."""
-    return None if state.scan is None else _checked(state.scan, state.cell.bin)
+    return None if state.scan is None else _check_bin(state.scan, state.cell.bin)
 
 
 # It takes some 10 ms, and is asked for at every drawing.
 @functools.lru_cache(maxsize=2)
-def _checked(scan: Scan, bin: Bin) -> BinCheck:
+def _check_bin(scan: Scan, bin: Bin) -> BinCheck:
     return check_bin(scan, bin)
 
 
@@ -70,14 +70,14 @@ def with_facts(state: State, command: Command) -> Command:
 
 # The robot is built for it, and a film asks at every drawing.
 @functools.lru_cache(maxsize=16)
-def stands_on_station(cell: Cell, plan: Plan, one: ArmPlan) -> pin.SE3 | None:
+def stands_on_station(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> pin.SE3 | None:
     """`T_world_part` of a part once an arm of a plan has let go of it over its station.
 
     None where the arm puts it on none, or on one that the cell does not have any more.
     """
-    if one.station not in [station.name for station in cell.stations]:
+    if arm_plan.station not in [station.name for station in cell.stations]:
         return None
-    return standing_after(cell, tree_of(cell), plan, one).T_world_part
+    return standing_after(cell, tree_of(cell), plan, arm_plan).T_world_part
 
 
 def check_installed(state: State, command: Command) -> None:
@@ -109,12 +109,15 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     """
     kinematics = Kinematics(cell)
     placed: list[Detection] = []
-    for one in plan.arms:
-        arm, found = cell.arm(one.arm), plan.detections[one.detection]
-        if arm.keeps_parts or one.station:
-            T = stands_on_station(cell, plan, one)
+    for arm_plan in plan.arms:
+        arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+        if arm.keeps_parts or arm_plan.station:
+            T = stands_on_station(cell, plan, arm_plan)
             if T is None:
-                T = kinematics.tcp_pose(arm, np.asarray(one.leg("place").q[-1])) * one.T_tcp_part
+                T = (
+                    kinematics.tcp_pose(arm, np.asarray(arm_plan.leg("place").q[-1]))
+                    * arm_plan.T_tcp_part
+                )
             # A roll that the scan did not show is not known on the pallet, either.
             kept = Detection(found.part, T, roll_known=found.roll_known, roll_axis=found.roll_axis)
             placed.append(replace(kept, T_world_found=found.T_world_found or found.T_world_part))

@@ -9,7 +9,7 @@ from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
 
-def applied(state: State, fix: Fix) -> EditPart | ChangeCell:
+def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
     """The command that makes the change of a fix; an undo takes it back.
 
     A grasp is changed for all parts of its kind, a pattern with all its copies.
@@ -22,25 +22,26 @@ def applied(state: State, fix: Fix) -> EditPart | ChangeCell:
         InputError: the candidate is not among those judged last, its grasp is gone, or the change
             is neither of a grasp nor of the policy.
     """
-    one = fix.candidate
+    candidate = fix.candidate
     # A plan made meanwhile has judged others.
-    if not any(one is other for other in state.candidates or ()):
+    if not any(candidate is other for other in state.candidates or ()):
         raise InputError("the parts were planned for again meanwhile; look at the fix of now")
-    says = f"the nearest fix is applied to {one.grasp.name}: {fix.change}"
+    says = f"the nearest fix is applied to {candidate.grasp.name}: {fix.change}"
     if fix.grasp is None:
         if fix.policy is None:
             raise InputError(f"nothing here can make that change: {fix.change}")
         return ChangeCell(replace(state.cell, policy=fix.policy), says)
-    part = state.cell.part((state.detections or ())[one.detection].part)
-    entry = part.library.entry_of(one.grasp.name)
+    part = state.cell.part((state.detections or ())[candidate.detection].part)
+    entry = part.library.entry_of(candidate.grasp.name)
     if entry is None:
-        raise InputError(f"grasp {one.grasp.name!r} is not there any more")
+        raise InputError(f"grasp {candidate.grasp.name!r} is not there any more")
     authored = grasp_of(entry)
     # A copy made by a pattern or a symmetry moves with the grasp that it is a copy of.
     changed = replace(
-        authored, T_part_tcp=authored.T_part_tcp * one.grasp.T_part_tcp.actInv(fix.grasp.T_part_tcp)
+        authored,
+        T_part_tcp=authored.T_part_tcp * candidate.grasp.T_part_tcp.actInv(fix.grasp.T_part_tcp),
     )
     # The candidate's fingers may be less open than the grasp says, where only that fits.
-    if fix.grasp.opening != one.grasp.opening:
+    if fix.grasp.opening != candidate.grasp.opening:
         changed = replace(changed, opening=fix.grasp.opening)
     return EditPart(part.name, (entry,), (with_grasp(entry, changed),), says=says)

@@ -32,7 +32,7 @@ from workbench.planning.picking.propose import (
     grasps_of,
     groups,
     is_taken_there,
-    tried,
+    try_grasps,
 )
 from workbench.planning.picking.put_down import ways_at_places
 
@@ -67,7 +67,7 @@ class Glance:
         return np.array([reason is Reason.OK for reason in self.reasons], dtype=bool)
 
 
-def changed(cell: Cell, change: Change) -> Cell:
+def apply_change(cell: Cell, change: Change) -> Cell:
     """A cell with that change, to be looked at and thrown away: it keeps the digest of the other.
 
     A digest takes as long as the look.  What stays is the same object, so what is kept for it
@@ -112,7 +112,7 @@ def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: i
     reach = {arm.name: _Reach(world, arm, seed) for arm in world.cell.arms}
     for numbers, arm in groups(world, by_part):
         every = by_part[world.detections[numbers[0]].part]
-        hands = tried(world, numbers, every, arm)
+        hands = try_grasps(world, numbers, every, arm)
         for n, number in enumerate(numbers):
             detections += [number] * len(every)
             grasps += [grasp.name for grasp in every]
@@ -170,10 +170,10 @@ class _Reach:
 
     def said_at_every_turn(self, number: int, grasp: Grasp) -> _Said:
         """Of a part whose roll the scan does not show, which takes longer."""
-        one = candidate_of(self._world, number, grasp, self._arm)
-        if one.verdict.is_ok:
-            return self._reason(number, one.grasp, one.T_world_tcp), False
-        return one.verdict.reason, (one.verdict.distance or 0.0) > 0.0
+        candidate = candidate_of(self._world, number, grasp, self._arm)
+        if candidate.verdict.is_ok:
+            return self._reason(number, candidate.grasp, candidate.T_world_tcp), False
+        return candidate.verdict.reason, (candidate.verdict.distance or 0.0) > 0.0
 
     def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
         """Why the arm cannot take the part there and bring it to a place; or that it can."""

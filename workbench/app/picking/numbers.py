@@ -7,7 +7,7 @@ from workbench.model.plan import Plan, number_in
 from workbench.model.scan import Detection
 
 
-def renumbered(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
+def renumber(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
     """A message about a later plan, of its own `detections`, by the numbers of the row's first."""
     return message.renumbered(lambda index: _index_in(first, detections, index))
 

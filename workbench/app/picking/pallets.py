@@ -24,24 +24,30 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
     """
     boxes: list[Obstacle] = []
     known = {part.name for part in cell.parts}
-    for one in placed:
-        if one.part not in known:
+    for detection in placed:
+        if detection.part not in known:
             raise InputError(
-                f"a part {one.part} lies on a pallet and the cell does not know that part any "
-                "more; take it away and empty the pallets"
+                f"a part {detection.part} lies on a pallet and the cell does not know that part "
+                "any more; take it away and empty the pallets"
             )
         # What nothing speaks for may be there since a fault, or not: it carries no other.
-        boxes.append(kept_box(cell, boxes, one, one.T_world_part, is_sure=one.score > 0))
+        boxes.append(
+            kept_box(cell, boxes, detection, detection.T_world_part, is_sure=detection.score > 0)
+        )
     return tuple(boxes)
 
 
 def at_rest(cell: Cell, placed: Sequence[Detection]) -> tuple[pin.SE3, ...]:
     """`T_world_part` of parts that have been put down; on a pallet in layers they have fallen."""
     boxes, found = boxes_around(cell, placed), list[pin.SE3]()
-    for number, (box, one) in enumerate(zip(boxes, placed, strict=True)):
-        T = one.T_world_part.copy()
+    for number, (box, detection) in enumerate(zip(boxes, placed, strict=True)):
+        T = detection.T_world_part.copy()
         if box.part:
-            T.translation -= [0.0, 0.0, fall(cell, boxes[:number], one, one.T_world_part)]
+            T.translation -= [
+                0.0,
+                0.0,
+                fall(cell, boxes[:number], detection, detection.T_world_part),
+            ]
         found.append(T)
     return tuple(found)
 
@@ -80,12 +86,17 @@ class PalletFill:
 
 def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...]:
     """How full each pallet in layers of a cell is with the parts that have been put down."""
-    known = [one for one in placed if one.part in {part.name for part in cell.parts}]
+    known = [
+        detection for detection in placed if detection.part in {part.name for part in cell.parts}
+    ]
     fills: list[PalletFill] = []
     for arm, number, places in _pallets(cell):
-        lie = [(one, place_at(arm, cell.part(one.part), one.T_world_part)) for one in known]
-        sure = {place for one, place in lie if place in places and one.score > 0}
-        doubtful = {place for one, place in lie if place in places and one.score <= 0}
+        lie = [
+            (detection, place_at(arm, cell.part(detection.part), detection.T_world_part))
+            for detection in known
+        ]
+        sure = {place for detection, place in lie if place in places and detection.score > 0}
+        doubtful = {place for detection, place in lie if place in places and detection.score <= 0}
         open_layers = [place.layer for place in places if place not in sure]
         layer = min(open_layers, default=0)
         fills.append(PalletFill(arm.name, number, len(sure), len(places), layer, len(doubtful)))
@@ -118,8 +129,8 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
     pitch = min((b - a for a, b in pairwise(layers) if b > a), default=0.0)
     boxes: list[Obstacle] = []
     for place in places:
-        one = Detection(part.name, place.T_world_part)
-        falls = fall(cell, boxes, one, place.T_world_part)
+        detection = Detection(part.name, place.T_world_part)
+        falls = fall(cell, boxes, detection, place.T_world_part)
         if falls >= FARTHEST:
             return f"in layer {place.layer} nothing is within 50 mm beneath a part"
         if falls > most or falls < margin:
@@ -134,7 +145,7 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
         beside = [
             gap_of(piece, (Box(box.size), box.T_world_box), 10 * margin + FARTHEST)
             for box in boxes
-            for turns in turned_pieces(part, one)
+            for turns in turned_pieces(part, detection)
             for piece in turns
         ]
         nearest = min(beside, default=np.inf)
@@ -145,5 +156,5 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
             )
         if problem := standing_problem(part, place, place.T_world_part):
             return f"in layer {place.layer} {problem}"
-        boxes.append(kept_box(cell, boxes, one, place.T_world_part))
+        boxes.append(kept_box(cell, boxes, detection, place.T_world_part))
     return ""

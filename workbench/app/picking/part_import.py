@@ -110,7 +110,7 @@ def excess_of(part: Part) -> float:
 def symmetry_words(found: FoundSymmetry) -> str:
     """A symmetry in a sentence."""
     symmetry = found.symmetry
-    main, *others = (f"{_turns(one.fold)} about {_numbers(one.axis)}" for one in symmetry.axes)
+    main, *others = (f"{_turns(axis.fold)} about {_numbers(axis.axis)}" for axis in symmetry.axes)
     said = " and ".join([main, *others])
     if any(symmetry.point):
         said += f", through {_numbers(1000 * np.array(symmetry.point))} mm"

@@ -106,7 +106,7 @@ def plan_pick(
         if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
             continue
         results = []
-        for one in wanted:
+        for attempt in wanted:
             took = dict(seconds)
             began = working_time()
             plan, verdict, proof, bound = None, _summary(looked.candidates), None, 0.0
@@ -114,7 +114,7 @@ def plan_pick(
             if looked.picks:
                 part(JUDGED, "looking for the motion")
                 plans, verdict = planned(
-                    world, looked.picks, one, threshold, scan_digest, seed, cancelled
+                    world, looked.picks, attempt, threshold, scan_digest, seed, cancelled
                 )
                 took["route"], began = working_time() - began, working_time()
             if plans:
@@ -154,7 +154,7 @@ def levels_of(cell: Cell) -> list[frozenset[int]]:
     """
     every = {grasp.priority for part in cell.parts for grasp in part.grasps}
     usual = frozenset(priority for priority in every if priority >= 0)
-    spares = [frozenset({one}) for one in sorted(every, reverse=True) if one < 0]
+    spares = [frozenset({priority}) for priority in sorted(every, reverse=True) if priority < 0]
     return [usual, *spares] if usual or not spares else spares
 
 
@@ -178,10 +178,13 @@ def _without(
 ) -> tuple[Candidate, ...]:
     """The candidates, those of avoided parts refused."""
     return tuple(
-        replace(one, verdict=Verdict(Reason.DISABLED, Stage.PROPOSE, note=avoided[one.detection]))
-        if one.detection in avoided
-        else one
-        for one in candidates
+        replace(
+            candidate,
+            verdict=Verdict(Reason.DISABLED, Stage.PROPOSE, note=avoided[candidate.detection]),
+        )
+        if candidate.detection in avoided
+        else candidate
+        for candidate in candidates
     )
 
 
@@ -192,8 +195,8 @@ def best_of(cell: Cell, results: Sequence[PlanResult]) -> PlanResult:
         plan, proof, plans = result.plan, result.proof, result.plans
         if plan is None or proof is None:
             return (True, True, 0, math.inf)
-        is_misfit = any(misfit(one, cell) for one in plans)
-        seconds = sum(one.cycle_seconds for one in plans)
+        is_misfit = any(misfit(each_plan, cell) for each_plan in plans)
+        seconds = sum(each_plan.cycle_seconds for each_plan in plans)
         return (not proof.holds, is_misfit, -count_taken(plans), seconds)
 
     best, *others = sorted(results, key=rank)
@@ -266,7 +269,7 @@ def _judge(
                 if isinstance(result, Pick):
                     looked.picks.append(result)
                     others.append(candidate)
-                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_told(world, result))
+                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_describe(world, result))
                 else:
                     verdict = result
         if verdict is not candidate.verdict:
@@ -286,7 +289,7 @@ def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
     return before or len(working) >= ENOUGH
 
 
-def _told(world: World, pick: Pick) -> Message:
+def _describe(world: World, pick: Pick) -> Message:
     """What to know of a candidate that works: how far it goes, its lift and its opening."""
     candidate = pick.candidate
     facts = [VerdictNote.DURATION(seconds=pick.seconds)]

@@ -56,7 +56,7 @@ def scene_of(
             that the scan shows.
         scan: in which they were found; without it the plan's word for other obstacles is taken.
     """
-    known = tuple(one for one in plan.detections if one.T_world_found is None)
+    known = tuple(detection for detection in plan.detections if detection.T_world_found is None)
     found = known if detections is None else tuple(detections)
     digest = digest_of(found)
     # A plan for poses is named after these, also where a scan shows what else there is.
@@ -70,18 +70,18 @@ def scene_of(
         from workbench.perception.scene.unexplained import unexplained
 
         # What lies on pallets no scan of the bin shows: the plan's word is taken for it.
-        kept = (one for one in plan.obstacles if one.part)
+        kept = (obstacle for obstacle in plan.obstacles if obstacle.part)
         obstacles = (*unexplained(cell, scan, found), *kept)
         if detections is None:
-            found = _shown(cell, scan, found)
+            found = _select_shown(cell, scan, found)
     return Scene(digest, found, obstacles)
 
 
-def _shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detection, ...]:
+def _select_shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple[Detection, ...]:
     """Those of some parts that a scan shows."""
     from workbench.perception.scene.shown_parts import shown
 
-    return tuple(one for one, is_shown in zip(parts, shown(cell, scan, parts), strict=True)
+    return tuple(part for part, is_shown in zip(parts, shown(cell, scan, parts), strict=True)
                  if is_shown)  # fmt: skip
 
 
@@ -92,7 +92,7 @@ def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
     does not state are those of the cell.
     """
     seen = digest_of(plan.detections) if scan is None else scan.digest
-    arms = tuple(_with_loads(cell, plan, one) for one in plan.arms)
+    arms = tuple(_with_loads(cell, plan, arm) for arm in plan.arms)
     return replace(
         plan,
         arms=arms,
@@ -101,14 +101,14 @@ def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
     )
 
 
-def _with_loads(cell: Cell, plan: Plan, one: ArmPlan) -> ArmPlan:
+def _with_loads(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> ArmPlan:
     kinds = {part.name: part for part in cell.parts}
-    part = kinds.get(plan.detections[one.detection].part)
-    arm = next((arm for arm in cell.arms if arm.name == one.arm), None)
+    part = kinds.get(plan.detections[arm_plan.detection].part)
+    arm = next((arm for arm in cell.arms if arm.name == arm_plan.arm), None)
     # What the cell does not have, the proof objects to.
-    if one.loads is not None or part is None or arm is None:
-        return one
-    return replace(one, loads=loads_of(arm.tool, part, one.T_tcp_part))
+    if arm_plan.loads is not None or part is None or arm is None:
+        return arm_plan
+    return replace(arm_plan, loads=loads_of(arm.tool, part, arm_plan.T_tcp_part))
 
 
 def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Proof:
@@ -122,6 +122,6 @@ def check(cell: Cell, certificate: Certificate, scan: Scan | None = None) -> Pro
     plan, scene, proof = certificate.plan, certificate.scene, certificate.proof
     if scan is not None:
         scene = scene_of(cell, plan, detections=scene.detections, scan=scan)
-        scene = replace(scene, detections=_shown(cell, scan, scene.detections))
+        scene = replace(scene, detections=_select_shown(cell, scan, scene.detections))
     resolution = min(proof.resolution, layer.RESOLUTION)
     return layer.prove(cell, scene, plan, resolution=resolution, stated=proof)

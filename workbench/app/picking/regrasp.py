@@ -25,7 +25,7 @@ MOST_PLANNED = 4
 """Pairs of picks that are planned, the soonest done ones first."""
 
 
-def regrasped(
+def plan_regrasp(
     cell: Cell,
     scene: Scene,
     refused: PlanResult,
@@ -73,17 +73,17 @@ def regrasped(
     why = StationNote.NO_POSE()
     for count, number in enumerate(numbers):
         kind = scene.detections[number].part
-        told = within(report, count / len(numbers), (count + 1) / len(numbers))
+        report_part = within(report, count / len(numbers), (count + 1) / len(numbers))
         if kind not in stands:
-            stands[kind] = search.stands(kind, told)
+            stands[kind] = search.stands(kind, report_part)
         refusals: list[Verdict] = []
-        pairs = search.pairs(number, stands[kind], refusals, told)
+        pairs = search.pairs(number, stands[kind], refusals, report_part)
         if stands[kind] and not pairs:
             reason = _why_not(refusals) if processor_time() < search.until else Reason.OUT_OF_TIME
             why = StationNote.NO_GRASP(reason=reason.message)
         for stand in pairs[:MOST_PLANNED]:
-            told(0.8, "planning over a station")
-            row = _planned(cell, scene, number, stand, policy, picks)
+            report_part(0.8, "planning over a station")
+            row = _plan_both(cell, scene, number, stand, policy, picks)
             if isinstance(row, Message):
                 why = row
             else:
@@ -104,7 +104,11 @@ def _that_have_no_place(
     scene: Scene, refused: PlanResult, avoided: Mapping[int, Message]
 ) -> list[int]:
     """Parts that can be taken and not put down, in the order of their candidates."""
-    numbers = [one.detection for one in refused.candidates if one.verdict.reason is Reason.NO_PLACE]
+    numbers = [
+        candidate.detection
+        for candidate in refused.candidates
+        if candidate.verdict.reason is Reason.NO_PLACE
+    ]
     return [
         number
         for number in dict.fromkeys(numbers)
@@ -117,11 +121,11 @@ def _why_not(refusals: Sequence[Verdict]) -> Reason:
 
     Whether it can be put down is asked first: what is said of grasps by which it can counts more.
     """
-    later = Counter(one.reason for one in refusals if one.reason is not Reason.NO_PLACE)
+    later = Counter(refusal.reason for refusal in refusals if refusal.reason is not Reason.NO_PLACE)
     return later.most_common(1)[0][0] if later else Reason.NO_PLACE
 
 
-def _planned(
+def _plan_both(
     cell: Cell,
     scene: Scene,
     number: int,
@@ -169,7 +173,7 @@ def _as_in(cell: Cell, plan: Plan, station: str, note: Message) -> Plan:
     return replace(
         plan,
         cell_digest=cell.digest,
-        arms=tuple(replace(one, station=station) for one in plan.arms),
+        arms=tuple(replace(arm, station=station) for arm in plan.arms),
         notes=(note,),
     )
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
-from workbench.app.picking.regrasp import regrasped
+from workbench.app.picking.regrasp import plan_regrasp
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
@@ -75,7 +75,7 @@ def plan_row(
             return result
         report = within(report, USUALLY, 1.0)
     result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
-    return _noted(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
+    return _add_note(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
 
 
 def check_picks(cell: Cell, picks: int) -> None:
@@ -134,13 +134,21 @@ def _rows(
     if strategy != "both" or picks == 1:
         return _row(cell, scene, picks, avoided, report, strategy=strategy, **asked)
     rows = [
-        _row(cell, scene, picks, avoided, _of(report, one, k, len(BOTH)), strategy=one, **asked)
-        for k, one in enumerate(BOTH)
+        _row(
+            cell,
+            scene,
+            picks,
+            avoided,
+            _of(report, each_strategy, k, len(BOTH)),
+            strategy=each_strategy,
+            **asked,
+        )
+        for k, each_strategy in enumerate(BOTH)
     ]
     return best_of(cell, rows)
 
 
-def _noted(result: PlanResult, note: Message) -> PlanResult:
+def _add_note(result: PlanResult, note: Message) -> PlanResult:
     """A result whose plan has one more remark."""
     assert result.plan is not None
     return replace(result, plan=replace(result.plan, notes=(*result.plan.notes, note)))
@@ -156,8 +164,8 @@ def _row(
 ) -> PlanResult:
     """A plan and those after it, all by one strategy."""
     left = dict(avoided)
-    told = within(report, 0.0, 1.0 / picks)
-    first = _next(cell, scene, left, told, is_last=picks == 1, **asked)
+    report_plan = within(report, 0.0, 1.0 / picks)
+    first = _next(cell, scene, left, report_plan, is_last=picks == 1, **asked)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
@@ -167,21 +175,21 @@ def _row(
         for plan in latest:
             moved = may_have_moved(cell, plan)
             if moved is not None:
-                ends = ends or renumbered(moved.problem, first.plan, plan.detections)
-            left = _left(plan, left)
+                ends = ends or renumber(moved.problem, first.plan, plan.detections)
+            left = _carry_over(plan, left)
             scene = scene_after(cell, plan)
         if ends or not scene.detections:
             ends = ends or RowEnd.NO_PART()
             break
         done += 1
-        told = _of(report, f"plan {done} of {picks}", done - 1, picks)
-        result = _next(cell, scene, left, told, is_last=done == picks, **asked)
+        report_plan = _of(report, f"plan {done} of {picks}", done - 1, picks)
+        result = _next(cell, scene, left, report_plan, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
-            ends = renumbered(why, first.plan, scene.detections)
+            ends = renumber(why, first.plan, scene.detections)
         elif not result.proof.holds:
             why = RowEnd.REFUSED(violation=result.proof.violations[0].message)
-            ends = renumbered(why, first.plan, scene.detections)
+            ends = renumber(why, first.plan, scene.detections)
         elif 1 + len(row) + len(result.plans) > MOST_PICKS:
             ends = RowEnd.MOST(count=MOST_PICKS)
         else:
@@ -227,17 +235,17 @@ def _next(
         result = planned(avoided, 0.0 if result is None else USUALLY * whole, whole)
     if _holds(result) or not cell.stations:
         return result
-    told = within(report, whole, 1.0)
-    return regrasped(cell, scene, result, avoided=avoided, report=told, **asked)
+    report_rest = within(report, whole, 1.0)
+    return plan_regrasp(cell, scene, result, avoided=avoided, report=report_rest, **asked)
 
 
 def _holds(result: PlanResult) -> bool:
     return result.plan is not None and result.proof is not None and result.proof.holds
 
 
-def _left(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
+def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message]:
     """What is avoided, by the numbers of the parts that stay once a plan was carried out."""
-    taken = {one.detection for one in plan.arms}
+    taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
 

@@ -72,12 +72,12 @@ def _is_out(world: World, stretch: Stretch) -> bool:
     world.enter(replace(stretch.phase, moving=frozenset(openings), openings=openings))
     pairs = world.with_fixture(VIEW)
     base = world.configuration(
-        {**stretch.standing, **{one.arm: leg.q[0] for one, leg in stretch.runs}}
+        {**stretch.standing, **{arm_plan.arm: leg.q[0] for arm_plan, leg in stretch.runs}}
     )
     if world.contact(base, pairs) is not None:
         return False
-    for one, leg in stretch.runs:
-        columns = world.kinematics.columns[one.arm]
+    for arm_plan, leg in stretch.runs:
+        columns = world.kinematics.columns[arm_plan.arm]
         if path_contact(world, columns, base, np.asarray(leg.q), pairs) is not None:
             return False
     return True
@@ -89,7 +89,7 @@ def _view(scanner: ScannerMount) -> Fixture:
     half = scanner.far * np.tan(scanner.field_of_view / 2)
     x, y = half, half * rows / columns
     corners = [(-x, -y), (x, -y), (x, y), (-x, y)]
-    points: Floats = np.array([(0.0, 0.0, 0.0), *((*one, scanner.far) for one in corners)])
+    points: Floats = np.array([(0.0, 0.0, 0.0), *((*corner, scanner.far) for corner in corners)])
     sides = [(0, 2, 1), (0, 3, 2), (0, 4, 3), (0, 1, 4), (1, 2, 3), (1, 3, 4)]
     shape = Mesh(points, np.array(sides), is_convex=True)
     solid = Solid(VIEW, shape, pin.SE3.Identity())

@@ -70,7 +70,7 @@ class Search:
             looked = self.stand(kind, station, T)
             if isinstance(looked, Stand):
                 found.append(looked)
-        return sorted(found, key=lambda one: one.seconds)
+        return sorted(found, key=lambda stand: stand.seconds)
 
     def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | str:
         """What becomes of a part that stands on a station in one way, or what speaks against it."""
@@ -93,8 +93,8 @@ class Search:
         refusals: list[Verdict] = []
         picks = list(self._picks(world, 0, refusals))
         if picks:
-            return Stand(station, T_world_part, min(one.seconds for one in picks))
-        if all(one.reason is Reason.OUT_OF_REACH for one in refusals) and refusals:
+            return Stand(station, T_world_part, min(pick.seconds for pick in picks))
+        if all(refusal.reason is Reason.OUT_OF_REACH for refusal in refusals) and refusals:
             return "is out of reach of every arm"
         return "is where no grasp takes a part from to a place"
 
@@ -113,11 +113,11 @@ class Search:
             world = World(at, self.scene.detections, self.scene.obstacles, self.policy)
             picks = list(self._picks(world, number, refusals))
             if picks:
-                seconds = stand.seconds + min(one.seconds for one in picks)
+                seconds = stand.seconds + min(pick.seconds for pick in picks)
                 found.append(replace(stand, seconds=seconds))
             if len(found) == MOST_PAIRS:
                 break
-        return sorted(found, key=lambda one: one.seconds)
+        return sorted(found, key=lambda pair: pair.seconds)
 
     def _picks(self, world: World, number: int, refusals: list[Verdict]) -> Iterator[Pick]:
         """The first picks of a part that work; what is said of those that do not is added."""
@@ -146,7 +146,7 @@ def station_problems(cell: Cell) -> Iterator[str]:
         for part in cell.parts:
             poses = resting_poses(part)
             looked = [search.stand(part.name, station, T) for T in poses]
-            words = [one for one in looked if isinstance(one, str)]
+            words = [problem for problem in looked if isinstance(problem, str)]
             where = f"station {station.name}, for {part.name}"
             if not poses:
                 yield f"{where}: the part stands nowhere without falling over or rolling away"

@@ -61,7 +61,7 @@ def components(extras: Iterable[str] = ()) -> tuple[Component, ...]:
     while waiting:
         name, extra = waiting.pop()
         here = needs.setdefault(name, set())
-        for needed, with_extra in _needed(installed[name], extra):
+        for needed, with_extra in _list_needs(installed[name], extra):
             if needed in installed:
                 here.add(needed)
                 if (needed, with_extra) not in seen:
@@ -76,12 +76,12 @@ def missing(extra: str) -> tuple[str, ...]:
     installed = distributions_here()
     lacking: list[str] = []
     for text in installed[ROOT].requires or []:
-        one = Requirement(text)
-        if one.marker is not None and not one.marker.evaluate({"extra": extra}):
+        requirement = Requirement(text)
+        if requirement.marker is not None and not requirement.marker.evaluate({"extra": extra}):
             continue
-        there = installed.get(canonicalize_name(one.name))
-        if there is None or not one.specifier.contains(there.version, prereleases=True):
-            lacking.append(f"{one.name}{one.specifier}")
+        there = installed.get(canonicalize_name(requirement.name))
+        if there is None or not requirement.specifier.contains(there.version, prereleases=True):
+            lacking.append(f"{requirement.name}{requirement.specifier}")
     return tuple(lacking)
 
 
@@ -93,8 +93,10 @@ def sbom(found: tuple[Component, ...]) -> dict[str, Any]:
         "specVersion": "1.6",
         "version": 1,
         "metadata": {"component": {"type": "application", **_entry(root)}},
-        "components": [{"type": "library", **_entry(one)} for one in others],
-        "dependencies": [{"ref": one.name, "dependsOn": sorted(one.needs)} for one in found],
+        "components": [{"type": "library", **_entry(component)} for component in others],
+        "dependencies": [
+            {"ref": component.name, "dependsOn": sorted(component.needs)} for component in found
+        ],
     }
     number = uuid.uuid5(uuid.NAMESPACE_URL, repr(found))
     return {**bill, "serialNumber": f"urn:uuid:{number}"}
@@ -112,9 +114,9 @@ def distributions_here() -> Mapping[str, Distribution]:
     return found
 
 
-def licence_of(one: Distribution) -> str:
+def licence_of(distribution: Distribution) -> str:
     """The licence that a distribution states, as SPDX has it; empty where it says nothing clear."""
-    about = one.metadata
+    about = distribution.metadata
     kinds = about.get_all("Classifier") or []
     stated = [
         *(about.get_all("License-Expression") or []),
@@ -128,8 +130,8 @@ def licence_of(one: Distribution) -> str:
     return ""
 
 
-def _needed(one: Distribution, extra: str) -> Iterable[tuple[str, str]]:
-    for text in one.requires or []:
+def _list_needs(distribution: Distribution, extra: str) -> Iterable[tuple[str, str]]:
+    for text in distribution.requires or []:
         needed = Requirement(text)
         if _holds(needed.marker, extra):
             for with_extra in ("", *needed.extras):
@@ -140,18 +142,18 @@ def _holds(marker: Marker | None, extra: str) -> bool:
     return marker is None or marker.evaluate({"extra": extra})
 
 
-def _component(name: str, one: Distribution, needs: Iterable[str]) -> Component:
-    version = __version__ if name == ROOT else one.version
-    return Component(name, version, licence_of(one), tuple(sorted(needs)))
+def _component(name: str, distribution: Distribution, needs: Iterable[str]) -> Component:
+    version = __version__ if name == ROOT else distribution.version
+    return Component(name, version, licence_of(distribution), tuple(sorted(needs)))
 
 
-def _entry(one: Component) -> dict[str, Any]:
+def _entry(component: Component) -> dict[str, Any]:
     entry: dict[str, Any] = {
-        "bom-ref": one.name,
-        "name": one.name,
-        "version": one.version,
-        "purl": f"pkg:pypi/{one.name}@{one.version}",
+        "bom-ref": component.name,
+        "name": component.name,
+        "version": component.version,
+        "purl": f"pkg:pypi/{component.name}@{component.version}",
     }
-    if one.licence:
-        entry["licenses"] = [{"expression": one.licence}]
+    if component.licence:
+        entry["licenses"] = [{"expression": component.licence}]
     return entry

@@ -39,19 +39,19 @@ def inventory(cell: Cell, users: Mapping[str, str]) -> Inventory:
 
 def installed() -> Iterator[Distribution]:
     """What is installed, in the order of the names."""
-    for name, one in sorted(by_name().items()):
-        listed = one.read_text("RECORD")
+    for name, distribution in sorted(by_name().items()):
+        listed = distribution.read_text("RECORD")
         record = "" if listed is None else hashlib.sha256(listed.encode()).hexdigest()
-        yield Distribution(name, one.version, record)
+        yield Distribution(name, distribution.version, record)
 
 
 def by_name() -> dict[str, metadata.Distribution]:
     """The installed distributions by name, each once: the one that is imported."""
     found: dict[str, metadata.Distribution] = {}
-    for one in metadata.distributions():
+    for distribution in metadata.distributions():
         # What was removed by half has no name any more, and nothing that could be imported.
-        for name in one.metadata.get_all("Name") or []:
-            found.setdefault(canonicalize_name(name), one)
+        for name in distribution.metadata.get_all("Name") or []:
+            found.setdefault(canonicalize_name(name), distribution)
     return found
 
 
@@ -79,5 +79,5 @@ def processor(path: Path) -> str:
     fields = (line.partition(":") for line in reversed(said.splitlines()))
     lines = {key.strip().lower(): value.strip() for key, _, value in fields}
     flags = (lines.get("flags") or lines.get("features") or "").split()
-    can = [one for one in FEATURES if one in flags]
+    can = [feature for feature in FEATURES if feature in flags]
     return " ".join((lines.get("model name", platform.machine()), *can))

@@ -57,11 +57,14 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
     elif old.files != new.files:
         yield f"the files of workbench {new.workbench} are others"
     before, now = _versions(old), _versions(new)
-    yield from _told(before, now)
-    records = {one.name: one.record for one in old.distributions}
-    for one in new.distributions:
-        if before.get(one.name) == one.version and records[one.name] != one.record:
-            yield f"the files of {one.name} {one.version} are others"
+    yield from _compare(before, now)
+    records = {distribution.name: distribution.record for distribution in old.distributions}
+    for distribution in new.distributions:
+        if (
+            before.get(distribution.name) == distribution.version
+            and records[distribution.name] != distribution.record
+        ):
+            yield f"the files of {distribution.name} {distribution.version} are others"
     for name in ("python", "processor", "system", "cell"):
         was, has = getattr(old, name), getattr(new, name)
         if was != has:
@@ -79,25 +82,25 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
 
 
 def _versions(inventory: Inventory) -> Mapping[str, str]:
-    return {one.name: one.version for one in inventory.distributions}
+    return {distribution.name: distribution.version for distribution in inventory.distributions}
 
 
 def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
     """Who may come in now, or may not any more, or in another role; both are name -> role."""
-    return _changed(
+    return _list_changes(
         old, new, "new user {name} ({has})", "user {name} ({was}) is gone",
         "user {name} is {has} now, was {was}",
     )  # fmt: skip
 
 
-def _told(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+def _compare(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
     """What came, went or changed in a mapping from names to something short."""
-    return _changed(
+    return _list_changes(
         old, new, "{name} {has} has come", "{name} {was} has gone", "{name} {was} is {has} now"
     )
 
 
-def _changed(
+def _list_changes(
     old: Mapping[str, str], new: Mapping[str, str], come: str, gone: str, other: str
 ) -> Iterator[str]:
     """A sentence for each name whose value `was` and `has` differ, by three templates."""

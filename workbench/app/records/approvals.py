@@ -47,7 +47,7 @@ class ApprovalRecord:
             at: seconds since the epoch.
             facts: that were printed, the controller's address among them.
         """
-        with self._opened() as journal:
+        with self._open() as journal:
             _refuse_second(_entries(journal), digest)
             form = {"plan_digest": digest, "actor": actor, "at": at, "facts": dict(facts)}
             journal.append(SHOWN, _bytes(form))
@@ -60,12 +60,12 @@ class ApprovalRecord:
         Raises:
             CommandRefused: says what to do.
         """
-        with self._opened() as journal:
+        with self._open() as journal:
             shown = [body for kind, body in _entries(journal) if kind == SHOWN]
         mine = [
-            one
-            for one in shown
-            if one["plan_digest"] == digest and is_same_person(one["actor"], actor)
+            view
+            for view in shown
+            if view["plan_digest"] == digest and is_same_person(view["actor"], actor)
         ]
         if not mine:
             raise CommandRefused(
@@ -91,13 +91,13 @@ class ApprovalRecord:
         Raises:
             CommandRefused: one of the plans was let out before, or is being at this moment.
         """
-        with self._opened() as journal:
+        with self._open() as journal:
             entries = _entries(journal)
-            for one in approvals:
-                _refuse_second(entries, one.plan_digest)
+            for approval in approvals:
+                _refuse_second(entries, approval.plan_digest)
             try:
-                for one in approvals:
-                    journal.append(APPROVAL, _bytes(canonical(one)))
+                for approval in approvals:
+                    journal.append(APPROVAL, _bytes(canonical(approval)))
             except JournalError as error:
                 raise CommandRefused(
                     f"another command approves at this moment; nothing was sent ({error})"
@@ -109,7 +109,7 @@ class ApprovalRecord:
         form |= {"actor": approval.actor, "problem": problem, "receipts": canonical(receipts)}
         for left in reversed(range(ATTEMPTS)):
             try:
-                with self._opened() as journal:
+                with self._open() as journal:
                     journal.append(ENDED, _bytes(form))
                 return
             except JournalError:
@@ -117,7 +117,7 @@ class ApprovalRecord:
                 if not left:
                     raise
 
-    def _opened(self) -> closing[Journal]:
+    def _open(self) -> closing[Journal]:
         return closing(Journal(self.folder))
 
 

@@ -72,8 +72,10 @@ class Case(Told):
     @property
     def changed(self) -> tuple[Detection, ...]:
         """What was found and people have not left so: it was called wrong, or moved."""
-        there = {digest_of(one) for one in self.truth}
-        return tuple(one for one in self.search.detections if digest_of(one) not in there)
+        there = {digest_of(detection) for detection in self.truth}
+        return tuple(
+            detection for detection in self.search.detections if digest_of(detection) not in there
+        )
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -81,8 +83,8 @@ class Case(Told):
         found, changed, there = (
             len(some) for some in (self.search.detections, self.changed, self.truth)
         )
-        told = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
-        return {**told, "found": found, "of them changed": changed, "there": there}
+        origin = {"cell": self.cell.name, "kept by": self.by, "comment": self.comment}
+        return {**origin, "found": found, "of them changed": changed, "there": there}
 
 
 def write_case(path: Path, case: Case) -> None:
@@ -107,7 +109,9 @@ def write_case(path: Path, case: Case) -> None:
     }
     arrays = large_arrays(case)
     content |= {f"files/{digest}": arrays[digest] for digest in sorted(arrays)}
-    size = sum(len(one) for one in content.values() if not isinstance(one, Path))
+    size = sum(
+        len(content_of) for content_of in content.values() if not isinstance(content_of, Path)
+    )
     if size > LARGEST:
         raise FileError(path, f"would have {size / MB:.0f} MB; up to {LARGEST / MB:.0f} are kept")
     write_archive(path, content)
@@ -165,8 +169,8 @@ def _check(case: Case, head: Mapping[str, Any]) -> None:
         if value.digest != head[f"{what}_digest"]:
             raise InputError(f"its {what} was changed after the case was kept")
     named: Sequence[tuple[str, Detection]] = [
-        *(("found", one) for one in case.search.detections),
-        *(("there", one) for one in case.truth),
+        *(("found", detection) for detection in case.search.detections),
+        *(("there", detection) for detection in case.truth),
     ]
     check_text("by", case.by)
     check_text("comment", case.comment)
@@ -175,6 +179,6 @@ def _check(case: Case, head: Mapping[str, Any]) -> None:
     check_number("detail", case.search.overrides.detail, *DETAIL, "of the usual")
     check_number("least score", case.search.overrides.least_score, 0.0, 1.0, "")
     check_near("scanner", case.scan.T_world_scanner)
-    for what, one in named:
-        case.cell.part(one.part)
-        check_near(f"a {one.part} {what}", one.T_world_part)
+    for what, detection in named:
+        case.cell.part(detection.part)
+        check_near(f"a {detection.part} {what}", detection.T_world_part)

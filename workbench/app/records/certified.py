@@ -65,17 +65,19 @@ def certificates(
         result = entry.command.result if isinstance(entry.command, JobEnded) else None
         if not isinstance(result, PlanResult) or result.plan is None or result.proof is None:
             continue
-        for one in (Proven(result.plan, result.proof), *result.row):
-            digest = one.plan.digest
-            is_wanted = digest in approved if only_approved else one.proof.holds
+        for proven_plan in (Proven(result.plan, result.proof), *result.row):
+            digest = proven_plan.plan.digest
+            is_wanted = digest in approved if only_approved else proven_plan.proof.holds
             if is_wanted and digest not in seen:
                 seen.add(digest)
-                content = certificate_bytes(one.plan, one.plan.scene, one.proof, made_with)
+                content = certificate_bytes(
+                    proven_plan.plan, proven_plan.plan.scene, proven_plan.proof, made_with
+                )
                 yield Certified(row.number, digest, content)
 
 
 def _made_with(ran: Inventory) -> MadeWith:
-    libraries = {one.name: one.version for one in ran.distributions}
+    libraries = {distribution.name: distribution.version for distribution in ran.distributions}
     about = {"workbench": ran.workbench, "python": ran.python}
     about |= {"processor": ran.processor, "inventory": ran.digest}
     return about | {name: libraries.get(name, "unknown") for name in LIBRARIES}

@@ -84,7 +84,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
     if isinstance(kind, type) and issubclass(kind, (enum.Enum, Strategy)):
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
-        present = [one for one in arguments if one is not type(None)]
+        present = [argument for argument in arguments if argument is not type(None)]
         if set(present) <= PLAIN:
             return form
         if form is None and len(present) < len(arguments):
@@ -97,7 +97,9 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return frozenset(restored(arguments[0], item, read) for item in form)
     if origin is tuple:
         kinds = [arguments[0]] * len(form) if arguments[1:] == (...,) else arguments
-        return tuple(restored(one, item, read) for one, item in zip(kinds, form, strict=True))
+        return tuple(
+            restored(item_kind, item, read) for item_kind, item in zip(kinds, form, strict=True)
+        )
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return {key: restored(arguments[1], item, read) for key, item in form.items()}
     if kind in PLAIN or origin is typing.Literal:
@@ -116,13 +118,13 @@ def _newer(form: Any) -> Any:
 
 def _kind_of(kinds: Sequence[Any], form: Any) -> Any:
     """Which of several dataclasses a form is of: its fields say so, one of them perhaps `kind`."""
-    for one in kinds:
-        fields = {field.name: field for field in dataclasses.fields(one)}
+    for kind in kinds:
+        fields = {field.name: field for field in dataclasses.fields(kind)}
         later = {name for name, field in fields.items() if field.metadata.get("later")}
         if set(fields) - {"digest"} - later <= set(form) <= set(fields) and (
             "kind" not in fields or fields["kind"].default == form["kind"]
         ):
-            return one
+            return kind
     raise ValueError(f"fields {sorted(form)} fit none of the values expected")
 
 

@@ -67,7 +67,7 @@ def _session(folder: Path, stack: contextlib.ExitStack) -> dict[str, Path | byte
 def things_in(folder: Path) -> Iterator[Path]:
     """Cells, parts or sessions in the folder of their kind, by name; none when it is not there."""
     if folder.is_dir():
-        yield from sorted(one for one in folder.iterdir() if not _is_hidden(one))
+        yield from sorted(path for path in folder.iterdir() if not _is_hidden(path))
 
 
 def files_of(thing: Path) -> Iterator[Path]:

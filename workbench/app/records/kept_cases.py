@@ -86,7 +86,9 @@ def keep_case(
     assert state.scan is not None
     truth = () if there == "nothing" else state.detections or ()
     is_complete = there != "listed"
-    case = Case(at, actor, comment, is_complete, state.cell, state.scan, _taken(state), truth)
+    case = Case(
+        at, actor, comment, is_complete, state.cell, state.scan, _corrected_search(state), truth
+    )
     when = datetime.fromtimestamp(at, UTC).strftime("%Y%m%d-%H%M%S")
     name = f"{when}-{file_name(state.cell.name)[:60]}-{state.number}.zip"
     folder = session / FOLDER
@@ -104,7 +106,7 @@ def keep_case(
     return folder / name
 
 
-def _taken(state: State) -> Search:
+def _corrected_search(state: State) -> Search:
     """The search that people have corrected: others may have been made only to be compared."""
     first = state.parts_before[-1] if state.parts_before else state.detections or ()
     wanted = digest_of(first)

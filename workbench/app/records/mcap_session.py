@@ -74,7 +74,7 @@ def _put(file: McapFile, session: str, entry: Entry, last: State | None, state: 
     if state.scan is not None and (last is None or state.scan is not last.scan):
         file.put("/scan", "foxglove.PointCloud", at, foxglove.cloud(at, state.scan))
     if last is None or state.detections is not last.detections:
-        poses = [one.T_world_part for one in state.detections or ()]
+        poses = [detection.T_world_part for detection in state.detections or ()]
         file.put("/parts", "foxglove.PosesInFrame", at, foxglove.parts(at, poses))
     if state.verdict is not None and (last is None or state.verdict is not last.verdict):
         judged = foxglove.verdicts(at, state.verdict, state.candidates or ())
@@ -109,7 +109,7 @@ class _Motion:
             return
         start, cell, plan = self._waiting
         self._waiting = None
-        for time, values in _played(cell, plan):
+        for time, values in _play(cell, plan):
             at = start + time
             if at >= until:
                 return
@@ -132,7 +132,7 @@ def _tree(cell: Cell, poses: Mapping[str, pin.SE3]) -> Iterator[tuple[str, str, 
         yield joint.parent, joint.child, poses[joint.parent].actInv(poses[joint.child])
 
 
-def _played(cell: Cell, plan: Plan) -> Iterator[tuple[float, dict[str, float]]]:
+def _play(cell: Cell, plan: Plan) -> Iterator[tuple[float, dict[str, float]]]:
     """Times [s] from the plan's start, growing, and all joints of its arms [rad or m] then."""
     q = {arm.name: np.asarray(arm.home) for arm in cell.arms}
     q |= {arm.arm: np.asarray(arm.legs[0].q[0]) for arm in plan.arms}

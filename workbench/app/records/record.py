@@ -145,8 +145,8 @@ def summary(state: State) -> Mapping[str, Any]:
         "scan": None if state.scan is None else state.scan.digest,
         "plan": None if state.plan is None else state.plan.digest,
         # Of no row nothing is written, as before there were rows.
-        "row": [one.plan.digest for one in state.row] or None,
-        "sent_before": [one.plan.digest for one in state.sent_before] or None,
+        "row": [proven_plan.plan.digest for proven_plan in state.row] or None,
+        "sent_before": [proven_plan.plan.digest for proven_plan in state.sent_before] or None,
         "proof": None if state.proof is None else state.proof.digest,
         "approval": None if state.approval is None else state.approval.digest,
         "receipts": len(state.receipts),

@@ -84,7 +84,7 @@ def _check(path: Path, place: Path) -> None:
         raise FileError(path, "is no backup of a workbench") from None
     if stated != FORMAT:
         raise FileError(path, f"has format {stated!r}, expected {FORMAT!r}")
-    strange = {one.name for one in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
+    strange = {member.name for member in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
     if strange:
         raise FileError(path, f"holds {sorted(strange)[0]!r}, which no backup does")
     # Cells name parts, which are looked for below the working directory.
@@ -106,11 +106,11 @@ def _fate(there: Path, thing: Path) -> Fate:
     return "the same" if _is_same(there, thing) else "replaced"
 
 
-def _is_same(one: Path, other: Path) -> bool:
+def _is_same(path: Path, other: Path) -> bool:
     """Whether two files, or all files in two folders, have the same names and contents."""
-    names = [file.relative_to(one) for file in files_of(one)]
+    names = [file.relative_to(path) for file in files_of(path)]
     return names == [file.relative_to(other) for file in files_of(other)] and all(
-        filecmp.cmp(one / name, other / name, shallow=False) for name in names
+        filecmp.cmp(path / name, other / name, shallow=False) for name in names
     )
 
 
@@ -180,7 +180,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
     except FileError as error:
         # Where the file lies for now says nothing to anybody.
         raise InputError(f"{file.name}: {error.problem}") from None
-    return tuple(Thing(**one) for one in answer.told)
+    return tuple(Thing(**fields) for fields in answer.told)
 
 
 def looked_into(file: Path, root: str, is_put: bool) -> Answer:

@@ -130,7 +130,10 @@ def export_session(
 
 def _readable(journal: Journal, still: Journal) -> dict[str, Path | bytes]:
     proven = tuple(certificates(still.entries(), journal.read, only_approved=True))
-    names = {one.number: f"certificates/certificate-{one.digest[:12]}.json" for one in proven}
+    names = {
+        certificate.number: f"certificates/certificate-{certificate.digest[:12]}.json"
+        for certificate in proven
+    }
     counted = statistics(still.entries())
     said = told(still, names)
     head = {**said.head, "session": journal.folder.name, "entries": still.count}
@@ -139,18 +142,18 @@ def _readable(journal: Journal, still: Journal) -> dict[str, Path | bytes]:
         "summary.txt": _text(head, said).encode(),
         "summary.json": json.dumps({**head, "log": said.entries}, indent=1).encode(),
         "statistics.csv": csv_text(counted).encode(),
-        **{names[one.number]: one.certificate for one in proven},
+        **{names[certificate.number]: certificate.certificate for certificate in proven},
     }
 
 
 def _text(head: Mapping[str, Any], said: Told) -> str:
     lines = [f"{key.replace('_', ' ')}: {value}" for key, value in head.items()]
     lines += ["", "time (UTC)           who              what             says"]
-    for one in said.entries:
-        at = time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(one["at"] or 0))
-        lines.append(f"{at}  {one['actor']:<15}  {one['kind']:<15}  {one['message']}")
-        if "certificate" in one:
-            lines.append(f"{'':<54}proven: {one['certificate']}")
+    for entry in said.entries:
+        at = time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(entry["at"] or 0))
+        lines.append(f"{at}  {entry['actor']:<15}  {entry['kind']:<15}  {entry['message']}")
+        if "certificate" in entry:
+            lines.append(f"{'':<54}proven: {entry['certificate']}")
     return "\n".join(lines) + "\n"
 
 

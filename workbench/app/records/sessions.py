@@ -41,12 +41,12 @@ def begin(journal: Journal, cell: Cell, at: float, after: Journal | None = None)
     Raises:
         JournalError: it cannot be written.
     """
-    named = None if after is None else _named(after)
+    named = None if after is None else _describe(after)
     record = session_record(cell, at, named)
     journal.append(record.kind, record.body, record.files)
 
 
-def _named(journal: Journal) -> dict[str, Any]:
+def _describe(journal: Journal) -> dict[str, Any]:
     said = {"session": journal.folder.name, "entries": journal.count, "head": journal.head}
     return {**said, "problems": journal.verify()[:MOST_PROBLEMS]}
 

@@ -49,20 +49,20 @@ def start_before(root: Path, cell: str) -> Before | None:
         if len(found) == MOST_LOOKED_AT:
             break
     # Files do not tell when a start was: one that is gone on with, packed or copied is written.
-    return max(found, key=lambda one: one[0], default=(0.0, None))[1]
+    return max(found, key=lambda known_start: known_start[0], default=(0.0, None))[1]
 
 
 def _newest(root: Path) -> Iterator[Path]:
-    newest = sorted(root.glob(f"*/{DATABASE}"), key=_written, reverse=True)
+    newest = sorted(root.glob(f"*/{DATABASE}"), key=_time_of_write, reverse=True)
     return (path.parent for path in newest)
 
 
-def _written(path: Path) -> float:
+def _time_of_write(path: Path) -> float:
     """When a journal was written last: until it is closed, that is in a file beside it."""
     times = [0.0]
-    for one in (path, path.with_name(f"{DATABASE}-wal")):
+    for file in (path, path.with_name(f"{DATABASE}-wal")):
         with suppress(OSError):
-            times.append(one.stat().st_mtime)
+            times.append(file.stat().st_mtime)
     return max(times)
 
 

@@ -26,7 +26,7 @@ def drift(
             raise JobCancelled("the look at recorded scans was given up")
         report(done, note)
 
-    return recorded_drift([Path(one) for one in arguments["folders"]], cell, told)
+    return recorded_drift([Path(folder) for folder in arguments["folders"]], cell, told)
 
 
 JOBS: Mapping[str, JobFunction] = {"drift": drift}
@@ -48,5 +48,5 @@ def drift_apart(
             has ended.
         JobCancelled: it was given up.
     """
-    asked = {"folders": [str(one) for one in folders]}
+    asked = {"folders": [str(folder) for folder in folders]}
     return in_own_process(__name__, "drift", cell, asked, report, given_up)

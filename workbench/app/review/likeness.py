@@ -105,9 +105,9 @@ def _scans(kept: Scan, again: Scan) -> Resemblance:
         apart = np.linalg.norm(kept.points - again.points, axis=1)
         alone = 0
     else:
-        _, one, other = np.intersect1d(kept.pixels, again.pixels, return_indices=True)
-        apart = np.linalg.norm(kept.points[one] - again.points[other], axis=1)
-        alone = len(kept.points) + len(again.points) - 2 * len(one)
+        _, kept_index, other = np.intersect1d(kept.pixels, again.pixels, return_indices=True)
+        apart = np.linalg.norm(kept.points[kept_index] - again.points[other], axis=1)
+        alone = len(kept.points) + len(again.points) - 2 * len(kept_index)
     is_near = apart <= MOVED
     elsewhere = alone + int(np.count_nonzero(~is_near))
     differ = alone + int(np.count_nonzero(apart))
@@ -125,36 +125,36 @@ def _parts(cell: Cell, kept: tuple[Detection, ...], again: tuple[Detection, ...]
         return _other(f"{len(again)} parts instead of {len(kept)}")
     left = list(again)
     worst, turned = 0.0, 0.0
-    for number, one in enumerate(kept, start=1):
+    for number, detection in enumerate(kept, start=1):
         errors = [
-            (*_pose_error(cell, one, other), k)
+            (*_pose_error(cell, detection, other), k)
             for k, other in enumerate(left)
-            if other.part == one.part
+            if other.part == detection.part
         ]
         if not errors:
-            return _other(f"part {number}, a {one.part}, is another one")
+            return _other(f"part {number}, a {detection.part}, is another one")
         distance, turn, k = min(errors)
-        if problem := _part_problem(one, left.pop(k), distance, turn):
+        if problem := _part_problem(detection, left.pop(k), distance, turn):
             return _other(f"part {number} {problem}")
         worst, turned = max(worst, distance), max(turned, turn)
     return _within(f"{_millimetres(worst)} and {_degrees(turned)}")
 
 
-def _pose_error(cell: Cell, one: Detection, other: Detection) -> tuple[float, float]:
-    roll_known = one.roll_known and other.roll_known
+def _pose_error(cell: Cell, detection: Detection, other: Detection) -> tuple[float, float]:
+    roll_known = detection.roll_known and other.roll_known
     return pose_error(
-        cell.part(one.part), one.T_world_part, other.T_world_part, roll_known=roll_known
+        cell.part(detection.part), detection.T_world_part, other.T_world_part, roll_known=roll_known
     )
 
 
-def _part_problem(one: Detection, other: Detection, distance: float, turn: float) -> str:
+def _part_problem(detection: Detection, other: Detection, distance: float, turn: float) -> str:
     """What tells two detections apart; empty when tolerances cover it."""
     if distance > MOVED or turn > TURNED:
         return f"lies {_millimetres(distance)} and {_degrees(turn)} elsewhere"
-    if one.roll_known != other.roll_known:
-        return f"has its roll {'unknown' if one.roll_known else 'known'} now"
-    if max(abs(one.score - other.score), abs(one.visible - other.visible)) > SCORED:
-        return f"has a score of {other.score:.3f} instead of {one.score:.3f}"
+    if detection.roll_known != other.roll_known:
+        return f"has its roll {'unknown' if detection.roll_known else 'known'} now"
+    if max(abs(detection.score - other.score), abs(detection.visible - other.visible)) > SCORED:
+        return f"has a score of {other.score:.3f} instead of {detection.score:.3f}"
     return ""
 
 
@@ -171,18 +171,18 @@ def _observations(kept: PlateObservation, again: PlateObservation) -> Resemblanc
 def _emptyings(kept: Emptying, again: Emptying) -> Resemblance:
     """What was measured by the clock is never the same, and no part of the result."""
 
-    def timeless(one: EmptiedPile) -> EmptiedPile:
-        left = tuple(replace(stays, reason=plain("")) for stays in one.left)
-        return replace(one, planning=(), stages=(), finding=0.0, beside=(), left=left)
+    def timeless(pile: EmptiedPile) -> EmptiedPile:
+        left = tuple(replace(stays, reason=plain("")) for stays in pile.left)
+        return replace(pile, planning=(), stages=(), finding=0.0, beside=(), left=left)
 
     if len(kept.piles) != len(again.piles):
         return _other(f"{len(again.piles)} piles instead of {len(kept.piles)}")
-    for one, other in zip(kept.piles, again.piles, strict=True):
-        if timeless(one) != timeless(other):
-            what = f", {one.task.change}" if one.task.change else ""
+    for pile, other in zip(kept.piles, again.piles, strict=True):
+        if timeless(pile) != timeless(other):
+            what = f", {pile.task.change}" if pile.task.change else ""
             return _other(
-                f"seed {one.task.seed}{what}: {other.taken} of {other.parts} parts taken instead "
-                f"of {one.taken}, or others"
+                f"seed {pile.task.seed}{what}: {other.taken} of {other.parts} parts taken instead "
+                f"of {pile.taken}, or others"
             )
     return EQUAL
 
@@ -214,10 +214,15 @@ def _unsaid(result: PlanResult) -> tuple[object, ...]:
             proof,
             plan_digest="",
             nearest=None if proof.nearest is None else replace(proof.nearest, problem=plain("")),
-            violations=tuple(replace(one, problem=plain("")) for one in proof.violations),
+            violations=tuple(
+                replace(violation, problem=plain("")) for violation in proof.violations
+            ),
         )
     return (
-        [replace(one, verdict=replace(one.verdict, note=None)) for one in result.candidates],
+        [
+            replace(candidate, verdict=replace(candidate.verdict, note=None))
+            for candidate in result.candidates
+        ],
         None if plan is None else replace(plan, note="").digest,
         None if proof is None else proof.digest,
         replace(result.verdict, note=None),
@@ -228,8 +233,8 @@ def _other_verdicts(kept: PlanResult, again: PlanResult) -> str:
     if len(kept.candidates) != len(again.candidates):
         return f"{len(again.candidates)} candidates instead of {len(kept.candidates)}"
     differ = sum(
-        one.verdict.reason is not other.verdict.reason
-        for one, other in zip(kept.candidates, again.candidates, strict=True)
+        candidate.verdict.reason is not other.verdict.reason
+        for candidate, other in zip(kept.candidates, again.candidates, strict=True)
     )
     return f"{differ} of {len(kept.candidates)} candidates with another verdict" if differ else ""
 
@@ -239,14 +244,14 @@ def _other_plan(kept: Plan, again: Plan) -> str:
     if kept.strategy != again.strategy or kept.guarantee is not again.guarantee:
         return f"{again.strategy}, {again.guarantee} instead of {kept.strategy}, {kept.guarantee}"
     ours, theirs = (
-        [(one.arm, one.detection, one.grasp) for one in plan.arms] for plan in (kept, again)
+        [(arm.arm, arm.detection, arm.grasp) for arm in plan.arms] for plan in (kept, again)
     )
     if ours != theirs:
         return "other picks"
-    for one, other in zip(kept.arms, again.arms, strict=True):
-        for leg, now in zip(one.legs, other.legs, strict=True):
+    for arm, other in zip(kept.arms, again.arms, strict=True):
+        for leg, now in zip(arm.legs, other.legs, strict=True):
             if leg.q.shape != now.q.shape or np.abs(leg.q - now.q).max() > OTHER_STEP:
-                return f"another way for the {one.arm} arm, {leg.name}"
+                return f"another way for the {arm.arm} arm, {leg.name}"
     return ""
 
 
@@ -264,8 +269,8 @@ def _joints_apart(kept: Plan, again: Plan) -> float:
     """The most that a joint differs in any waypoint [rad]."""
     return max(
         float(np.abs(leg.q - now.q).max())
-        for one, other in zip(kept.arms, again.arms, strict=True)
-        for leg, now in zip(one.legs, other.legs, strict=True)
+        for arm, other in zip(kept.arms, again.arms, strict=True)
+        for leg, now in zip(arm.legs, other.legs, strict=True)
     )
 
 

@@ -43,7 +43,7 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
     begun: dict[int, tuple[Cell, StartJob]] = {}
     for entry, after in replay(journal, cell):
         if isinstance(entry.command, JobEnded) and entry.command.number in begun:
-            comparison = _compared(*begun.pop(entry.command.number), entry.command.result)
+            comparison = _compare(*begun.pop(entry.command.number), entry.command.result)
             if comparison is not None:
                 yield comparison
         # The end of a task may begin the next one.
@@ -53,7 +53,7 @@ def recomputed(journal: Journal) -> Iterator[Comparison]:
         before = after
 
 
-def _compared(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
+def _compare(cell: Cell, job: StartJob, kept: object) -> Comparison | None:
     if (
         isinstance(kept, WorkbenchError)
         or job.name in ("import", "tool")  # made of CAD by other programs, and then looked at

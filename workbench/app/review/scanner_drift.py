@@ -79,7 +79,7 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> Recorde
             problems.append(f"{folder.name}: {error}")
             continue
         sessions, scans = sessions + 1, scans + len(found)
-        sightings += [one for scan in found for one in scan]
+        sightings += [sighting for scan in found for sighting in scan]
     middle = cell.bin.T_world_bin.translation
     prior = calibration_error(cell.scanner, Detection("", pin.SE3(np.eye(3), middle)))
     distance = float(np.linalg.norm(cell.scanner.T_world_scanner.translation - middle))
@@ -147,22 +147,24 @@ def of_session(
     last = -np.inf
     for entry, state in states:
         if before is not None and isinstance(entry.command, LinkEnded):
-            kept |= _kept(before)
+            kept |= _errors_in_hands(before)
         is_new = state.scan is not None and (before is None or state.scan is not before.scan)
         before = state
         if state.scan is None or not is_new or entry.at <= since or _layout(state.cell) != layout:
             continue
         stands = [
-            (one, T, _key(one.T_world_found))
-            for one, T in zip(state.placed, at_rest(state.cell, state.placed), strict=True)
-            if one.score > 0 and one.T_world_found is not None and one.part in parts
+            (detection, T, _key(detection.T_world_found))
+            for detection, T in zip(state.placed, at_rest(state.cell, state.placed), strict=True)
+            if detection.score > 0
+            and detection.T_world_found is not None
+            and detection.part in parts
         ]
-        fresh = [one for one in stands if one[2] in kept and one[2] not in seen]
+        fresh = [stand for stand in stands if stand[2] in kept and stand[2] not in seen]
         if not fresh and entry.at - last < APART:
             continue
         last = entry.at
-        put_down = [_put_part(cell, *one[:2], kept[one[2]]) for one in fresh]
-        seen |= {one[2] for one in fresh}
+        put_down = [_put_part(cell, *stand[:2], kept[stand[2]]) for stand in fresh]
+        seen |= {stand[2] for stand in fresh}
         yield sight_things(cell, state.scan, put_down, at=entry.at)
 
 
@@ -175,25 +177,25 @@ def _key(T: pin.SE3 | None) -> bytes:
     return b"" if T is None else np.round(T.homogeneous, 9).tobytes()
 
 
-def _kept(state: State) -> dict[bytes, Floats]:
+def _errors_in_hands(state: State) -> dict[bytes, Floats]:
     """What the hands keep of the errors of the parts of the plan that has just ended.
 
     Not of parts that come from a station: there two grips have taken something out.
     """
     if state.plan is None:
         return {}
-    found = [(one, state.plan.detections[one.detection]) for one in state.plan.arms]
+    found = [(arm, state.plan.detections[arm.detection]) for arm in state.plan.arms]
     return {
         _key(part.T_world_part): kept_by_grip(
-            state.cell, one.arm, part.part, part.T_world_part, one.T_tcp_part.inverse()
+            state.cell, detection.arm, part.part, part.T_world_part, detection.T_tcp_part.inverse()
         )
-        for one, part in found
+        for detection, part in found
         if part.roll_known and part.T_world_found is None
     }
 
 
-def _put_part(cell: Cell, one: Detection, T_world_rest: pin.SE3, keeps: Floats) -> PutPart:
-    assert one.T_world_found is not None
+def _put_part(cell: Cell, detection: Detection, T_world_rest: pin.SE3, keeps: Floats) -> PutPart:
+    assert detection.T_world_found is not None
     middle = cell.bin.T_world_bin.translation
-    slopes = put_slopes(middle, one.T_world_found, one.T_world_part, keeps)
-    return PutPart(replace(one, T_world_part=T_world_rest), slopes)
+    slopes = put_slopes(middle, detection.T_world_found, detection.T_world_part, keeps)
+    return PutPart(replace(detection, T_world_part=T_world_rest), slopes)

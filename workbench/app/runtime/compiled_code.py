@@ -117,7 +117,7 @@ def _places(kept: str) -> Iterator[tuple[Path, Path]]:
 
 
 def _folders() -> list[Path]:
-    return sorted({file.parent for file in _compiled()})
+    return sorted({file.parent for file in _list_sources()})
 
 
 def _package() -> Path:
@@ -148,7 +148,7 @@ def _is_of_these_sources(stamp: Path) -> bool:
         return False
 
 
-def _compiled() -> Iterator[Path]:
+def _list_sources() -> Iterator[Path]:
     """The files of the functions that are compiled."""
     package = _package()
     for layer in LAYERS:
@@ -159,7 +159,7 @@ def _compiled() -> Iterator[Path]:
 
 def _sources() -> set[Path]:
     """The same, and what they import: constants are compiled into code."""
-    package, files = _package(), set(_compiled())
+    package, files = _package(), set(_list_sources())
     for file in tuple(files):
         for module in IMPORTED.findall(file.read_text()):
             files.add(package.joinpath(*module.split(".")).with_suffix(".py"))

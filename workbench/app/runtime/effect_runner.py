@@ -82,7 +82,7 @@ class EffectRunner:
         self._live = Live()
         self._robot = LinkRunner(cell, do, now, self._show, patience=patience)
         self._jobs = Jobs(
-            cell, self._job_ended, self._job_progressed, prepared=self._prepared, module=module
+            cell, self._job_ended, self._job_progressed, prepared=self._prepare, module=module
         )
 
     @property
@@ -160,7 +160,7 @@ class EffectRunner:
 
     def _write_cell(self, effect: WriteCell) -> None:
         try:
-            cell, says = self._saved(effect)
+            cell, says = self._save(effect)
             command = CellRead(cell, is_saved=True, written=effect.cell.digest, says=says)
         except InputError as error:
             command = CellRead(problem=str(error))
@@ -180,7 +180,7 @@ class EffectRunner:
         if command.cell is not None:
             self._show(is_saving=False)
 
-    def _saved(self, effect: WriteCell) -> tuple[Cell, str]:
+    def _save(self, effect: WriteCell) -> tuple[Cell, str]:
         """Write the cell and its parts, and read back what the files hold now; tell what was new.
 
         Raises:
@@ -216,7 +216,7 @@ class EffectRunner:
         with self._lock:
             self._live = replace(self._live, **changes)
 
-    def _prepared(self, what: GettingReady | None) -> None:
+    def _prepare(self, what: GettingReady | None) -> None:
         # A job that has waited for it begins now: its clock does not count what it waited for.
         began = {} if what is not None else {"started": self._now()}
         self._show(getting_ready=what, **began)

@@ -256,8 +256,8 @@ class Jobs:
     def _drop_questions(self, error: WorkbenchError) -> None:
         with self._lock:
             dropped, self._questions = self._questions, {}
-        for one in dropped.values():
-            self._tell(one.answered, error)
+        for question in dropped.values():
+            self._tell(question.answered, error)
 
     def _listen(self, worker: "_Worker") -> None:
         try:
@@ -382,5 +382,5 @@ class _Worker:
         if code >= 0:
             return f"exit code {code}"
         # Most of the signals for real time have no name.
-        names = {int(one): one.name for one in signal.Signals}
+        names = {int(known_signal): known_signal.name for known_signal in signal.Signals}
         return names.get(-code, f"signal {-code}")

@@ -50,7 +50,7 @@ class Live:
         """What the search that brought these detections says of CAD files of a wrong size."""
         if self.findings is None or self.findings.detections is not detections:
             return ()
-        return tuple(one.words for one in self.findings.scales if one.is_off)
+        return tuple(scale.words for scale in self.findings.scales if scale.is_off)
 
     def told_of(self, job: int) -> tuple[float, str]:
         """Share done and note of the job with that number, or of what it waits for."""

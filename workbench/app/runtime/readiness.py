@@ -55,15 +55,15 @@ def make_ready(report: Report, uses: Sequence[Use] = USES) -> bool:
     if not missing:
         return True
     report(0.0, NOTE)
-    told: SimpleQueue[tuple[Use, float | None]] = SimpleQueue()
+    news: SimpleQueue[tuple[Use, float | None]] = SimpleQueue()
     shares: dict[Use, float] = dict.fromkeys(missing, 0.0)
     running = set(missing)
     try:
         with contextlib.ExitStack() as stack:
             for use in missing:
-                stack.enter_context(_compiling(use, told))
+                stack.enter_context(_compiling(use, news))
             while running:
-                use, share = told.get()
+                use, share = news.get()
                 shares[use] = 1.0 if share is None else share
                 if share is None:
                     running.remove(use)
@@ -85,8 +85,8 @@ def end_with_input() -> None:
 
 
 @contextlib.contextmanager
-def _compiling(use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> Generator[None]:
-    """A process that compiles while the block runs; `told` its shares done, None at its end."""
+def _compiling(use: Use, news: SimpleQueue[tuple[Use, float | None]]) -> Generator[None]:
+    """A process that compiles while the block runs; `news` its shares done, None at its end."""
     with (
         tempfile.TemporaryFile() as errors,
         subprocess.Popen(
@@ -97,7 +97,7 @@ def _compiling(use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> Generat
             text=True,
         ) as process,
     ):
-        listener = threading.Thread(target=_listen, args=(process.stdout, use, told), daemon=True)
+        listener = threading.Thread(target=_listen, args=(process.stdout, use, news), daemon=True)
         listener.start()
         try:
             yield
@@ -113,9 +113,9 @@ def _compiling(use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> Generat
             log.warning("what %s needs could not be compiled ahead: %s", use, why)
 
 
-def _listen(output: IO[str] | None, use: Use, told: SimpleQueue[tuple[Use, float | None]]) -> None:
+def _listen(output: IO[str] | None, use: Use, news: SimpleQueue[tuple[Use, float | None]]) -> None:
     for line in output or ():
         # A library may say something too.
         with contextlib.suppress(ValueError):
-            told.put((use, min(max(float(line), 0.0), 1.0)))
-    told.put((use, None))
+            news.put((use, min(max(float(line), 0.0), 1.0)))
+    news.put((use, None))

@@ -209,7 +209,7 @@ class LinkRunner:
         except CommandRefused as error:
             fault = str(error)
         except WorkbenchError as error:
-            fault = self._explained(str(error)) if is_silent else str(error)
+            fault = self._explain(str(error)) if is_silent else str(error)
         except Exception as error:
             log.exception("sending failed")
             fault = _internal(error)
@@ -241,11 +241,11 @@ class LinkRunner:
 
     def _parts(self, run: Run) -> tuple[PartReport, ...]:
         """What was reported of each part of the plan; where nothing was, nobody knows."""
-        told = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
+        latest = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
         why = f"{self._cell.controller.link} had told nothing of it at the end"
         return tuple(
-            told.get(one.arm, PartReport(one.arm, one.detection, None, why))
-            for one in run.plan.arms
+            latest.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
+            for arm in run.plan.arms
         )
 
     def _end(self, fault: str, placed: int = 0, parts: tuple[PartReport, ...] = ()) -> None:
@@ -267,7 +267,7 @@ class LinkRunner:
         def stands(report: RobotState) -> bool:
             return not report.moving and not moved_away(cell, plan, self._by_joint(report.joints))
 
-        report = self._awaited(stands)
+        report = self._wait_for(stands)
         if report is not None:
             self._show(joints=self._by_joint(report.joints))
 
@@ -283,7 +283,7 @@ class LinkRunner:
             is_new = self._told == self._wanted
             return is_new and not report.moving and report.received >= arrived
 
-        report = self._awaited(stands)
+        report = self._wait_for(stands)
         took = time.monotonic() - began
         if report is None or not stands(report):
             words = "nobody has reported that the robot stands: use the emergency stop"
@@ -304,19 +304,19 @@ class LinkRunner:
             words = f"{status.phase}, step {status.step} of {status.steps}"
             self._show(joints=self._by_joint(status.joints), robot=words)
 
-    def _explained(self, fault: str) -> str:
+    def _explain(self, fault: str) -> str:
         """A fault of the link with what the controller says about it, if it does."""
-        report = self._awaited(lambda report: report.fault != "")
+        report = self._wait_for(lambda report: report.fault != "")
         return f"{fault}; the controller says: {report.fault}" if report and report.fault else fault
 
     def _placed_since(self, before: RobotState | None, messages: int) -> int:
         """Parts put down since a report, as reported once that many messages have arrived."""
         if before is None:
             return 0
-        after = self._awaited(lambda report: report.received - before.received >= messages)
+        after = self._wait_for(lambda report: report.received - before.received >= messages)
         return 0 if after is None else max(0, after.placed - before.placed)
 
-    def _awaited(self, condition: Callable[[RobotState], bool]) -> RobotState | None:
+    def _wait_for(self, condition: Callable[[RobotState], bool]) -> RobotState | None:
         """The newest report, waiting a little for one that fulfils the condition."""
         with self._reports:
             self._reports.wait_for(
@@ -345,9 +345,9 @@ class LinkRunner:
                 self._take(None, wanted)
                 self._closing.wait(RETRY)
 
-    def _take(self, report: RobotState | None, told: int) -> None:
+    def _take(self, report: RobotState | None, count: int) -> None:
         with self._reports:
-            before, self._report, self._told = self._report, report, told
+            before, self._report, self._told = self._report, report, count
             self._reports.notify_all()
         if report is not None:
             self._compare(report)

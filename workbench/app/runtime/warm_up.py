@@ -32,7 +32,7 @@ from workbench.planning.grasps.part_rays import nearest_points
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.kinematics.inverse import configurations
-from workbench.planning.planners.ease import eased
+from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
 from workbench.proof.timing.jerk import Limits, jerky_at
@@ -70,14 +70,16 @@ def plan() -> None:
     plan_pick(cell, pile, "", strategy="both")
     arm, beyond = cell.arms[0], pose_from_rpy((9.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     configurations(chain_of(cell, arm), beyond, np.array(arm.home))
-    zero, one, rng = np.zeros(2), np.ones(2), np.random.default_rng(0)
+    zero, far_corner, rng = np.zeros(2), np.ones(2), np.random.default_rng(0)
     planner_named("rrtconnect")(
-        zero, one, zero, one, one, lambda a, b: False, iterations=1, rng=rng
+        zero, far_corner, zero, far_corner, far_corner, lambda a, b: False, iterations=1, rng=rng
     )
-    eased(np.zeros((3, 2)), lambda a, b: False, one, one, 0.2)
+    ease_corners(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
     path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
-    times = np.diff(timed(path, one, one, 0.2, one))
-    jerky_at(np.diff(path, axis=0), times * [1.0, 1.5], Limits(one, one, one), 0.2)
+    times = np.diff(timed(path, far_corner, far_corner, 0.2, far_corner))
+    jerky_at(
+        np.diff(path, axis=0), times * [1.0, 1.5], Limits(far_corner, far_corner, far_corner), 0.2
+    )
     suggest(part, cell.arms[0].tool, most=1, seed=0)
     lying = pose_from_rpy((0.0, 0.0, 0.03), (0.0, math.pi / 2, 0.0))
     trial, grasps = Trial(cell, part), part.grasps[:1]

@@ -110,31 +110,31 @@ class PosesWatch:
         command: Command
         try:
             detections = read_poses(path, folder.part or (parts[0].name if parts else ""))
-            says = f"{counted(len(detections), 'pose')} from {_told(path.name, LONGEST_NAME)}"
+            says = f"{counted(len(detections), 'pose')} from {_shorten(path.name, LONGEST_NAME)}"
             command = UseDetections(detections, says)
         except InputError as error:
-            command = PosesRefused(_told(str(error)))
+            command = PosesRefused(_shorten(str(error)))
         before = self._bench.state
         try:
             self._bench.do(command, POSES_FOLDER)
         except CommandRefused as error:
             if isinstance(command, UseDetections):
-                return self._refused(path, error, before)
+                return self._refuse(path, error, before)
             log.error("poses cannot be used: %s", error)
         return True
 
-    def _refused(self, path: Path, error: CommandRefused, before: State) -> bool:
+    def _refuse(self, path: Path, error: CommandRefused, before: State) -> bool:
         """Poses of parts that the cell does not know are told of; a busy bench is waited for."""
         # A task that has ended meanwhile was in the way all the same.
         if self._bench.state is not before or before.job is not None:
             return False
         try:
-            self._bench.do(PosesRefused(_told(f"{path.name}: {error}")), POSES_FOLDER)
+            self._bench.do(PosesRefused(_shorten(f"{path.name}: {error}")), POSES_FOLDER)
         except CommandRefused as second:
             log.error("poses cannot be used: %s", second)
         return True
 
 
-def _told(text: str, longest: int = MOST_TOLD) -> str:
+def _shorten(text: str, longest: int = MOST_TOLD) -> str:
     """A text that can be recorded and shown, whatever the name of the file in it holds."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:longest])

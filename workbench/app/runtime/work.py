@@ -6,7 +6,7 @@ from typing import Any
 
 from workbench.app.calibration.held_plate import simulated_sight
 from workbench.app.emptying.film import Filmed
-from workbench.app.picking.glance import Glance, changed, glance_at
+from workbench.app.picking.glance import Glance, apply_change, glance_at
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
 from workbench.app.picking.row import plan_row
@@ -46,7 +46,9 @@ def find_parts(
         report=report,
         cancelled=cancelled,
     )
-    sure = tuple(one for one in found.detections if one.score >= overrides.least_score)
+    sure = tuple(
+        detection for detection in found.detections if detection.score >= overrides.least_score
+    )
     return replace(found, detections=sure)
 
 
@@ -117,7 +119,7 @@ def glance(
         scan, found, placed = arguments["around"]
         seen = () if scan is None else unexplained(cell, scan, found)
         obstacles = (*seen, *boxes_around(cell, placed))
-    world = World(changed(cell, arguments["change"]), arguments["detections"], obstacles)
+    world = World(apply_change(cell, arguments["change"]), arguments["detections"], obstacles)
     return glance_at(world, avoided=dict(arguments["avoided"]))
 
 

@@ -198,7 +198,7 @@ def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
         if get_ready is not None:
             get_ready(lambda done, note: send(connection, in_parts(GettingReady(done, note))))
     except Exception as error:
-        problem = WorkbenchError(f"the worker process cannot start: {_described(error)}")
+        problem = WorkbenchError(f"the worker process cannot start: {_describe(error)}")
         send(connection, in_parts(Unable(problem, traceback.format_exc())))
         return
     send(connection, in_parts(Ready()))
@@ -231,7 +231,7 @@ def _answer(
     except WorkbenchError as error:
         return in_parts(Failure(number, error))
     except Exception as error:
-        problem = WorkbenchError(f"internal error, see the log: {_described(error)}")
+        problem = WorkbenchError(f"internal error, see the log: {_describe(error)}")
         return in_parts(Failure(number, problem, traceback.format_exc()))
 
 
@@ -248,7 +248,7 @@ def _reporter(number: int, connection: Connection) -> Report:
     return report
 
 
-def _described(error: Exception) -> str:
+def _describe(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 

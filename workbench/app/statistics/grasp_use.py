@@ -49,11 +49,11 @@ def judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Use
     """
     tried: Counter[tuple[str, str]] = Counter()
     possible: Counter[tuple[str, str]] = Counter()
-    for one in candidates:
-        number: int = one["detection"]
-        key = (parts[number], one["grasp"]["name"].partition(TURNED)[0])
+    for candidate in candidates:
+        number: int = candidate["detection"]
+        key = (parts[number], candidate["grasp"]["name"].partition(TURNED)[0])
         tried[key] += 1
-        possible[key] += one["verdict"]["reason"] == "ok"
+        possible[key] += candidate["verdict"]["reason"] == "ok"
     return {key: GraspUse(count, possible[key]) for key, count in tried.items()}
 
 
@@ -65,9 +65,9 @@ def taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     """
     uses: dict[tuple[str, str], GraspUse] = {}
     for part, grasp, result in picks:
-        one = GraspUse(planned=1, picked=result == "picked", failed=result == "failed")
+        use = GraspUse(planned=1, picked=result == "picked", failed=result == "failed")
         key = (part, grasp.partition(TURNED)[0])
-        uses[key] = uses.get(key, GraspUse()) + one
+        uses[key] = uses.get(key, GraspUse()) + use
     return uses
 
 

@@ -131,12 +131,15 @@ class Statistics:
         counted: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for cycle, pick in self.picks:
             counted[of(cycle, pick)][pick.result] += 1
-        rates = [Rate(name, one["picked"], one["failed"]) for name, one in counted.items()]
+        rates = [Rate(name, counts["picked"], counts["failed"]) for name, counts in counted.items()]
         return tuple(sorted(rates, key=lambda rate: (-rate.picked - rate.failed, rate.name)))
 
     def grasps(self) -> Uses:
         """How each grasp of each part has done."""
-        return added(self.judged, taken((one.part, one.grasp, one.result) for _, one in self.picks))
+        return added(
+            self.judged,
+            taken((pick.part, pick.grasp, pick.result) for _, pick in self.picks),
+        )
 
     def stage_medians(self) -> tuple[tuple[str, float, float], ...]:
         """Stage, its median and its largest time [s], for stages that there were."""
@@ -152,7 +155,7 @@ class Statistics:
         hours: defaultdict[float, Counter[str]] = defaultdict(Counter)
         for cycle, pick in self.picks:
             hours[cycle.until // 3600 * 3600][pick.result] += 1
-        return tuple((at, one["picked"], one["failed"]) for at, one in sorted(hours.items()))
+        return tuple((at, hour["picked"], hour["failed"]) for at, hour in sorted(hours.items()))
 
 
 GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
@@ -233,7 +236,7 @@ class Count:
             case FindParts.__name__:
                 self._begun = ("find parts", at, number)
             case UseDetections.__name__:
-                self._found(command["detections"])
+                self._count_found(command["detections"])
             case MakePlan.__name__:
                 self._begun = ("plan", at, number)
             case CancelJob.__name__:
@@ -241,11 +244,11 @@ class Count:
             case JobEnded.__name__:
                 self._job_ended(at, command)
             case SendPlan.__name__:
-                self._sent(at)
+                self._count_sent(at)
             case LinkEnded.__name__:
                 self._link_ended(at, command)
             case _:
-                self._reported(command)
+                self._count_report(command)
 
     def _job_ended(self, at: float, command: Any) -> None:
         stage, began, number = self._begun
@@ -257,55 +260,55 @@ class Count:
             return
         self._took(stage, began, at)
         if "detections" in result:
-            self._found(result["detections"])
+            self._count_found(result["detections"])
         if "plan" in result:
-            self._planned(at, result["plan"])
+            self._count_planned(at, result["plan"])
 
-    def _found(self, detections: Any) -> None:
-        self._parts = tuple(one["part"] for one in detections)
+    def _count_found(self, detections: Any) -> None:
+        self._parts = tuple(detection["part"] for detection in detections)
 
-    def _planned(self, at: float, result: Any) -> None:
+    def _count_planned(self, at: float, result: Any) -> None:
         self._judged = added(self._judged, judged(self._parts, result["candidates"]))
-        verdicts = (one["verdict"] for one in result["candidates"])
+        verdicts = (candidate["verdict"] for candidate in result["candidates"])
         self._refusals.update(
-            kind_of(Reason(one["reason"]), is_apart=(one["distance"] or 0.0) > 0)
-            for one in verdicts
-            if one["reason"] != Reason.OK
+            kind_of(Reason(verdict["reason"]), is_apart=(verdict["distance"] or 0.0) > 0)
+            for verdict in verdicts
+            if verdict["reason"] != Reason.OK
         )
         plan = result["plan"]
         if plan is None:
             self._change(end="no plan", strategy="", picks=(), until=at)
             return
-        plans = [plan, *(one["plan"] for one in result.get("row", ()))]
-        first = [one["T_world_part"] for one in plan["detections"]]
+        plans = [plan, *(proven_plan["plan"] for proven_plan in result.get("row", ()))]
+        first = [detection["T_world_part"] for detection in plan["detections"]]
         self._numbers = (
             tuple(range(len(first))),
             *(
                 tuple(
                     first.index(part.get("T_world_found", part["T_world_part"]))
-                    for part in one["detections"]
+                    for part in later_plan["detections"]
                 )
-                for one in plans[1:]
+                for later_plan in plans[1:]
             ),
         )
         self._row = tuple(
             tuple(
                 PickRecord(
                     numbers[arm["detection"]],
-                    one["detections"][arm["detection"]]["part"],
+                    each_plan["detections"][arm["detection"]]["part"],
                     arm["grasp"],
                     arm["arm"],
                 )
-                for arm in one["arms"]
+                for arm in each_plan["arms"]
             )
-            for one, numbers in zip(plans, self._numbers, strict=True)
+            for each_plan, numbers in zip(plans, self._numbers, strict=True)
         )
         self._place = 0
         self._change(end="", strategy=plan["strategy"], picks=self._row[0], until=at)
         # Of a plan that was made beside the cycle before nobody can be asked earlier.
         self._begun = ("approve", max(at, self._cycles[-1].at), 0)
 
-    def _sent(self, at: float) -> None:
+    def _count_sent(self, at: float) -> None:
         stage, began, _ = self._begun
         if stage == "approve":
             self._took(stage, began, at)
@@ -319,9 +322,9 @@ class Count:
                 number = part["detection"]
                 if self._place:
                     number = self._numbers[self._place][number]
-                self._reported({**part, "detection": number})
+                self._count_report({**part, "detection": number})
         picks = self._cycles[-1].picks
-        sent = {one.detection for one in self._row[self._place]} if self._row else set[int]()
+        sent = {pick.detection for pick in self._row[self._place]} if self._row else set[int]()
         if not command["fault"] and command["parts_placed"] == len(sent):
             # It has counted every part, unless somebody says otherwise.
             picks = tuple(
@@ -336,12 +339,12 @@ class Count:
         """The next plan of the row is on its way, in the same cycle."""
         self._place += 1
         picks = self._row[self._place]
-        again = {one.detection for one in picks}
+        again = {pick.detection for pick in picks}
         # A part that was put on a station is one pick, by who brings it to its place.
-        done = (one for one in self._cycles[-1].picks if one.detection not in again)
+        done = (pick for pick in self._cycles[-1].picks if pick.detection not in again)
         self._change(end="", picks=(*done, *picks))
 
-    def _reported(self, report: Any) -> None:
+    def _count_report(self, report: Any) -> None:
         result: Result = "picked" if report["is_picked"] else "failed"
         sent = self._sent_last()
         if sent is None:
@@ -388,10 +391,10 @@ def together(parts: Iterable[Statistics]) -> Statistics:
     cycles: list[CycleRecord] = []
     refusals: Counter[str] = Counter()
     uses: Uses = NO_USES
-    for one in parts:
-        cycles += one.cycles
-        refusals.update(dict(one.refusals))
-        uses = added(uses, one.judged)
+    for part in parts:
+        cycles += part.cycles
+        refusals.update(dict(part.refusals))
+        uses = added(uses, part.judged)
     return Statistics(
         tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common()), uses
     )

@@ -39,22 +39,22 @@ class Turns:
         if row.kind not in self._kinds and not may_begin:
             return
         body = json.loads(row.body)
-        after, one = body["after"], (row.kind, row.number, body)
+        after, record = body["after"], (row.kind, row.number, body)
         is_sending = after.get("phase") == "sending"
         if is_sending and row.kind in (GoOn.__name__, Sent.__name__):
-            self._held = [one] if after["job"] == row.number else []
+            self._held = [record] if after["job"] == row.number else []
         elif is_sending and row.kind == CancelJob.__name__:
             self._held = None
         elif is_sending and row.kind == JobEnded.__name__:
             if self._held:
-                self._held.append(one)
+                self._held.append(record)
         elif not is_sending and row.kind == LinkEnded.__name__ and self._held is not None:
             held, self._held = self._held, None
-            yield one
+            yield record
             if after["job"] is not None or after["phase"] not in ("done", "fault"):
-                began, *ends = held or [one]
+                began, *ends = held or [record]
                 number, at = began[1], began[2]["at"]
                 yield GoOn.__name__, number, {**body, "began": at, "command": {}}
                 yield from ends
         else:
-            yield one
+            yield record

@@ -72,7 +72,9 @@ def calibrate(typed: arguments.Calibrate) -> int:
     if typed.json:
         form = _form(cell, calibration, missed)
         if typed.next:
-            form["next"] = [_next_form(cell.arm(found.arm), one) for one in following[:1]]
+            form["next"] = [
+                _next_form(cell.arm(found.arm), next_pose) for next_pose in following[:1]
+            ]
         print_json(form)
     else:
         _print(cell, calibration)
@@ -145,26 +147,26 @@ def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
     print(f"joints_deg = {_list(np.rad2deg(arm.to_axes(best.q)), 1)}")
 
 
-def _next_form(arm: Arm, one: NextPose) -> dict[str, object]:
+def _next_form(arm: Arm, pose: NextPose) -> dict[str, object]:
     return {
-        "after": one.after,
-        "steps": list(one.steps),
-        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(one.q))],
-        "largest_corner_mm": round(one.error_with * 1000, 4),
+        "after": pose.after,
+        "steps": list(pose.steps),
+        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(pose.q))],
+        "largest_corner_mm": round(pose.error_with * 1000, 4),
     }
 
 
 def _print(cell: Cell, calibration: Calibration) -> None:
     rows = (
         (
-            one.name,
-            f"{one.distance * 1000:.2f}",
-            f"{np.rad2deg(one.angle):.2f}",
-            *_predicted(one.predicted),
-            one.light if not one.left_out else "left out",
-            one.left_out,
+            residual.name,
+            f"{residual.distance * 1000:.2f}",
+            f"{np.rad2deg(residual.angle):.2f}",
+            *_format_prediction(residual.predicted),
+            residual.light if not residual.left_out else "left out",
+            residual.left_out,
         )
-        for one in calibration.residuals
+        for residual in calibration.residuals
     )
     print_table(
         f"{calibration.used} poses, {calibration.rms * 1000:.2f} mm RMS",
@@ -175,8 +177,9 @@ def _print(cell: Cell, calibration: Calibration) -> None:
     if worst is not None and all_of_them is not None:
         print(
             "others: each pose as all the others predict it, "
-            f"{' mm, '.join(_predicted(all_of_them))} degrees RMS; the worst is {worst.name}, "
-            f"{' mm, '.join(_predicted(worst.predicted))} degrees"
+            f"{' mm, '.join(_format_prediction(all_of_them))} degrees RMS; "
+            f"the worst is {worst.name}, "
+            f"{' mm, '.join(_format_prediction(worst.predicted))} degrees"
         )
     T = calibration.T_world_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
@@ -211,22 +214,22 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
         "T_world_scanner": calibration.T_world_scanner.homogeneous.tolist(),
         "poses": [
             {
-                "name": one.name,
-                "off_mm": round(one.distance * 1000, 4),
-                "off_deg": round(float(np.rad2deg(one.angle)), 4),
-                "predicted_mm": _rounded(one.predicted, 0),
-                "predicted_deg": _rounded(one.predicted, 1),
-                "light": one.light,
-                "left_out": one.left_out,
+                "name": residual.name,
+                "off_mm": round(residual.distance * 1000, 4),
+                "off_deg": round(float(np.rad2deg(residual.angle)), 4),
+                "predicted_mm": _round(residual.predicted, 0),
+                "predicted_deg": _round(residual.predicted, 1),
+                "light": residual.light,
+                "left_out": residual.left_out,
             }
-            for one in calibration.residuals
+            for residual in calibration.residuals
         ],
         "not_seen": missed,
         "rms_mm": round(calibration.rms * 1000, 4),
         "position_error_mm": round(calibration.position_error * 1000, 4),
         "angle_error_deg": round(float(np.rad2deg(calibration.angle_error)), 5),
-        "predicted_rms_mm": _rounded(calibration.predicted_rms, 0),
-        "predicted_rms_deg": _rounded(calibration.predicted_rms, 1),
+        "predicted_rms_mm": _round(calibration.predicted_rms, 0),
+        "predicted_rms_deg": _round(calibration.predicted_rms, 1),
         "covariance": calibration.covariance.tolist(),
         "corners_mm": {name: round(error * 1000, 4) for name, error in errors.items()},
         "largest_corner_mm": round(max(errors.values()) * 1000, 4),
@@ -236,14 +239,14 @@ def _form(cell: Cell, calibration: Calibration, missed: list[str]) -> dict[str, 
     }
 
 
-def _predicted(off: tuple[float, float] | None) -> tuple[str, str]:
+def _format_prediction(off: tuple[float, float] | None) -> tuple[str, str]:
     """In mm and degrees; the others may leave a pose open."""
     if off is None:
         return "open", "open"
     return f"{off[0] * 1000:.2f}", f"{np.rad2deg(off[1]):.2f}"
 
 
-def _rounded(off: tuple[float, float] | None, which: int) -> float | None:
+def _round(off: tuple[float, float] | None, which: int) -> float | None:
     """In mm (0) or degrees (1)."""
     if off is None:
         return None

@@ -41,10 +41,16 @@ def show_cell(typed: CellShow) -> int:
     rows += [
         ("bin", f"{_mm(bin.size)} mm {inside}, at {_mm(bin.T_world_bin.translation)} mm"),
         *(
-            (f"region {one.name}", f"{_mm(one.size)} mm, at {_mm(one.T_bin_region.translation)} mm")
-            for one in bin.regions
+            (
+                f"region {region.name}",
+                f"{_mm(region.size)} mm, at {_mm(region.T_bin_region.translation)} mm",
+            )
+            for region in bin.regions
         ),
-        *((f"fixture {one.name}", f"{len(one.solids)} solids") for one in cell.fixtures),
+        *(
+            (f"fixture {fixture.name}", f"{len(fixture.solids)} solids")
+            for fixture in cell.fixtures
+        ),
         (
             "scanner",
             f"{scanner.resolution[0]} x {scanner.resolution[1]} pixels, at "

@@ -137,9 +137,9 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
             "against the last axis, and the tool stands along it: name another link as flange"
         )
     if reach.at_home is not None:
-        one, other = reach.at_home.pair
+        first, second = reach.at_home.pair
         distance = reach.at_home.distance * 1000
-        yield f"{arm.name} arm: at home {one} and {other} are {distance:.1f} mm apart"
+        yield f"{arm.name} arm: at home {first} and {second} are {distance:.1f} mm apart"
     if not any(target.outcome == "clear" for target in reach.bin):
         yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
     if not reach.places and not reach.part_places:
@@ -168,7 +168,7 @@ def _not_placed(placed: PlacedPart, margin_mm: float) -> str:
 
 
 def _axes(cell: Cell, arm: Arm) -> list[tuple[str, ...]]:
-    lower, upper, velocity = (np.rad2deg(one) for one in cell.robot.limits(arm.joints))
+    lower, upper, velocity = (np.rad2deg(limit) for limit in cell.robot.limits(arm.joints))
     home = np.rad2deg(np.asarray(arm.home))
     rows: list[tuple[str, ...]] = []
     for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True), start=1):
@@ -204,13 +204,13 @@ def _form(reach: Reach) -> dict[str, object]:
         "places": _share(reach.places),
         "part_places": [
             {
-                "number": one.number,
-                "part": one.part,
-                "outcome": one.outcome,
-                "stands_in": one.stands_in,
-                "grasps": one.grasps,
-                "reached": one.reached,
+                "number": place.number,
+                "part": place.part,
+                "outcome": place.outcome,
+                "stands_in": place.stands_in,
+                "grasps": place.grasps,
+                "reached": place.reached,
             }
-            for one in reach.part_places
+            for place in reach.part_places
         ],
     }

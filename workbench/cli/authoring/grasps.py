@@ -37,12 +37,12 @@ def grasps(typed: Grasps) -> int:
             acceleration=hand_acceleration(cell, arm),
             refused=refused.append,
         )
-    names = [one.grasp.name for one in found]
+    names = [suggestion.grasp.name for suggestion in found]
     file = grasps_file(typed.part)
     if typed.add and found:
-        names = list(add_grasps(file, (one.grasp for one in found)))
+        names = list(add_grasps(file, (suggestion.grasp for suggestion in found)))
     if typed.json:
-        forms = [_form(name, one) for name, one in zip(names, found, strict=True)]
+        forms = [_form(name, suggestion) for name, suggestion in zip(names, found, strict=True)]
         added = str(file) if typed.add and found else None
         print_json({"ok": bool(found), "tool": arm.tool.name, "grasps": forms, "added_to": added})
         return SUCCESS if found else NO_PLAN
@@ -56,39 +56,39 @@ def grasps(typed: Grasps) -> int:
     print_table(
         f"Grasps of {part.name} for {arm.tool.name}",
         ("grasp", "score", "at mm", "points along", "width mm", "off centre of mass mm", *held),
-        [_row(name, one) for name, one in zip(names, found, strict=True)],
+        [_row(name, suggestion) for name, suggestion in zip(names, found, strict=True)],
     )
     if typed.add:
         print(f"{len(found)} grasps added to {file}")
     return SUCCESS
 
 
-def _row(name: str, one: Suggestion) -> tuple[str, ...]:
-    T = one.grasp.T_part_tcp
-    width, firm = one.check.width, one.check.firmness
+def _row(name: str, suggestion: Suggestion) -> tuple[str, ...]:
+    T = suggestion.grasp.T_part_tcp
+    width, firm = suggestion.check.width, suggestion.check.firmness
     return (
         name,
-        f"{one.score:.2f}",
+        f"{suggestion.score:.2f}",
         ", ".join(f"{value + 0.0:.1f}" for value in np.round(T.translation * 1000, 1)),
         ", ".join(f"{value + 0.0:.2f}" for value in np.round(T.rotation[:, 2], 2)),
         "" if width is None else f"{width * 1000:.1f}",
-        f"{one.lever * 1000:.1f}",
+        f"{suggestion.lever * 1000:.1f}",
         *(() if firm is None else (f"{firm.share:.1f} x",)),
     )
 
 
-def _form(name: str, one: Suggestion) -> dict[str, Any]:
-    grasp, width, firm = one.grasp, one.check.width, one.check.firmness
+def _form(name: str, suggestion: Suggestion) -> dict[str, Any]:
+    grasp, width, firm = suggestion.grasp, suggestion.check.width, suggestion.check.firmness
     return {
         "name": name,
-        "score": round(one.score, 4),
+        "score": round(suggestion.score, 4),
         "position_mm": np.round(grasp.T_part_tcp.translation * 1000, 3).tolist(),
         "points_along": np.round(grasp.T_part_tcp.rotation[:, 2], 6).tolist(),
         "closes_along": np.round(grasp.T_part_tcp.rotation[:, 1], 6).tolist(),
         "opening_mm": round(grasp.opening * 1000, 2),
         "grip_mm": round(grasp.grip * 1000, 2),
         "width_mm": None if width is None else round(width * 1000, 2),
-        "clearance_mm": round(one.check.clearance * 1000, 2),
-        "lever_mm": round(one.lever * 1000, 2),
+        "clearance_mm": round(suggestion.check.clearance * 1000, 2),
+        "lever_mm": round(suggestion.lever * 1000, 2),
         **({} if firm is None else {"held_share": round(firm.share, 3)}),
     }

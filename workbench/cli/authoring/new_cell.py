@@ -119,7 +119,7 @@ def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
     else:
         found = read_description(
             typed.urdf,
-            arguments=dict(_named("--xacro", one, ":=") for one in typed.xacro),
+            arguments=dict(_split_option("--xacro", argument, ":=") for argument in typed.xacro),
             package_paths=typed.package_path,
             mesh_unit=typed.mesh_unit,
         )
@@ -137,7 +137,7 @@ def _file_to_name(folder: Path) -> str:
     return f"{folder} is a folder; name one of its files: {names}{more}"
 
 
-def _named(option: str, typed: str, sign: str) -> tuple[str, str]:
+def _split_option(option: str, typed: str, sign: str) -> tuple[str, str]:
     """The name and the value in one word."""
     name, found, value = typed.partition(sign)
     if not name or not found:
@@ -170,24 +170,24 @@ def _arms(typed: CellNew, found: Description) -> _Arms:
         flanges = right_first(flanges)
     robot, gone = without_hands(mounts.robot, flanges)
     there = {joint.name for joint in robot.joints}
-    followers = [one for one in found.followers if one.joint.name in there]
-    moving = standing(robot, followers, flanges, _fixed(typed, found))
+    followers = [follower for follower in found.followers if follower.joint.name in there]
+    moving = standing(robot, followers, flanges, _read_fixed(typed, found))
     return _Arms(moving.robot, flanges, gone, (*mounts.notes, *moving.notes))
 
 
-def _fixed(typed: CellNew, found: Description) -> dict[str, float]:
+def _read_fixed(typed: CellNew, found: Description) -> dict[str, float]:
     """Where joints stand [rad, m], by name."""
-    movable = {one.joint.name: one.joint for one in found.followers}
+    movable = {follower.joint.name: follower.joint for follower in found.followers}
     values: dict[str, float] = {}
-    for one in typed.fix:
-        name, value = _named("--fix", one, "=")
+    for assignment in typed.fix:
+        name, value = _split_option("--fix", assignment, "=")
         joint = movable.get(name) or found.robot.joint(name)
         try:
             number = float(value)
         except ValueError:
             number = np.nan
         if not np.isfinite(number):
-            raise InputError(f"--fix {one!r}: a number is expected, in degrees or mm")
+            raise InputError(f"--fix {assignment!r}: a number is expected, in degrees or mm")
         values[name] = number / 1000 if joint.kind == "prismatic" else float(np.deg2rad(number))
     return values
 

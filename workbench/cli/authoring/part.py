@@ -33,7 +33,7 @@ def import_part(typed: PartImport) -> int:
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
     try:
-        made = _made(typed)
+        made = _make(typed)
     except SeveralSolids as error:
         if not typed.json:
             _print_solids(error)
@@ -45,7 +45,7 @@ def import_part(typed: PartImport) -> int:
     return SUCCESS
 
 
-def _made(typed: PartImport) -> MadePart:
+def _make(typed: PartImport) -> MadePart:
     with progress("import") as report:
         make_ready(report, ("planning",))
         return make_part(
@@ -67,11 +67,11 @@ def _print_solids(several: SeveralSolids) -> None:
     """List the solids of a file, so that somebody can choose."""
     rows = [
         (
-            one.name,
-            millimetres(np.ptp(one.own.points, axis=0) * several.scale),
-            millimetres(one.placed.points.mean(axis=0) * several.scale),
+            solid.name,
+            millimetres(np.ptp(solid.own.points, axis=0) * several.scale),
+            millimetres(solid.placed.points.mean(axis=0) * several.scale),
         )
-        for one in several.solids
+        for solid in several.solids
     ]
     print_table("Solids", ("--solid", "size mm", "middle in the file mm"), rows)
 
@@ -136,17 +136,17 @@ def list_parts(typed: PartList) -> int:
                 continue
             seen.add(place.name)
             try:
-                one = read_part(place)
+                part = read_part(place)
             except FileError as error:
                 rows.append({"name": place.name, "problem": str(error)})
                 continue
-            size = np.ptp(one.mesh.points, axis=0)
+            size = np.ptp(part.mesh.points, axis=0)
             rows.append(
                 {
                     "name": place.name,
                     "size_mm": np.round(size * 1000, 2).tolist(),
-                    "mass_g": round(one.mass * 1000, 3),
-                    "grasps": len(one.library.grasps),
+                    "mass_g": round(part.mass * 1000, 3),
+                    "grasps": len(part.library.grasps),
                     "folder": str(place),
                 }
             )

@@ -89,7 +89,9 @@ def _problems(
             for finding in check.findings:
                 if finding.is_problem:
                     yield f"grasp {check.grasp}, {arm} arm: {finding.text}"
-    if part.library.grasps and not any(one.is_ok for found in checks.values() for one in found):
+    if part.library.grasps and not any(
+        grasp_check.is_ok for found in checks.values() for grasp_check in found
+    ):
         yield f"no grasp works with a tool of {cell.name}"
 
 
@@ -109,7 +111,7 @@ def _form(
         "triangles": surface.triangles,
         "pieces": count_pieces(part),
         "excess_mm": round(excess_of(part) * 1000, 2),
-        "grasps": {arm: [_check_form(one) for one in found] for arm, found in checks.items()},
+        "grasps": {arm: [_check_form(check) for check in found] for arm, found in checks.items()},
         "coverage": _coverage_form(covered),
         "scanner": {
             "pixels": seen.pixels,

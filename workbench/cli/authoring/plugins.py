@@ -11,16 +11,22 @@ from workbench.plugins.found import plugins as found
 
 def plugins(typed: arguments.Plugins) -> int:
     """List them; a broken one is told of and is no failure of this command."""
-    all_of_it = sorted(found(), key=lambda one: (tuple(WHAT).index(one.group), one.name))
+    all_of_it = sorted(found(), key=lambda plugin: (tuple(WHAT).index(plugin.group), plugin.name))
     if typed.json:
-        print_json({"plugins": [asdict(one) for one in all_of_it]})
+        print_json({"plugins": [asdict(plugin) for plugin in all_of_it]})
         return SUCCESS
     print_table(
         "plug-ins",
         ("what", "name", "from", "version", "state"),
         (
-            (WHAT[one.group], one.name, one.package, one.version, one.problem or "ready")
-            for one in all_of_it
+            (
+                WHAT[plugin.group],
+                plugin.name,
+                plugin.package,
+                plugin.version,
+                plugin.problem or "ready",
+            )
+            for plugin in all_of_it
         ),
     )
     return SUCCESS

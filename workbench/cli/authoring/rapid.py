@@ -42,11 +42,11 @@ def rapid(typed: RapidCommands) -> int:
 def _tell(checked: Checked) -> None:
     unreadable, wrong, remarks = (checked.of(kind) for kind in (UNREADABLE, WRONG, REMARK))
     unknown, left_out = checked.names(UNKNOWN_NAME), checked.names(LEFT_OUT)
-    for one in unreadable:
-        print(f"workbench: {one}", file=sys.stderr)
+    for problem in unreadable:
+        print(f"workbench: {problem}", file=sys.stderr)
     _list("wrong", wrong)
-    _list("not known here", [_line(one) for one in unknown])
-    _list("known, not executed here", [_line(one) for one in left_out])
+    _list("not known here", [_line(name) for name in unknown])
+    _list("known, not executed here", [_line(name) for name in left_out])
     _list("remarks", remarks)
     modules = _count(len({path for _, paths in checked.tasks for path in paths}), "module")
     print(
@@ -71,17 +71,17 @@ def _list(title: str, rows: Sequence[Problem | str]) -> None:
         print(f"  {row}")
 
 
-def _line(one: Name) -> str:
-    if one.use == ENCODED:
-        return f"{one.first.module}: {ENCODED}"
-    uses = _count(one.uses, "use")
-    as_what = f", {one.use}" if one.use else ""
-    where = f"{one.first.module}:{one.first.line}"
+def _line(name: Name) -> str:
+    if name.use == ENCODED:
+        return f"{name.first.module}: {ENCODED}"
+    uses = _count(name.uses, "use")
+    as_what = f", {name.use}" if name.use else ""
+    where = f"{name.first.module}:{name.first.line}"
     there = ""
-    if one.elsewhere:
-        more = f" and {len(one.elsewhere) - 1} more" if len(one.elsewhere) > 1 else ""
-        there = f"; declared in {one.elsewhere[0]}{more}, not in this task"
-    return f"{one.name}{as_what}: {uses}, first in {where}{there}"
+    if name.elsewhere:
+        more = f" and {len(name.elsewhere) - 1} more" if len(name.elsewhere) > 1 else ""
+        there = f"; declared in {name.elsewhere[0]}{more}, not in this task"
+    return f"{name.name}{as_what}: {uses}, first in {where}{there}"
 
 
 def _tell_merged(merged: Merged) -> None:
@@ -96,8 +96,8 @@ def _form(checked: Checked, merged: Merged | None) -> dict[str, Any]:
         "ok": not (checked.of(WRONG) or checked.of(UNREADABLE) or clashes),
         "unreadable": _places(checked.of(UNREADABLE)),
         "wrong": _places(checked.of(WRONG)),
-        "not_known": [_name(one) for one in checked.names(UNKNOWN_NAME)],
-        "not_executed": [_name(one) for one in checked.names(LEFT_OUT)],
+        "not_known": [_name(name) for name in checked.names(UNKNOWN_NAME)],
+        "not_executed": [_name(name) for name in checked.names(LEFT_OUT)],
         "remarks": _places(checked.of(REMARK)),
         "not_loaded": checked.spare,
         "tasks": [{"task": name, "modules": paths} for name, paths in checked.tasks],
@@ -113,15 +113,15 @@ def _form(checked: Checked, merged: Merged | None) -> dict[str, Any]:
 
 def _places(problems: Sequence[Problem]) -> list[dict[str, Any]]:
     keys = ("module", "line", "column", "what")
-    return [{key: getattr(one, key) for key in keys} for one in problems]
+    return [{key: getattr(problem, key) for key in keys} for problem in problems]
 
 
-def _name(one: Name) -> dict[str, Any]:
+def _name(name: Name) -> dict[str, Any]:
     return {
-        "name": one.name,
-        "used_as": one.use,
-        "uses": one.uses,
-        "module": one.first.module,
-        "line": one.first.line,
-        "declared_in": list(one.elsewhere),
+        "name": name.name,
+        "used_as": name.use,
+        "uses": name.uses,
+        "module": name.first.module,
+        "line": name.first.line,
+        "declared_in": list(name.elsewhere),
     }

@@ -52,16 +52,17 @@ def _print(cell: Cell, found: RecordedDrift) -> None:
     for problem in found.problems:
         print(f"left out: {problem}")
     print(f"{found.sessions} sessions, {found.scans} scans looked at since the calibration")
-    for one in found.drift.courses:
+    for course in found.drift.courses:
         rows = [
-            (_date(day), *_shown(moved))
-            for day, moved in zip(one.days.tolist(), one.moved, strict=True)
+            (_date(day), *_format(moved))
+            for day, moved in zip(course.days.tolist(), course.moved, strict=True)
         ]
-        rows.append(("change", *_shown(one.change)))
-        rows.append(("deviation", *_shown(one.deviation)))
-        marks = ("told" if told else "" for told in one.is_told)
+        rows.append(("change", *_format(course.change)))
+        rows.append(("deviation", *_format(course.deviation)))
+        marks = ("told" if is_told else "" for is_told in course.is_told)
         print_table(
-            f"Where {one.thing} has the scanner, from where the cell has it, at the bin's middle",
+            f"Where {course.thing} has the scanner, "
+            "from where the cell has it, at the bin's middle",
             ("day", *AXES),
             [*rows, ("", *marks)],
         )
@@ -76,7 +77,7 @@ def _form(cell: Cell, found: RecordedDrift) -> dict[str, Any]:
         "sessions": found.sessions,
         "scans": found.scans,
         "left_out": list(found.problems),
-        "things": [_course_form(cell, one) for one in drift.courses],
+        "things": [_course_form(cell, course) for course in drift.courses],
         "drifted": list(drift.drifted),
         "is_bin_off": drift.is_bin_off,
         "open": list(drift.open),
@@ -87,15 +88,15 @@ def _form(cell: Cell, found: RecordedDrift) -> dict[str, Any]:
     }
 
 
-def _course_form(cell: Cell, one: Course) -> dict[str, Any]:
+def _course_form(cell: Cell, course: Course) -> dict[str, Any]:
     return {
-        "thing": one.thing,
-        "days": [_date(day) for day in one.days.tolist()],
-        "moved_mm_deg": [_numbers(row) for row in one.moved],
-        "change_mm_deg": _numbers(one.change),
-        "deviation_mm_deg": _numbers(one.deviation),
-        "is_told": one.is_told.tolist(),
-        "at_corners_mm": round(at_corners(cell, one.change), 4),
+        "thing": course.thing,
+        "days": [_date(day) for day in course.days.tolist()],
+        "moved_mm_deg": [_numbers(row) for row in course.moved],
+        "change_mm_deg": _numbers(course.change),
+        "deviation_mm_deg": _numbers(course.deviation),
+        "is_told": course.is_told.tolist(),
+        "at_corners_mm": round(at_corners(cell, course.change), 4),
     }
 
 
@@ -103,7 +104,7 @@ def _date(day: int) -> str:
     return datetime.fromtimestamp(day * DAY, UTC).strftime("%Y-%m-%d")
 
 
-def _shown(motion: Floats) -> tuple[str, ...]:
+def _format(motion: Floats) -> tuple[str, ...]:
     return tuple(f"{value:.2f}" if np.isfinite(value) else "-" for value in motion * UNITS)
 
 

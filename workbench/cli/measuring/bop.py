@@ -37,9 +37,10 @@ def study_bop(typed: StudyBop) -> int:
         print_json({"images": len(data.images), "found": len(found), **figures})
         return SUCCESS
     rows = [
-        (name, str(one["targets"]), *bop_words(one)) for name, one in figures["objects"].items()
+        (name, str(figures_of_object["targets"]), *bop_words(figures_of_object))
+        for name, figures_of_object in figures["objects"].items()
     ]
-    total = sum(one["targets"] for one in figures["objects"].values())
+    total = sum(figures_of_object["targets"] for figures_of_object in figures["objects"].values())
     rows.append(("all", str(total), *bop_words(figures)))
     print_table(
         f"{len(data.images)} images, {len(found)} found; average precision as BOP 2024 has it",

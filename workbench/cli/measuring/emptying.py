@@ -63,7 +63,7 @@ def emptying(typed: StudyEmptying) -> int:
     if kinds:
         tasks = tasks_with_changes(cell_of(typed.cell, typed.part), tasks, kinds)
     if typed.picks > 1:
-        tasks += [replace(one, picks=1) for one in tasks if not one.change]
+        tasks += [replace(task, picks=1) for task in tasks if not task.change]
     with progress("emptying") as report:
         make_ready(report, ("planning", "seeing") if typed.seen == "scan" else ("planning",))
         scenes = emptied_all(
@@ -74,13 +74,13 @@ def emptying(typed: StudyEmptying) -> int:
             report=report,
         )
     seconds = {"scan_seconds": typed.scan_seconds, "approval_seconds": typed.approval_seconds}
-    plain = [one for one in scenes if not one.task.change]
-    found = summary([one for one in plain if one.task.picks == typed.picks], **seconds)
+    plain = [scene for scene in scenes if not scene.task.change]
+    found = summary([pile for pile in plain if pile.task.picks == typed.picks], **seconds)
     if typed.picks > 1:
-        single = summary([one for one in plain if one.task.picks == 1], **seconds)
+        single = summary([pile for pile in plain if pile.task.picks == 1], **seconds)
         found["one_pick"] = {key: single[key] for key in COMPARED}
     if kinds:
-        changed = [one for one in scenes if one.task.picks == typed.picks]
+        changed = [scene for scene in scenes if scene.task.picks == typed.picks]
         found["what_if"] = ranked(changed, **seconds)
     title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
     if typed.plot is not None:
@@ -112,7 +112,7 @@ def kinds_of(text: str) -> frozenset[str]:
     return frozenset(kinds)
 
 
-def _compared(found: dict[str, Any]) -> str:
+def _compare(found: dict[str, Any]) -> str:
     """How fast the same piles are emptied by one plan a look, where that was asked for."""
     single = found.get("one_pick")
     if single is None or single["parts_per_hour"] is None:
@@ -148,11 +148,11 @@ def _print(found: dict[str, Any], title: str) -> None:
         ("seed", "parts", "taken", "cycles", "failed", "touches", "knocked out", "motion s"),
         [
             (
-                *(str(one[key]) for key in ("seed", "parts", "taken", "cycles")),
-                *(str(one[key]) for key in ("failed_picks", "touches", "knocked_out")),
-                f"{one['motion_seconds']:.1f}",
+                *(str(scene[key]) for key in ("seed", "parts", "taken", "cycles")),
+                *(str(scene[key]) for key in ("failed_picks", "touches", "knocked_out")),
+                f"{scene['motion_seconds']:.1f}",
             )
-            for one in found["scenes"]
+            for scene in found["scenes"]
         ],
     )
     kinds = ", ".join(f"{count} {kind}" for kind, count in found["failed_by_kind"].items())
@@ -182,8 +182,8 @@ def _print(found: dict[str, Any], title: str) -> None:
     if found["bound_share"] is not None:
         print(f"by all grasps of the tool, in the library or not: {found['bound_share']:.1%}")
     if found["parts_per_hour"] is not None:
-        print(f"{found['parts_per_hour']:.0f} parts an hour{_compared(found)}")
-    left = [(one["seed"], part) for one in found["scenes"] for part in one["left"]]
+        print(f"{found['parts_per_hour']:.0f} parts an hour{_compare(found)}")
+    left = [(scene["seed"], part) for scene in found["scenes"] for part in scene["left"]]
     if not left:
         print("nothing stayed in the bins")
         return

@@ -25,11 +25,11 @@ def study_cases(typed: StudyLocalization, folder: Path) -> int:
         make_ready(report, ("seeing",))
         held = held_cases(paths, report)
     summed = in_all(held)
-    for one in held:
-        if one.problem:
-            print(f"workbench: {one.problem}", file=sys.stderr)
+    for comparison in held:
+        if comparison.problem:
+            print(f"workbench: {comparison.problem}", file=sys.stderr)
     if typed.json:
-        print_json({"cases": [_form(one) for one in held], "all": summed})
+        print_json({"cases": [_form(comparison) for comparison in held], "all": summed})
     else:
         _print(held, summed)
     if summed["worse"]:
@@ -51,7 +51,7 @@ def _cases_in(folder: Path) -> list[Path]:
     return found
 
 
-def _form(one: Held) -> dict[str, Any]:
+def _form(comparison: Held) -> dict[str, Any]:
     counts = {
         side: {
             "right": tally.right,
@@ -60,13 +60,18 @@ def _form(one: Held) -> dict[str, Any]:
             "unjudged": tally.unjudged,
             "is_right": tally.is_right,
         }
-        for side, tally in (("before", one.before), ("now", one.now))
+        for side, tally in (("before", comparison.before), ("now", comparison.now))
     }
-    return {**asdict(one), **counts, "is_worse": one.is_worse, "is_better": one.is_better}
+    return {
+        **asdict(comparison),
+        **counts,
+        "is_worse": comparison.is_worse,
+        "is_better": comparison.is_better,
+    }
 
 
 def _print(held: list[Held], summed: dict[str, Any]) -> None:
-    rows = [_words(one) for one in held if not one.problem]
+    rows = [_words(comparison) for comparison in held if not comparison.problem]
     if len(rows) > 1:
         both = [(summed["before"][key], summed["now"][key]) for key in COUNTED]
         rows.append(("all", *(f"{before} / {now}" for before, now in both), "", "", ""))
@@ -85,19 +90,19 @@ def _print(held: list[Held], summed: dict[str, Any]) -> None:
 COUNTED = ("right", "wrong", "missed", "unjudged")
 
 
-def _words(one: Held) -> tuple[str, ...]:
+def _words(comparison: Held) -> tuple[str, ...]:
     def two(key: str) -> str:
         def of(tally: Tally) -> int:
             return getattr(tally, key)
 
-        return f"{of(one.before)} / {of(one.now)}"
+        return f"{of(comparison.before)} / {of(comparison.now)}"
 
-    change = "worse" if one.is_worse else "better" if one.is_better else "as before"
-    times = f"{one.seconds_before:.1f} / {one.seconds:.1f}"
+    change = "worse" if comparison.is_worse else "better" if comparison.is_better else "as before"
+    times = f"{comparison.seconds_before:.1f} / {comparison.seconds:.1f}"
     return (
-        one.name.removesuffix(".zip"),
+        comparison.name.removesuffix(".zip"),
         *(two(key) for key in COUNTED),
         times,
         change,
-        one.comment,
+        comparison.comment,
     )

@@ -36,16 +36,16 @@ def pallets(typed: StudyPallets) -> int:
         ("seed", "parts", "piles", "no plan", "off", "shift mm", "lean deg", "why no more"),
         [
             (
-                str(one.seed),
-                f"{one.parts} of {one.places}",
-                str(one.piles),
-                str(one.unplanned),
-                str(one.off),
-                f"{one.shift * 1000:.2f}",
-                f"{np.rad2deg(one.lean):.2f}",
-                one.ends,
+                str(result.seed),
+                f"{result.parts} of {result.places}",
+                str(result.piles),
+                str(result.unplanned),
+                str(result.off),
+                f"{result.shift * 1000:.2f}",
+                f"{np.rad2deg(result.lean):.2f}",
+                result.ends,
             )
-            for one in results
+            for result in results
         ],
     )
     print(

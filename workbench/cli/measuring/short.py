@@ -83,18 +83,18 @@ SHORT: Mapping[str, Short] = {
 
 def short(typed: BenchShort) -> int:
     """Run them one after the other; only an error fails, since times differ between machines."""
-    before = _kept(typed.against)
+    before = _read_last(typed.against)
     now: dict[str, dict[str, float]] = {}
     failed: list[str] = []
     with progress("bench") as report:
         make_ready(report)
-        for number, (name, one) in enumerate(SHORT.items()):
+        for number, (name, benchmark) in enumerate(SHORT.items()):
             report(number / len(SHORT), name)
-            said, problem = _run(one.words)
+            said, problem = _run(benchmark.words)
             if problem:
                 failed.append(f"{name}: {problem}")
             else:
-                now[name] = {k: round(float(v), 2) for k, v in one.figures(said).items()}
+                now[name] = {k: round(float(v), 2) for k, v in benchmark.figures(said).items()}
     result = {"machine": _machine(), "figures": now}
     if typed.keep and not failed:
         write_whole(typed.against, json_text(typed.against, result))
@@ -105,7 +105,7 @@ def short(typed: BenchShort) -> int:
     return FAILURE if failed else SUCCESS
 
 
-def _kept(path: Path) -> Mapping[str, Any]:
+def _read_last(path: Path) -> Mapping[str, Any]:
     """The figures of last time; none when there is no file.
 
     Raises:

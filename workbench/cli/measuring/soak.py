@@ -121,7 +121,7 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
     settled = samples[int(len(samples) * SETTLED) :]
     with contextlib.closing(Journal(folder)) as journal:
         entries, problems = journal.count, journal.verify()
-        stood = _stood(journal)
+        stood = _waiting_times(journal)
     seconds = sorted(sample.seconds for sample in samples)
     return {
         "cycles": len(samples),
@@ -147,7 +147,7 @@ def _summary(samples: list[Sample], lost: list[str], folder: Path) -> dict[str, 
     }
 
 
-def _stood(journal: Journal) -> list[float]:
+def _waiting_times(journal: Journal) -> list[float]:
     """How long the robot stood before each plan that went out straight after another one [s]."""
     ended, scans, found = 0.0, 0, list[float]()
     for row in journal.entries():

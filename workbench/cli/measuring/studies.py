@@ -126,8 +126,8 @@ def bench_pick(typed: BenchPick) -> int:
             for row in picks.rows(measured)
         ],
     )
-    told = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
-    print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {told}")
+    fates = ", ".join(f"{count} {fate}" for fate, count in measured["parts"].items())
+    print(f"of {typed.scenes * typed.parts} parts, by the grasp that got furthest: {fates}")
     for fate, count in measured.get("air", {}).items():
         print(f"{count} {fate}")
     if measured["cycle_seconds"]:
@@ -182,7 +182,7 @@ def study_localization(typed: StudyLocalization) -> int:
         [_bop_words(row) for row in rows],
     )
     if sure["calibration_error"] is not None:
-        count = sum(one["count"] for one in sure["bins"])
+        count = sum(probability_bin["count"] for probability_bin in sure["bins"])
         print(
             f"chances stated and shares right are {sure['calibration_error']:.3f} apart ({count} "
             "detections)"
@@ -280,7 +280,7 @@ def _pairs_words(taken: dict[str, Any]) -> list[tuple[str, ...]]:
 
 
 def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:
-    allowed, one = row["allowed_planning"], row["alternated_planning"]
+    allowed, alternated = row["allowed_planning"], row["alternated_planning"]
     return (
         f"{row['threshold'] * 1000:.0f}",
         _percent(row["allowed_share"]),
@@ -291,7 +291,7 @@ def _threshold_words(row: dict[str, Any]) -> tuple[str, ...]:
             else (_ms(allowed[k]) for k in ("mean", "median", "p95"))
         ),
         _percent(row["alternated_success"]),
-        *(("", "") if one is None else (_ms(one[k]) for k in ("mean", "median"))),
+        *(("", "") if alternated is None else (_ms(alternated[k]) for k in ("mean", "median"))),
         "" if row["cycle_mean"] is None else f"{row['cycle_mean']:.1f}",
         "" if row["of_bound"] is None else f"{row['of_bound']:.2f}",
         "" if row["parts_per_hour"] is None else f"{row['parts_per_hour']:.0f}",

@@ -63,12 +63,12 @@ def explain(typed: arguments.Explain) -> int:
                     {"stage": str(stage), "entered": entered, "refused": refused}
                     for stage, entered, refused in funnel(candidates)
                 ],
-                "blockers": [_blocker_form(one) for one in blockers(cell, candidates)],
+                "blockers": [_blocker_form(blocker) for blocker in blockers(cell, candidates)],
                 "fixes": [
                     {"change": change, "parts": [number + 1 for number in parts]}
                     for change, parts in fixes
                 ],
-                "placing": [_sure_form(one, budget) for one, budget in sure],
+                "placing": [_sure_form(candidate, budget) for candidate, budget in sure],
                 "nearest_fix": None if fix is None else _fix_form(fix),
             }
         )
@@ -79,10 +79,11 @@ def explain(typed: arguments.Explain) -> int:
             for stage, entered, refused in funnel(candidates)
         )
         print_table("where they fell", ("stage", "entered", "refused", "why"), rows)
-        for one, budget in sure:
-            print(f"part-{one.detection + 1} by {one.grasp.name} with {one.arm}: {budget.words}")
-        for one in blockers(cell, candidates)[:MOST_BLOCKERS]:
-            print(_blocker_words(one))
+        for candidate, budget in sure:
+            part = f"part-{candidate.detection + 1}"
+            print(f"{part} by {candidate.grasp.name} with {candidate.arm}: {budget.words}")
+        for blocker in blockers(cell, candidates)[:MOST_BLOCKERS]:
+            print(_blocker_words(blocker))
         for change, parts in fixes[:MOST_FIXES]:
             print(f"would take {_parts(parts)} that nothing takes: {change}")
         print(fix_words(fix))
@@ -118,18 +119,18 @@ def _parts(numbers: Sequence[int]) -> str:
     return ", ".join(f"part-{number + 1}" for number in numbers)
 
 
-def _blocker_words(one: Blocker) -> str:
-    reasons = ", ".join(f"{count} {reason.message}" for reason, count in one.reasons)
-    candidates = "1 candidate" if one.candidates == 1 else f"{one.candidates} candidates"
-    return f"{one.label} blocks {candidates} of {_parts(one.parts)} ({reasons})"
+def _blocker_words(blocker: Blocker) -> str:
+    reasons = ", ".join(f"{count} {reason.message}" for reason, count in blocker.reasons)
+    candidates = "1 candidate" if blocker.candidates == 1 else f"{blocker.candidates} candidates"
+    return f"{blocker.label} blocks {candidates} of {_parts(blocker.parts)} ({reasons})"
 
 
-def _blocker_form(one: Blocker) -> dict[str, object]:
+def _blocker_form(blocker: Blocker) -> dict[str, object]:
     return {
-        "blocker": one.label,
-        "candidates": one.candidates,
-        "parts": [number + 1 for number in one.parts],
-        "reasons": {str(reason): count for reason, count in one.reasons},
+        "blocker": blocker.label,
+        "candidates": blocker.candidates,
+        "parts": [number + 1 for number in blocker.parts],
+        "reasons": {str(reason): count for reason, count in blocker.reasons},
     }
 
 

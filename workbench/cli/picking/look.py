@@ -68,7 +68,9 @@ def localize(typed: arguments.Localize) -> int:
     print_table(f"{typed.out}: {len(found)} found", columns, rows)
     if typed.rejected:
         columns = ("part", "x mm", "y mm", "z mm", "score", "why it is none")
-        print_table("Rejected", columns, [_rejected_words(one) for one in findings.rejected])
+        print_table(
+            "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
+        )
     for size in findings.scales:
         if size.is_off:
             print(
@@ -83,14 +85,14 @@ def localize(typed: arguments.Localize) -> int:
     return 0
 
 
-def _sureness(one: Detection) -> tuple[str, str, str]:
+def _sureness(detection: Detection) -> tuple[str, str, str]:
     """How likely it is right, and the standard deviations of its place and turn."""
-    if one.probability is None or one.deviations is None:
+    if detection.probability is None or detection.deviations is None:
         return "", "", ""
-    place, turn = one.deviations
-    return f"{one.probability:.0%}", f"{place * 1000:.2f}", f"{np.rad2deg(turn):.2f}"
+    place, turn = detection.deviations
+    return f"{detection.probability:.0%}", f"{place * 1000:.2f}", f"{np.rad2deg(turn):.2f}"
 
 
-def _rejected_words(one: RejectedHypothesis) -> tuple[str, ...]:
-    place = (f"{p * 1000:.1f}" for p in one.T_world_part.translation)
-    return (one.part, *place, f"{one.score:.2f}", one.words)
+def _rejected_words(hypothesis: RejectedHypothesis) -> tuple[str, ...]:
+    place = (f"{p * 1000:.1f}" for p in hypothesis.T_world_part.translation)
+    return (hypothesis.part, *place, f"{hypothesis.score:.2f}", hypothesis.words)

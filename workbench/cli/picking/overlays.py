@@ -24,18 +24,23 @@ def write_overlay(path: Path, scan: Scan, cell: Cell, found: Sequence[Detection]
     T_scanner_world = scan.T_world_scanner.inverse()
     drawn = overlay(
         scan,
-        [(meshes[one.part], (T_scanner_world * one.T_world_part).homogeneous) for one in found],
+        [
+            (meshes[detection.part], (T_scanner_world * detection.T_world_part).homogeneous)
+            for detection in found
+        ],
     )
     words = [
-        ((float(place[0]), float(place[1])), _words(number, one))
-        for number, (one, place) in enumerate(zip(found, drawn.places, strict=True), start=1)
+        ((float(place[0]), float(place[1])), _words(number, detection))
+        for number, (detection, place) in enumerate(zip(found, drawn.places, strict=True), start=1)
         if np.isfinite(place).all()
     ]
     write_picture(path, drawn.picture, words)
 
 
-def _words(number: int, one: Detection) -> str:
-    return f"{number}" if one.probability is None else f"{number}: {one.probability:.0%}"
+def _words(number: int, detection: Detection) -> str:
+    return (
+        f"{number}" if detection.probability is None else f"{number}: {detection.probability:.0%}"
+    )
 
 
 def with_sizes(cell: Cell, typed: Sequence[str]) -> Cell:
@@ -46,14 +51,18 @@ def with_sizes(cell: Cell, typed: Sequence[str]) -> Cell:
     """
     sizes: dict[str, float] = {}
     names = [part.name for part in cell.parts]
-    for one in typed:
-        name, _, size = one.partition("=")
+    for override in typed:
+        name, _, size = override.partition("=")
         if name not in names:
-            raise InputError(f"--scale {one}: no part of the cell is {name}; {', '.join(names)}")
+            raise InputError(
+                f"--scale {override}: no part of the cell is {name}; {', '.join(names)}"
+            )
         try:
             sizes[name] = float(size)
         except ValueError:
-            raise InputError(f"--scale {one}: PART=SIZE is expected, as {name}=0.92") from None
+            raise InputError(f"--scale {override}: PART=SIZE is expected, as {name}=0.92") from None
         if not LEAST_SIZE <= sizes[name] <= LARGEST_SIZE:
-            raise InputError(f"--scale {one}: from {LEAST_SIZE:g} to {LARGEST_SIZE:g} is expected")
+            raise InputError(
+                f"--scale {override}: from {LEAST_SIZE:g} to {LARGEST_SIZE:g} is expected"
+            )
     return replace(cell, parts=tuple(sized(part, sizes.get(part.name, 1.0)) for part in cell.parts))

@@ -90,8 +90,8 @@ def plan(typed: arguments.Plan) -> int:
     is_good = result.plan is not None and result.proof is not None and result.proof.holds
     if is_good and result.plan is not None:
         write_plan(typed.out, result.plan, result.proof)
-        for number, one in enumerate(result.row, 2):
-            write_plan(_numbered(typed.out, number), one.plan, one.proof)
+        for number, proven_plan in enumerate(result.row, 2):
+            write_plan(_file_of(typed.out, number), proven_plan.plan, proven_plan.proof)
     if typed.json:
         _print_form(typed.out, result, is_good, ready, planning)
     else:
@@ -99,7 +99,7 @@ def plan(typed: arguments.Plan) -> int:
     return SUCCESS if is_good else NO_PLAN
 
 
-def _numbered(out: Path, number: int) -> Path:
+def _file_of(out: Path, number: int) -> Path:
     """The file of a plan of a row: `plan.json`, `plan-2.json`, ..."""
     return out.with_name(f"{out.stem}-{number}{out.suffix}")
 
@@ -145,7 +145,7 @@ def detections_from(cell: Cell, poses: Path, part: str | None) -> tuple[Detectio
         part = cell.parts[0].name
     detections = read_poses(poses, part or "")
     if any(not detection.part for detection in detections):
-        known = ", ".join(one.name for one in cell.parts)
+        known = ", ".join(known_part.name for known_part in cell.parts)
         raise InputError(f"{poses}: does not say of what its poses are; add --part ({known})")
     for detection in detections:
         cell.part(detection.part)
@@ -179,12 +179,12 @@ def _print_form(
             ],
             "row": [
                 {
-                    "file": str(_numbered(out, number)),
-                    "plan": plan_form(one.plan, 0.0),
-                    "parts": parts_taken(result.plans[0], one.plan),
-                    "proof": proof_form(one.proof),
+                    "file": str(_file_of(out, number)),
+                    "plan": plan_form(proven_plan.plan, 0.0),
+                    "parts": parts_taken(result.plans[0], proven_plan.plan),
+                    "proof": proof_form(proven_plan.proof),
                 }
-                for number, one in enumerate(result.row, 2)
+                for number, proven_plan in enumerate(result.row, 2)
             ],
             "row_ends": None if result.row_ends is None else result.row_ends.told,
             "obstacles": len(result.obstacles),
@@ -210,10 +210,10 @@ def _print_words(
         print(f"{out if is_good else 'not written'}: {plan_words(result.plan, result.bound)}")
     if result.proof is not None:
         print(proof_words(result.proof))
-    for number, one in enumerate(result.row, 2):
+    for number, proven_plan in enumerate(result.row, 2):
         first = result.plans[0]
-        print(f"then {_numbered(out, number)}: {plan_words(one.plan, 0.0, first)}")
-        print(proof_words(one.proof, one.plan, first))
+        print(f"then {_file_of(out, number)}: {plan_words(proven_plan.plan, 0.0, first)}")
+        print(proof_words(proven_plan.proof, proven_plan.plan, first))
     if result.row_ends:
         print(f"nothing in a row after that: {result.row_ends}")
     for other in result.beside:

@@ -30,9 +30,9 @@ def prove(typed: arguments.Prove) -> int:
     """Prove a plan and certify it, or check a certificate."""
     if typed.check is not None:
         besides = (typed.plan, typed.poses, typed.part, typed.certificate, typed.out)
-        if any(one is not None for one in besides):
+        if any(plan is not None for plan in besides):
             raise InputError("--check takes a certificate, and --scan beside it; nothing else")
-        return _checked(typed.check, typed)
+        return _check(typed.check, typed)
     if typed.plan is None:
         raise InputError("name the file of a plan, or a certificate with --check")
     return _proven(typed.plan, typed, typed.certificate, typed.out)
@@ -72,7 +72,7 @@ def _proven(
     return SUCCESS if proof.holds else NO_PLAN
 
 
-def _checked(path: Path, typed: arguments.Prove) -> int:
+def _check(path: Path, typed: arguments.Prove) -> int:
     found = read_certificate(path)
     cell = cell_of(found.plan, typed.cell)
     with progress("check") as report:
@@ -82,7 +82,9 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
         proof = proving.check(cell, found, scan)
     proof = _for_controller(cell, found.plan, proof)
     here = versions()
-    other = {name: one for name, one in found.made_with.items() if here.get(name) != one}
+    other = {
+        name: version for name, version in found.made_with.items() if here.get(name) != version
+    }
     if typed.json:
         form = {"ok": proof.holds, "file": str(path), "digest": found.plan.digest}
         form |= {"cell_digest": found.plan.cell_digest, "scan_digest": found.scene.scan_digest}
@@ -92,10 +94,11 @@ def _checked(path: Path, typed: arguments.Prove) -> int:
         print(f"  plan {found.plan.digest}")
         print(f"  cell {found.plan.cell} {found.plan.cell_digest}")
         print(f"  scan {found.scene.scan_digest}")
-        for number, one in enumerate(found.scene.detections, 1):
-            if one.T_world_found is not None:
+        for number, detection in enumerate(found.scene.detections, 1):
+            if detection.T_world_found is not None:
                 print(f"  holds only after a plan that puts part-{number} where it stands")
-        print(f"  made with {', '.join(f'{name} {one}' for name, one in found.made_with.items())}")
+        made_with = ", ".join(f"{name} {version}" for name, version in found.made_with.items())
+        print(f"  made with {made_with}")
         if other:
             print(f"  checked with {', '.join(f'{name} {here.get(name)}' for name in other)}")
     return SUCCESS if proof.holds else NO_PLAN

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.messages.message import FoundPart, Message
@@ -45,7 +45,7 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
         "note": "; ".join(map(str, plan.remarks)),
-        "notes": [one.told for one in plan.remarks],
+        "notes": [remark.told for remark in plan.remarks],
     }
 
 
@@ -57,7 +57,7 @@ def proof_form(proof: Proof) -> dict[str, Any]:
         "resolution_mm": _mm(proof.resolution),
         "clearance_mm": _mm(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
-        "violations": [_place_form(one) for one in proof.violations],
+        "violations": [_place_form(violation) for violation in proof.violations],
     }
 
 
@@ -73,7 +73,7 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     )
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
-    remarks = [str(renumbered(one, first, plan.detections)) for one in plan.remarks]
+    remarks = [str(renumber(remark, first, plan.detections)) for remark in plan.remarks]
     return f"{words} ({'; '.join(remarks)})" if remarks else words
 
 
@@ -82,7 +82,7 @@ def proof_words(proof: Proof, plan: Plan | None = None, first: Plan | None = Non
 
     def numbered(violation: Violation) -> Message:
         said = violation.message
-        return said if plan is None or first is None else renumbered(said, first, plan.detections)
+        return said if plan is None or first is None else renumber(said, first, plan.detections)
 
     if not proof.holds:
         problems = map(str, map(numbered, proof.violations))

@@ -24,17 +24,17 @@ def row_digest(plans: Sequence[Plan]) -> str:
     return digests[0] if len(digests) == 1 else digest_of(tuple(digests))
 
 
-def row_facts(cell: Cell, plans: Sequence[Proven], told: str, start: str) -> dict[str, str]:
+def row_facts(cell: Cell, plans: Sequence[Proven], basis: str, start: str) -> dict[str, str]:
     """What a person has to read before plans in a row are approved; see `facts_of`."""
     first = plans[0]
-    facts = facts_of(cell, first.plan, first.proof, told, start)
+    facts = facts_of(cell, first.plan, first.proof, basis, start)
     if len(plans) == 1:
         return facts
-    row = row_digest([one.plan for one in plans])
+    row = row_digest([plan.plan for plan in plans])
     facts = {"Row": f"{row}: {len(plans)} plans by one approval", **facts}
-    for number, one in enumerate(plans[1:], 2):
-        told = f"by what is left of plan {number - 1}"
-        more = facts_of(cell, one.plan, one.proof, told, "", first.plan)
+    for number, plan in enumerate(plans[1:], 2):
+        basis = f"by what is left of plan {number - 1}"
+        more = facts_of(cell, plan.plan, plan.proof, basis, "", first.plan)
         for name in ("Cell", "Robot", "Controller", "Preview"):
             del more[name]
         facts |= {f"{number}. {name}": value for name, value in more.items()}
@@ -42,7 +42,7 @@ def row_facts(cell: Cell, plans: Sequence[Proven], told: str, start: str) -> dic
 
 
 def facts_of(
-    cell: Cell, plan: Plan, proof: Proof, told: str, start: str, first: Plan | None = None
+    cell: Cell, plan: Plan, proof: Proof, basis: str, start: str, first: Plan | None = None
 ) -> dict[str, str]:
     """What a person has to read before a plan is approved, by name.
 
@@ -50,28 +50,29 @@ def facts_of(
         cell: with the controller that it goes to.
         plan: the plan.
         proof: of it.
-        told: what the proof was told of the bin.
+        basis: what the proof was told of the bin.
         start: whether the robot stands where the plan starts.
         first: plan of its row, as in which parts are called; None: the plan itself.
     """
     first = first or plan
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
-    for part, one in zip(parts_taken(first, plan), plan.arms, strict=True):
-        kind = plan.detections[one.detection].part
-        takes = f"{FoundPart(part)} ({kind}), grasp {one.grasp}"
-        facts[f"Arm {one.arm}"] = takes + (f", to station {one.station}" if one.station else "")
-    kept = sum(bool(one.part) for one in plan.obstacles)
+    for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True):
+        kind = plan.detections[arm.detection].part
+        takes = f"{FoundPart(part)} ({kind}), grasp {arm.grasp}"
+        facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
+    kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
     near = at_least(proof.clearance)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
-        near += ": " + " and ".join(label_in(one, first, plan.detections) for one in nearest.pair)
+        near += ": " + " and ".join(label_in(body, first, plan.detections) for body in nearest.pair)
     return facts | {
         "Strategy": f"{plan.strategy.words}, {plan.guarantee}",
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
         "Minimum clearance": near,
         "Proof": f"holds, {proof.digest[:SHORTEST]}",
-        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {told}",
+        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: "
+        f"{basis}",
         **({"Pallets": f"by the plan's word alone {kept} parts lie there: look"} if kept else {}),
         "Robot": start,
         "Controller": f"{link.host} port {link.port}, {link.link}",
@@ -105,8 +106,8 @@ def reported_joints(cell: Cell) -> Mapping[str, float]:
     try:
         for report in states(cell, ended.is_set):
             reported = report.joints
-            told = [(arm, reported[arm.name]) for arm in cell.arms if arm.name in reported]
-            return {j: v for arm, q in told for j, v in zip(arm.joints, q, strict=True)}
+            reports = [(arm, reported[arm.name]) for arm in cell.arms if arm.name in reported]
+            return {j: v for arm, q in reports for j, v in zip(arm.joints, q, strict=True)}
     except ProtocolError as error:
         raise CommandRefused(f"what is reported of the robot makes no sense: {error}") from error
     except LinkError:

@@ -60,13 +60,13 @@ def _list(folder: Path, *, as_json: bool) -> None:
     rows = [
         (
             name or "server",
-            thumbprint(one.public_bytes(Encoding.DER)),
-            one.subject.rfc4514_string(),
-            application_uri(one),
-            f"{one.not_valid_after_utc:%Y-%m-%d}",
+            thumbprint(certificate.public_bytes(Encoding.DER)),
+            certificate.subject.rfc4514_string(),
+            application_uri(certificate),
+            f"{certificate.not_valid_after_utc:%Y-%m-%d}",
         )
         for name in ("", TRUSTED, REJECTED)
-        for _, one in kept(folder / name)
+        for _, certificate in kept(folder / name)
     ]
     columns = ("whose", "thumbprint", "subject", "uri", "until")
     if as_json:

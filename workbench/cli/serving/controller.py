@@ -62,18 +62,18 @@ def controller(typed: arguments.Controller) -> int:
 
 def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
     """Stop at SIGINT, SIGTERM, and perhaps the end of standard input."""
-    told = told_to_end()
+    signals = told_to_end()
 
     def end() -> None:
-        told.get()
+        signals.get()
         stop()
 
     threading.Thread(target=end, daemon=True).start()
     if at_eof:
-        threading.Thread(target=_tell_at_eof, args=(told,), daemon=True).start()
+        threading.Thread(target=_tell_at_eof, args=(signals,), daemon=True).start()
 
 
-def _tell_at_eof(told: "SimpleQueue[int]") -> None:
+def _tell_at_eof(signals: "SimpleQueue[int]") -> None:
     while sys.stdin.buffer.read(4096):
         pass
-    told.put(0)
+    signals.put(0)

@@ -147,13 +147,13 @@ class Cycle:
         """
         state = self._bench.state
         if state.phase is not Phase.PLANNED:
-            state = self._planned(seed)
+            state = self._plan(seed)
         plan, proof = state.plan, state.proof
         if plan is None or proof is None or not proof.holds:
             raise NoPlan(str(state.message))
         self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
-        row = tuple(one.plan.digest for one in state.row)
+        row = tuple(proven_plan.plan.digest for proven_plan in state.row)
         self._bench.do(WatchPlan(plan.digest, is_told=True, row=row), ACTOR)
         self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
         if then is not None:
@@ -167,7 +167,7 @@ class Cycle:
         if is_over and self._are_parts_told(state) and state.parts_placed != len(plan.arms):
             raise LinkError(str(state.message))
 
-    def _planned(self, seed: int) -> State:
+    def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
         self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)

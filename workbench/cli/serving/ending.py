@@ -11,11 +11,11 @@ def told_to_end() -> "SimpleQueue[int]":
     A queue of this kind has no lock that Python knows: the one of a `threading.Event` may be held
     by the very thread that the signal interrupts, which would then wait for itself for good.
     """
-    told: SimpleQueue[int] = SimpleQueue()
+    signals: SimpleQueue[int] = SimpleQueue()
 
     def tell(signum: int, frame: FrameType | None) -> None:
-        told.put(signum)
+        signals.put(signum)
 
     signal.signal(signal.SIGINT, tell)
     signal.signal(signal.SIGTERM, tell)
-    return told
+    return signals

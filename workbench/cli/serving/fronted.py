@@ -87,6 +87,6 @@ def fronted(
 
 def wait_for_the_end(*lines: str) -> None:
     """Print that all is there, and return at SIGINT or SIGTERM."""
-    told = told_to_end()
+    signals = told_to_end()
     print(*lines, sep="\n", flush=True)
-    told.get()
+    signals.get()

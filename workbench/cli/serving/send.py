@@ -68,20 +68,20 @@ def send(typed: arguments.Send) -> int:
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
         poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
         row = list(prove_row(cell, plans, detections=poses, scan=scan))
-    for one in row:
-        if not one.proof.holds and cell.controller.motion != usual.motion:
+    for proven_plan in row:
+        if not proven_plan.proof.holds and cell.controller.motion != usual.motion:
             raise CommandRefused(
-                f"the proof does not hold: {one.proof.violations[0]}; {cell.controller.link} moves "
-                f"otherwise than the cell's {usual.link}: plan with --protocol "
-                f"{cell.controller.link}"
+                f"the proof does not hold: {proven_plan.proof.violations[0]}; "
+                f"{cell.controller.link} moves otherwise than the cell's {usual.link}: "
+                f"plan with --protocol {cell.controller.link}"
             )
-        check_approvable(cell, one.plan, one.proof, typed.approve_as)
+        check_approvable(cell, proven_plan.plan, proven_plan.proof, typed.approve_as)
     if cell.approvers > 1:
         raise CommandRefused(
             f"the cell wants {cell.approvers} people to approve a plan; a command is one person's"
         )
     start = start_words(cell, plans[0])
-    facts, digest = row_facts(cell, row, _told(typed), start), row_digest(plans)
+    facts, digest = row_facts(cell, row, _describe(typed), start), row_digest(plans)
     if typed.digest is None:
         record.show(digest, typed.approve_as, time.time(), facts)
         for name, value in facts.items():
@@ -129,10 +129,10 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
     return controller_by(protocol, typed.host, typed.port, typed.state_port, options)
 
 
-def _told(typed: arguments.Send) -> str:
+def _describe(typed: arguments.Send) -> str:
     """What the proof was told of the bin."""
-    told = [f"{one}" for one in (typed.scan, typed.poses) if one is not None]
-    return f"compared with {' and '.join(told)}" if told else "by the plan's own word"
+    sources = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
+    return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
 
 
 def _check_told(cell: Cell) -> None:
@@ -170,7 +170,7 @@ def _sent_in_turn(
         for plan in plans:
             if forms:
                 _check_onward(cell, plan, forms[-1], len(forms), len(plans))
-            forms.append(_sent(typed, plan, waiting.pop(0), cell, record))
+            forms.append(_send(typed, plan, waiting.pop(0), cell, record))
     finally:
         # Nothing of these was sent.
         for approval in waiting:
@@ -211,7 +211,7 @@ def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], pr
         print(f"the end of this sending is not on record: {error}", file=sys.stderr)
 
 
-def _sent(
+def _send(
     typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
 ) -> dict[str, Any]:
     """Send an approved plan, put on record what became of it, and tell it."""
@@ -230,8 +230,8 @@ def _sent(
     finally:
         _end(record, approval, receipts, problem)
     seconds = time.monotonic() - began
-    sent = Counter(one.arm or "both" for one in receipts if one.sent)
-    parts = [one.part for one in receipts if one.part is not None]
+    sent = Counter(sent_receipt.arm or "both" for sent_receipt in receipts if sent_receipt.sent)
+    parts = [sent_receipt.part for sent_receipt in receipts if sent_receipt.part is not None]
     protocol = cell.controller.link
     if not typed.json:
         counts = ", ".join(f"{count} for {arm}" for arm, count in sent.items())

@@ -44,7 +44,7 @@ CONNECT_SECONDS = 0.5
 def serve(typed: arguments.Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
-    places = {one: place(one) for one in typed.anchor}
+    places = {anchor: place(anchor) for anchor in typed.anchor}
     begin_log(typed.log)
     cell, goes_on = read_cell(typed.cell), None
     if typed.session is not None:
@@ -65,7 +65,7 @@ def serve(typed: arguments.Serve) -> int:
             simulated = simulated_controller(typed.cell, cell.controller)
             cell = replace(cell, controller=stack.enter_context(simulated))
             robot = f"robot controller: simulated, {_address(cell.controller)}"
-        journal = goes_on or _begun(cell, typed.after)
+        journal = goes_on or _begin(cell, typed.after)
         path = cell_path(typed.cell)
         # Asked before this session has a start of its own, which would be the last one then.
         before = start_before(journal.folder.parent, cell.name)
@@ -118,7 +118,7 @@ def _begun_with(journal: Journal, name: str) -> Cell:
     return cell
 
 
-def _begun(cell: Cell, after: Path | None) -> Journal:
+def _begin(cell: Cell, after: Path | None) -> Journal:
     """A new session; its first entry names the one that it comes `after`."""
     if after is None:
         return new_session(SESSIONS, cell, time.time())

@@ -29,7 +29,7 @@ def export(typed: SessionExport) -> int:
     with closing(opened(typed.session)) as journal:
         if typed.mcap:
             _as_mcap(journal, typed.out)
-            return _written(typed.out)
+            return _report(typed.out)
         scene = None
         if not typed.no_scene and (state := _worth_seeing(journal)) is not None:
             # The page takes its time to import.
@@ -37,7 +37,7 @@ def export(typed: SessionExport) -> int:
 
             scene = scene_html(state)
         export_session(journal, typed.out, scene)
-    return _written(typed.out)
+    return _report(typed.out)
 
 
 def _as_mcap(journal: Journal, out: Path) -> None:
@@ -48,7 +48,7 @@ def _as_mcap(journal: Journal, out: Path) -> None:
     export_mcap(journal, out)
 
 
-def _written(out: Path) -> int:
+def _report(out: Path) -> int:
     print(f"{out}: {out.stat().st_size / MEGABYTE:.1f} MB")
     return SUCCESS
 

@@ -72,14 +72,14 @@ def show_session(typed: SessionShow) -> int:
         ("#", "at (UTC)", "who", "what", "then", "says"),
         [
             (
-                str(one["number"]),
-                time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(one["at"] or 0)),
-                one["actor"],
-                one["kind"],
-                one["phase"],
-                one["message"],
+                str(entry["number"]),
+                time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(entry["at"] or 0)),
+                entry["actor"],
+                entry["kind"],
+                entry["phase"],
+                entry["message"],
             )
-            for one in entries
+            for entry in entries
         ],
     )
     return SUCCESS
@@ -118,9 +118,9 @@ def replay_session(typed: SessionReplay) -> int:
     """Compute it again and compare."""
     found: Counter[Likeness] = Counter()
     with closing(opened(typed.session)) as journal:
-        for one in recomputed(journal):
-            found[one.likeness] += 1
-            print(f"entry {one.number}, {one.task}: {one.says}", flush=True)
+        for comparison in recomputed(journal):
+            found[comparison.likeness] += 1
+            print(f"entry {comparison.number}, {comparison.task}: {comparison.says}", flush=True)
     if not found:
         said = "nothing that could be computed again"
     elif found[Likeness.OTHER]:

@@ -23,7 +23,7 @@ from workbench.model.errors import InputError
 def tell_statistics(typed: arguments.Statistics) -> int:
     """Count what the sessions tell."""
     folders = typed.sessions or sessions_below(Path("sessions"))
-    counted = together(_counted(folder) for folder in folders)
+    counted = together(_count(folder) for folder in folders)
     if typed.csv is not None:
         write_whole(typed.csv, csv_text(counted).encode())
     if typed.json:
@@ -47,7 +47,7 @@ def sessions_below(root: Path) -> tuple[Path, ...]:
     return found
 
 
-def _counted(folder: Path) -> Statistics:
+def _count(folder: Path) -> Statistics:
     with closing(opened(folder)) as journal:
         return statistics(journal.entries())
 
@@ -79,9 +79,15 @@ def _print(counted: Statistics, sessions: int) -> None:
     named = f"{number_of(sessions, 'session')}, {number_of(len(counted.cycles), 'cycle')}"
     print(f"{named}, {number_of(counted.picked, 'part')} taken{said}")
     rows = [
-        (group, one.name, str(one.picked), str(one.failed), f"{one.share:.0%}")
+        (
+            group,
+            group_rate.name,
+            str(group_rate.picked),
+            str(group_rate.failed),
+            f"{group_rate.share:.0%}",
+        )
         for group, of in GROUPS.items()
-        for one in counted.rates(of)
+        for group_rate in counted.rates(of)
     ]
     print_table("Success", ("by", "", "taken", "failed", "share"), rows)
     stages = [

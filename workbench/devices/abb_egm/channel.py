@@ -109,8 +109,8 @@ class Channel:
         Raises:
             LinkError: also where none came for too long.
         """
-        if (told := self.hear_first()) is not None:
-            return told
+        if (feedback := self.hear_first()) is not None:
+            return feedback
         if self._clock() - self._fresh > self._silence:
             raise LinkError(
                 f"the controller was silent for {self._silence * 1000:.0f} ms: {self._where}"
@@ -145,14 +145,15 @@ class Channel:
         self.late = self._fresh - first - self._ahead
         return self.last
 
-    def _take(self, told: wire.Feedback) -> None:
+    def _take(self, feedback: wire.Feedback) -> None:
         if self.last is not None:
-            ahead = (told.number - self.last.number) % WRAP
+            ahead = (feedback.number - self.last.number) % WRAP
             if not 0 < ahead < WRAP // 2:
                 raise LinkError(
-                    f"report {told.number} came after {self.last.number}: twice, or out of order"
+                    f"report {feedback.number} came after {self.last.number}: "
+                    "twice, or out of order"
                 )
-            later = (told.at - self.last.at) % WRAP
+            later = (feedback.at - self.last.at) % WRAP
             off = abs(later - ahead * wire.PERIOD_MS)
             if self._is_paced and off > wire.PERIOD_MS // 2:
                 raise LinkError(
@@ -162,9 +163,9 @@ class Channel:
             if later > self._silence * 1000:
                 raise LinkError(f"{ahead - 1} reports were lost: {self._where}")
             self._at += later / 1000
-        self._bounds.taken(self.q_of(told), in_motion=self._is_paced)
-        self.last = told
-        self.came.append(told)
+        self._bounds.taken(self.q_of(feedback), in_motion=self._is_paced)
+        self.last = feedback
+        self.came.append(feedback)
 
     def answer(self, q: Floats, orders: tuple[float, ...]) -> None:
         """A reference (n,) [rad], chain order, and orders, to where the reports come from."""
@@ -176,9 +177,9 @@ class Channel:
         with suppress(OSError):
             self._socket.sendto(wire.reference_bytes(said, self.last.at), self._from)
 
-    def q_of(self, told: wire.Feedback) -> Floats:
+    def q_of(self, feedback: wire.Feedback) -> Floats:
         """Where the arm is by a report (n,) [rad], chain order."""
-        return np.asarray(self.arm.from_axes(told.axes))
+        return np.asarray(self.arm.from_axes(feedback.axes))
 
     @property
     def q(self) -> Floats:

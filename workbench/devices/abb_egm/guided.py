@@ -151,9 +151,9 @@ class Guidance:
         if _periods(rate) != 1:
             raise RapidStop("EGMActJoint with another \\SampleRate than 4 is not executed here")
         count = len(self._arm.here)
-        if any(one is None for one in windows[:count]):
+        if any(window is None for window in windows[:count]):
             raise RapidStop(f"EGMActJoint without \\J1 to \\J{count} is not executed here")
-        limits = np.array([self._window(one) for one in windows[:count]])
+        limits = np.array([self._window(window) for window in windows[:count]])
         delay = 1 / (2 * math.pi * bandwidth) if bandwidth else 0.0
         self._active[number] = {
             "to": to, "from": given, "limits": limits, "delay": delay,
@@ -209,8 +209,8 @@ class Guidance:
             return False
         if not self._arm.stops:
             self._follow(active)
-        told = active["to"]
-        words = tuple(told[0][told[1]]) if told else ()
+        place = active["to"]
+        words = tuple(place[0][place[1]]) if place else ()
         self._say(self._report(self._running, words), port)
         return self.is_prompt
 
@@ -226,7 +226,7 @@ class Guidance:
         is_in = bool(np.all((off >= limits[:, 0]) & (off <= limits[:, 1])))
         self._converged = self._converged + 1 if is_in else 0
 
-    def _report(self, ident: int, told: tuple[float, ...]) -> wire.Feedback:
+    def _report(self, ident: int, words: tuple[float, ...]) -> wire.Feedback:
         self._numbers[ident] = (self._numbers.get(ident, 0) + 1) % (1 << 32)
         # Motors are off in a stop, and EGM with them.
         motors = wire.MOTORS_OFF if self._arm.stops else wire.MOTORS_ON
@@ -239,12 +239,12 @@ class Guidance:
             wire.MCI_RUNNING,
             runs,
             self._converged > 0,
-            told,
+            words,
         )
 
-    def _say(self, told: wire.Feedback, port: int) -> None:
+    def _say(self, feedback: wire.Feedback, port: int) -> None:
         with suppress(OSError):  # nobody listens yet
-            self._socket.sendto(wire.feedback_bytes(told), (self._host, port))
+            self._socket.sendto(wire.feedback_bytes(feedback), (self._host, port))
 
     def hear(self) -> None:
         """Take what was answered."""

@@ -99,8 +99,8 @@ class AbbEgm:
             for k, arm in enumerate(cell.arms):
                 if arm.name in score.arms:
                     port = cell.controller.port + k
-                    one = Channel(cell, arm, host, port, silence, patience.clock)
-                    channels[arm.name] = opened.enter_context(closing(one))
+                    channel = Channel(cell, arm, host, port, silence, patience.clock)
+                    channels[arm.name] = opened.enter_context(closing(channel))
             share = approval.speed_share
             talk = Sending(channels, score, share, silence, now=now, show=show, patience=patience)
             yield from talk.run(released, cancelled)
@@ -116,18 +116,18 @@ class AbbEgm:
                 Channel(cell, arm, host, port + k, USUAL.silence, time.monotonic, is_paced=False)
                 for k, arm in enumerate(cell.arms)
             ]
-            for one in channels:
-                opened.enter_context(closing(one))
+            for channel in channels:
+                opened.enter_context(closing(channel))
             before: RobotState | None = None
             moved: dict[str, float] = {}
             while not cancelled():
                 ready = select.select(channels, [], [], POLL)[0]
-                for one in channels:
-                    was = one.last
-                    told = one.hear() if one in ready or not ready else None
-                    if told and was and abs(told.axes - was.axes).max() > STILL:
-                        moved[one.arm.name] = time.monotonic()
-                if any(one.last is None for one in channels):
+                for channel in channels:
+                    was = channel.last
+                    feedback = channel.hear() if channel in ready or not ready else None
+                    if feedback and was and abs(feedback.axes - was.axes).max() > STILL:
+                        moved[channel.arm.name] = time.monotonic()
+                if any(channel.last is None for channel in channels):
                     continue
                 state = _state(channels, moved)
                 if state != before:
@@ -162,10 +162,12 @@ class AbbEgm:
 
 def _state(channels: "list[Channel]", moved: dict[str, float]) -> RobotState:
     """What the last reports say together."""
-    joints = {one.arm.name: tuple(one.q.tolist()) for one in channels}
+    joints = {channel.arm.name: tuple(channel.q.tolist()) for channel in channels}
     recent = time.monotonic() - RECENT
     moving = next((name for name, at in moved.items() if at > recent), "")
     faults = [
-        f"{one.arm.name}: {one.last.fault}" for one in channels if one.last and one.last.fault
+        f"{channel.arm.name}: {channel.last.fault}"
+        for channel in channels
+        if channel.last and channel.last.fault
     ]
     return RobotState(joints, {}, moving, 0, 0, ", ".join(faults))

@@ -70,7 +70,7 @@ class Score:
 
     def start(self, arm: str) -> Way | JerkLimitedWay:
         """The first way of an arm."""
-        return next(one.way for one in self.items if isinstance(one, Run) and one.arm == arm)
+        return next(item.way for item in self.items if isinstance(item, Run) and item.arm == arm)
 
 
 def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:

@@ -87,9 +87,9 @@ class GuidedController(Controller):
         own = socket_beside(
             self._sensor, {first + k for first in self._ports.values() for k in range(count)}
         )
-        one = Guidance(task, task.mechanism, ports, self._sensor, own, waits=self._in_haste)
-        self._guidances.append(one)
-        return one.natives()
+        guidance = Guidance(task, task.mechanism, ports, self._sensor, own, waits=self._in_haste)
+        self._guidances.append(guidance)
+        return guidance.natives()
 
     @property
     def port(self) -> int:
@@ -104,30 +104,30 @@ class GuidedController(Controller):
     def advance(self) -> None:
         """One step, with a message of each arm and what is answered."""
         super().advance()
-        awaited = [one for one in self._guidances if one.step()]
+        awaited = [guidance for guidance in self._guidances if guidance.step()]
         if self._in_haste and not awaited:
             time.sleep(UNHEARD)
         until = time.monotonic() + LOCKSTEP
         while awaited and self._in_haste and (left := until - time.monotonic()) > 0:
             ready = select.select(awaited, [], [], left)[0]
-            for one in ready:
-                one.hear()
-                awaited.remove(one)
+            for guidance in ready:
+                guidance.hear()
+                awaited.remove(guidance)
                 until = min(until, time.monotonic() + BESIDE)
-        for one in awaited:
-            one.is_prompt = not self._in_haste and one.is_prompt
-        for one in self._guidances:
-            one.hear()
+        for guidance in awaited:
+            guidance.is_prompt = not self._in_haste and guidance.is_prompt
+        for guidance in self._guidances:
+            guidance.hear()
 
     def turn(self) -> None:
         """Everybody's turn once."""
         super().turn()
         if self.when_led is not None and all(
-            one.is_guided or not self.tasks[name].is_running
-            for name, one in self.mechanisms.items()
+            mechanism.is_guided or not self.tasks[name].is_running
+            for name, mechanism in self.mechanisms.items()
         ):
-            told, self.when_led = self.when_led, None
-            told()
+            until, self.when_led = self.when_led, None
+            until()
 
     def run(self) -> None:
         """Run the programs until `stop`."""
@@ -137,8 +137,8 @@ class GuidedController(Controller):
             self._close()
 
     def _close(self) -> None:
-        for one in self._guidances:
-            one.close()
+        for guidance in self._guidances:
+            guidance.close()
 
 
 def serve_guided(cell: Cell, asked: Simulation, ready: Callable[[Running], None]) -> None:
@@ -153,7 +153,7 @@ def serve_guided(cell: Cell, asked: Simulation, ready: Callable[[Running], None]
     operator = Operator()
     if asked.home_after < math.inf:
         raise InputError("--home-after: these modules move no arm by themselves")
-    one = GuidedController(
+    controller = GuidedController(
         cell,
         read_setup(asked.rapid),
         host=asked.host,
@@ -163,5 +163,5 @@ def serve_guided(cell: Cell, asked: Simulation, ready: Callable[[Running], None]
         operator=operator,
     )
     # Whoever connects waits for a moment only.
-    one.when_led = lambda: ready(one)
-    one.run()
+    controller.when_led = lambda: ready(controller)
+    controller.run()

@@ -111,7 +111,7 @@ class Sending:
 
     @property
     def _where(self) -> str:
-        legs = sum(isinstance(one, Run) for one in self._score.items)
+        legs = sum(isinstance(item, Run) for item in self._score.items)
         return f"leg {self._leg} of {legs}"
 
     def _look(self, cancelled: Cancelled) -> None:
@@ -134,12 +134,12 @@ class Sending:
                     heard[name], trouble = 0, str(error)
                     channel.forget()
         for name, channel in self._channels.items():
-            told = channel.last
-            assert told is not None
-            self._check_state(name, told)
-            if len(told.told) < 3 or told.told[0] != wire.VERSION:
+            feedback = channel.last
+            assert feedback is not None
+            self._check_state(name, feedback)
+            if len(feedback.told) < 3 or feedback.told[0] != wire.VERSION:
                 raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
-            self._check_new(name, told)
+            self._check_new(name, feedback)
             self._check_stands(name, self._score.start(name).at(0.0)[0], "the plan begins")
             self._refs[name] = deque([channel.q], maxlen=LAG)
             self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
@@ -156,7 +156,7 @@ class Sending:
         start, goal = self._refs[order.arm][-1], self._score.start(order.arm).at(0.0)[0]
         is_done = False
         while not is_done:
-            for name in self._heard():
+            for name in self._hear():
                 if name != order.arm:
                     self._answer(name, self._refs[name][-1])
                     continue
@@ -173,21 +173,21 @@ class Sending:
         if order.command == wire.END:
             self._ended.add(order.arm)
 
-    def _check_new(self, name: str, told: wire.Feedback) -> None:
+    def _check_new(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID has not begun this plan before: neither last, nor before others."""
-        has_begun = told.told[1] == self._score.ticket and not self._given[name]
-        if has_begun or self._is_refused(told):
+        has_begun = feedback.told[1] == self._score.ticket and not self._given[name]
+        if has_begun or self._is_refused(feedback):
             raise LinkError("the controller has begun this plan already; nothing runs twice")
 
-    def _is_refused(self, told: wire.Feedback) -> bool:
-        return told.told[3:4] == (self._score.ticket,)
+    def _is_refused(self, feedback: wire.Feedback) -> bool:
+        return feedback.told[3:4] == (self._score.ticket,)
 
-    def _check_module(self, name: str, told: wire.Feedback) -> None:
+    def _check_module(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID tells of our ticket, and of no order but the last ones."""
-        if len(told.told) < 3 or told.told[0] != wire.VERSION:
+        if len(feedback.told) < 3 or feedback.told[0] != wire.VERSION:
             raise LinkError(f"{name}: the module in RAPID has gone silent")
-        self._check_new(name, told)
-        _, ticket, done = told.told[:3]
+        self._check_new(name, feedback)
+        _, ticket, done = feedback.told[:3]
         before, given = self._done_by[name], self._given[name]
         if ticket != self._score.ticket:
             if before:
@@ -210,7 +210,7 @@ class Sending:
         self._riding = run.arm, ride
         settled, is_there, has_begun = 0, False, False
         while not is_there:
-            for name in self._heard():
+            for name in self._hear():
                 if name != run.arm:
                     self._answer(name, self._refs[name][-1])
                     continue
@@ -232,14 +232,14 @@ class Sending:
         said = self._said[run.arm]
         self._said[run.arm] = (*said[:6], 0.0, *said[7:])
 
-    def _heard(self) -> list[str]:
+    def _hear(self) -> list[str]:
         """Arms with new reports, each of which is looked at."""
         heard: list[str] = []
         for name, reports in self._news():
-            for told in reports:
-                self._check_state(name, told)
-                self._check_module(name, told)
-                self._check_follows(name, told)
+            for feedback in reports:
+                self._check_state(name, feedback)
+                self._check_module(name, feedback)
+                self._check_follows(name, feedback)
             heard.append(name)
             self._reports += 1
             if self._reports % SHOWN == 1:
@@ -248,25 +248,27 @@ class Sending:
 
     def _news(self) -> Iterator[tuple[str, list[wire.Feedback]]]:
         """What was reported since, within a moment, of the arms that have not ended."""
-        open_ones = {n: one for n, one in self._channels.items() if n not in self._ended}
+        open_ones = {
+            n: open_channel for n, open_channel in self._channels.items() if n not in self._ended
+        }
         ready = select.select(list(open_ones.values()), [], [], POLL)[0]
         for name, channel in open_ones.items():
             if (channel in ready or not ready) and channel.hear() is not None:
                 yield name, channel.came
 
-    def _check_state(self, name: str, told: wire.Feedback) -> None:
-        if told.fault:
+    def _check_state(self, name: str, feedback: wire.Feedback) -> None:
+        if feedback.fault:
             at = f" in {self._where}" if self._leg else ""
-            raise LinkError(f"{name}: {told.fault}{at}")
+            raise LinkError(f"{name}: {feedback.fault}{at}")
 
     def _check_late(self, name: str) -> None:
         late = self._channels[name].late
         if late > self._silence:
             raise LinkError(f"a report came {late * 1000:.0f} ms late in {self._where}: too late")
 
-    def _check_follows(self, name: str, told: wire.Feedback) -> None:
+    def _check_follows(self, name: str, feedback: wire.Feedback) -> None:
         """An arm is near its last references, also one that is to stand where it is."""
-        q = self._channels[name].q_of(told)
+        q = self._channels[name].q_of(feedback)
         off = np.abs(np.array(self._refs[name]) - q).max(axis=1).min()
         if not off <= OFF:
             raise LinkError(
@@ -284,9 +286,9 @@ class Sending:
             )
 
     def _is_there(self, name: str) -> bool:
-        told = self._channels[name].last
+        feedback = self._channels[name].last
         off = np.abs(self._channels[name].q - self._refs[name][-1]).max()
-        return told is not None and told.is_converged and bool(off <= NEAR / 2)
+        return feedback is not None and feedback.is_converged and bool(off <= NEAR / 2)
 
     def _answer(self, name: str, q: Floats) -> None:
         self._refs[name].append(q)
@@ -326,8 +328,8 @@ class Sending:
         ends_at = self._patience.clock() + self._patience.stop
         while len(self._ended) < len(self._channels) and self._patience.clock() < ends_at:
             for name, reports in self._news():
-                for told in reports:
-                    self._check_state(name, told)
+                for feedback in reports:
+                    self._check_state(name, feedback)
                 if self._slow_down(name):
                     self._ended.add(name)
         return len(self._ended) == len(self._channels)
@@ -341,8 +343,10 @@ class Sending:
         if not self._is_there(name):
             self._answer(name, q)
             return False
-        told = self._channels[name].last
-        if self._said[name][3] == wire.NONE or (told is not None and self._is_refused(told)):
+        feedback = self._channels[name].last
+        if self._said[name][3] == wire.NONE or (
+            feedback is not None and self._is_refused(feedback)
+        ):
             return True
         if self._said[name][3] == wire.BEGIN and not self._has_done_all(name):
             # A module that has not begun does not know of an end.
@@ -356,13 +360,13 @@ class Sending:
         return self._has_done_all(name)
 
     def _has_done_all(self, name: str) -> bool:
-        told = self._channels[name].last
+        feedback = self._channels[name].last
         orders = (self._score.ticket, float(self._count[name]))
-        return told is not None and told.told[1:3] == orders
+        return feedback is not None and feedback.told[1:3] == orders
 
     def _tell(self, phase: str, stopped: float | None = None, stop: str = "") -> None:
-        joints = {name: one.q for name, one in self._channels.items()}
-        legs, at = sum(isinstance(one, Run) for one in self._score.items), self._now()
+        joints = {name: channel.q for name, channel in self._channels.items()}
+        legs, at = sum(isinstance(item, Run) for item in self._score.items), self._now()
         heard = f"leg {self._leg}"
         self._show(
             LinkStatus("abb-egm", phase, self._leg, legs, heard, at, at, stopped, stop, joints)

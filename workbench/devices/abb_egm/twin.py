@@ -92,7 +92,9 @@ class SimulatedEgm:
         self._into = [0] * count
         self._held: list[bytes] = []
         self._sockets: list[socket.socket] = []
-        ports = {one + k for one in (self.port, self.state_port) for k in range(count)}
+        ports = {
+            first_port + k for first_port in (self.port, self.state_port) for k in range(count)
+        }
         for _ in self.arms:
             self._sockets.append(socket_beside(host, ports))
 
@@ -110,8 +112,8 @@ class SimulatedEgm:
                 due = max(due + wire.PERIOD_MS / 1000 / self._speed, time.monotonic() - 1.0)
                 self._listen(awaited, due)
         finally:
-            for one in self._sockets:
-                one.close()
+            for connection in self._sockets:
+                connection.close()
 
     def _report(self, k: int, arm: TwinArm) -> bool:
         """Move an arm and say where it is; whether an answer can be expected."""
@@ -122,8 +124,8 @@ class SimulatedEgm:
             self._say(k, data, self.state_port + k)
             self._draw(arm)
         out = self._spoilt(k, arm, data)
-        for one in out:
-            self._say(k, one, self.port + k)
+        for datagram in out:
+            self._say(k, datagram, self.port + k)
         return bool(out) and arm.is_prompt
 
     def _say(self, k: int, data: bytes, port: int) -> None:
@@ -163,9 +165,9 @@ class SimulatedEgm:
         missing = set(awaited)
         while not self._over.is_set():
             left = due - time.monotonic()
-            for one in select.select(self._sockets, [], [], max(left, 0.0))[0]:
-                k = self._sockets.index(one)
-                self._take(k, one)
+            for readable in select.select(self._sockets, [], [], max(left, 0.0))[0]:
+                k = self._sockets.index(readable)
+                self._take(k, readable)
                 if self._speed > 1.0 and k in missing:
                     due = min(due, time.monotonic() + BESIDE)
                 missing.discard(k)
@@ -174,11 +176,11 @@ class SimulatedEgm:
                     self.arms[k].is_prompt = False
                 return
 
-    def _take(self, k: int, one: socket.socket) -> None:
+    def _take(self, k: int, connection: socket.socket) -> None:
         # What is no answer of a sensor is no fault of the controller.
         with suppress(OSError, LinkError):
             arm = self.arms[k]
-            if arm.take(wire.read_reference(one.recv(wire.LONGEST))):
+            if arm.take(wire.read_reference(connection.recv(wire.LONGEST))):
                 _append(self._record, {"arm": arm.arm.name, "order": arm.orders[-1]})
 
     def _draw(self, arm: TwinArm) -> None:
@@ -186,10 +188,10 @@ class SimulatedEgm:
         _append(self._trace, {"at": time.time(), "arm": arm.arm.name, "q": q})
 
 
-def _append(file: Path | None, told: dict[str, object]) -> None:
+def _append(file: Path | None, values: dict[str, object]) -> None:
     if file is not None:
         with file.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(told) + "\n")
+            lines.write(json.dumps(values) + "\n")
 
 
 def _fault(text: str) -> tuple[str, int]:
@@ -200,14 +202,14 @@ def _fault(text: str) -> tuple[str, int]:
 
 
 def _socket(host: str, port: int = 0) -> socket.socket:
-    one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    stream_response = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
-        one.bind((host, port))
+        stream_response.bind((host, port))
     except OSError as error:
-        one.close()
+        stream_response.close()
         reason = error.strerror or error
         raise InputError(f"{host}:{port} cannot be sent from: {reason}") from None
-    return one
+    return stream_response
 
 
 def socket_beside(host: str, ports: Collection[int]) -> socket.socket:
@@ -217,10 +219,10 @@ def socket_beside(host: str, ports: Collection[int]) -> socket.socket:
         InputError: the address is none of this machine.
     """
     while True:
-        one = _socket(host)
-        if one.getsockname()[1] not in ports:
-            return one
-        one.close()
+        connection = _socket(host)
+        if connection.getsockname()[1] not in ports:
+            return connection
+        connection.close()
 
 
 def free_ports(host: str, count: int) -> int:

@@ -126,7 +126,7 @@ class TwinArm:
         """What EGM reports at a time [ms]."""
         self._number = (self._number + 1) % (1 << 32)
         is_near = bool(np.abs(self._target - self.axes).max() < CONVERGED)
-        told = (wire.VERSION, self._ticket, self._done, self._refused)
+        words = (wire.VERSION, self._ticket, self._done, self._refused)
         return wire.Feedback(
-            self._number, at, self.axes, self.motors, self.mci, wire.RAPID_RUNNING, is_near, told
+            self._number, at, self.axes, self.motors, self.mci, wire.RAPID_RUNNING, is_near, words
         )

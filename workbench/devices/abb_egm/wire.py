@@ -114,14 +114,14 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
     Raises:
         LinkError: it is none, or a number in it is none.
     """
-    message = _parsed("EgmRobot", data)
+    message = _parse("EgmRobot", data)
     if not message.HasField("header") or not message.HasField("feedBack"):
         raise LinkError("an EGM message without header or joints came")
     q = _axes(message.feedBack)
     if len(q) != axes:
         raise LinkError(f"the controller reports {len(q)} axes, {axes} are expected")
-    told = tuple(message.RAPIDfromRobot.dnum)
-    if not (np.all(np.isfinite(q)) and all(map(math.isfinite, told))):
+    words = tuple(message.RAPIDfromRobot.dnum)
+    if not (np.all(np.isfinite(q)) and all(map(math.isfinite, words))):
         raise LinkError("the controller reports joints or orders that are no numbers")
     return Feedback(
         message.header.seqno,
@@ -131,21 +131,25 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
         message.mciState.state,
         message.rapidExecState.state,
         message.mciConvergenceMet,
-        told,
+        words,
     )
 
 
-def feedback_bytes(told: Feedback) -> bytes:
+def feedback_bytes(feedback: Feedback) -> bytes:
     """As a controller says it."""
     message = _class("EgmRobot")()
-    message.header.seqno, message.header.tm, message.header.mtype = told.number, told.at, DATA
-    _put_axes(message.feedBack, told.axes)
-    message.feedBack.time.sec, ms = divmod(told.at, 1000)
+    message.header.seqno, message.header.tm, message.header.mtype = (
+        feedback.number,
+        feedback.at,
+        DATA,
+    )
+    _put_axes(message.feedBack, feedback.axes)
+    message.feedBack.time.sec, ms = divmod(feedback.at, 1000)
     message.feedBack.time.usec = ms * 1000
-    message.motorState.state, message.mciState.state = told.motors, told.mci
-    message.rapidExecState.state = told.rapid
-    message.mciConvergenceMet = told.is_converged
-    message.RAPIDfromRobot.dnum.extend(told.told)
+    message.motorState.state, message.mciState.state = feedback.motors, feedback.mci
+    message.rapidExecState.state = feedback.rapid
+    message.mciConvergenceMet = feedback.is_converged
+    message.RAPIDfromRobot.dnum.extend(feedback.told)
     return message.SerializeToString()
 
 
@@ -165,7 +169,7 @@ def read_reference(data: bytes) -> Reference:
     Raises:
         LinkError: it is none, or a number in it is none.
     """
-    message = _parsed("EgmSensor", data)
+    message = _parse("EgmSensor", data)
     axes, orders = _axes(message.planned), tuple(message.RAPIDtoRobot.dnum)
     if not (np.all(np.isfinite(axes)) and all(map(math.isfinite, orders))):
         raise LinkError("the sensor sends references or orders that are no numbers")
@@ -183,7 +187,7 @@ def _put_axes(joints: Any, axes: Floats) -> None:
     joints.externalJoints.joints.extend(degrees[ROBOT_AXES:])
 
 
-def _parsed(name: str, data: bytes) -> Any:
+def _parse(name: str, data: bytes) -> Any:
     try:
         return _class(name).FromString(data)
     except Exception:  # the library throws another kind for each of its builds
@@ -211,9 +215,9 @@ def _classes() -> dict[str, Any]:
         message = file.message_type.add(name=name)
         for field, (number, kind, of) in fields.items():
             label = REPEATED if of == "*" else OPTIONAL
-            one = message.field.add(name=field, number=number, type=kind, label=label)
+            descriptor = message.field.add(name=field, number=number, type=kind, label=label)
             if kind in (MESSAGE, ENUM):
-                one.type_name = f".abb.egm.{of or 'State'}"
+                descriptor.type_name = f".abb.egm.{of or 'State'}"
     pool = pools.DescriptorPool()
     pool.Add(file)
     return {

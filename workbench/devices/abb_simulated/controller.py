@@ -162,7 +162,7 @@ class SimulatedController:
 
     def _report(self) -> None:
         watchers: list[socket.socket] = []
-        told = b""
+        last_line = b""
         while not self._stop.is_set():
             ready = select.select([self._states, *watchers], [], [], REPORT)[0]
             for watcher in [w for w in watchers if w in ready and _has_left(w)]:
@@ -173,14 +173,14 @@ class SimulatedController:
                 watcher, _ = self._states.accept()
                 watcher.setblocking(False)
                 watchers.append(watcher)
-                if len(watchers) > MOST_WATCHERS or not _told(watcher, line):
+                if len(watchers) > MOST_WATCHERS or not _send_line(watcher, line):
                     watchers.remove(watcher)
                     watcher.close()
-            if line != told:
-                for watcher in [w for w in watchers if not _told(w, line)]:
+            if line != last_line:
+                for watcher in [w for w in watchers if not _send_line(w, line)]:
                     watchers.remove(watcher)
                     watcher.close()
-                told = line
+                last_line = line
         for watcher in watchers:
             watcher.close()
 
@@ -193,7 +193,7 @@ def _has_left(watcher: socket.socket) -> bool:
         return True
 
 
-def _told(watcher: socket.socket, line: bytes) -> bool:
+def _send_line(watcher: socket.socket, line: bytes) -> bool:
     """Whether a watcher took a whole line; one that is too slow for it is let go."""
     with suppress(OSError):
         return watcher.send(line) == len(line)

@@ -113,7 +113,7 @@ class Loading:
             raise ProtocolError("a load comes at the wrong place")
         if key in self._loads:
             raise ProtocolError(f"the load of {words[1]} of arm {key[0]} comes twice")
-        mass, *cog = _signed(words[2:], (3, 1, 1, 1))
+        mass, *cog = _read_signed(words[2:], (3, 1, 1, 1))
         if mass <= 0 or not any(cog):
             raise ProtocolError("a load without mass, or without a centre of gravity")
         self._open_load = (*key, mass, tuple(cog))
@@ -123,7 +123,7 @@ class Loading:
         if not self._open_load or self._open_load[:2] != (self._arm(words[0]).name, words[1]):
             raise ProtocolError("axes came without their load")
         arm, what, mass, cog = self._open_load
-        numbers = _signed(words[2:], (4, 4, 4, 4, 5, 5, 5))
+        numbers = _read_signed(words[2:], (4, 4, 4, 4, 5, 5, 5))
         if abs(np.linalg.norm(numbers[:4]) - 1.0) > 1e-3 or min(numbers[4:]) < 0:
             raise ProtocolError("axes that are no orientation, or an inertia below 0")
         self._loads[arm, what] = LoadData(mass, cog, tuple(numbers[:4]), tuple(numbers[4:]))
@@ -184,8 +184,8 @@ class Loading:
         begun = self._digest, self._ticket, self._starts
         program = Program(*begun, steps, self._is_stepped, self._loads)
         points = sum(len(leg.seconds) for leg in program.legs)
-        told = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
-        if (len(program.legs), points, points) != (self._legs_told, self._points_told, told):
+        count = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
+        if (len(program.legs), points, points) != (self._legs_told, self._points_told, count):
             raise ProtocolError(
                 f"{points} waypoints on {len(program.legs)} legs came, {self._points_told} on "
                 f"{self._legs_told} were told"
@@ -234,7 +234,7 @@ def _number(word: str, low: float, high: float, decimals: int) -> float:
     return float(word)
 
 
-def _signed(words: list[str], decimals: tuple[int, ...]) -> list[float]:
+def _read_signed(words: list[str], decimals: tuple[int, ...]) -> list[float]:
     """Numbers below 1000 either way, with so many decimals each."""
     for word, count in zip(words, decimals, strict=True):
         if not re.fullmatch(rf"-?\d{{1,3}}\.\d{{{count}}}", word):

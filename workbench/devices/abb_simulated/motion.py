@@ -68,7 +68,9 @@ class Motion:
     def report(self) -> str:
         """Step and waypoints, as they are reported; the step before which it waits, if it does."""
         if self.waits:
-            return f"{self.waits:02d} " + " ".join(f"{one}00" for one in self._letters.values())
+            return f"{self.waits:02d} " + " ".join(
+                f"{letter}00" for letter in self._letters.values()
+            )
         points = " ".join(f"{self._letters[arm]}{k:02d}" for arm, k in self._points.items())
         return f"{self._step:02d} {points}"
 
@@ -130,7 +132,7 @@ class Motion:
 
     def _passed(self, step: ProgramStep, leg: ProgramLeg) -> float:
         """How long [s] a leg has run on the arm's own clock."""
-        arms = [one.arm for one in step.legs] if step.mode == "sync" else [leg.arm]
+        arms = [program_leg.arm for program_leg in step.legs] if step.mode == "sync" else [leg.arm]
         pace = min(self._paces.get(arm, 1.0) for arm in arms)
         return max(0.0, self._time - self._began) * pace
 
@@ -151,7 +153,9 @@ class Motion:
         self._body.put(where, " and ".join(where))
 
     def _state(self) -> dict[str, Any]:
-        q = {arm: np.asarray(one).tolist() for arm, one in self._body.standing().items()}
+        q = {
+            arm: np.asarray(positions).tolist() for arm, positions in self._body.standing().items()
+        }
         return {
             "time": round(self._time, 6),
             "step": self._step,

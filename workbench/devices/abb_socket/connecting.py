@@ -25,7 +25,7 @@ def connected(host: str, port: int, does: str) -> socket.socket:
         LinkError: nobody answers.
     """
     try:
-        link = _opened(host, port)
+        link = _open(host, port)
     except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
         reason = getattr(error, "strerror", None) or error
         raise LinkError(f"no controller {does} at {host}:{port} ({reason})") from None
@@ -38,7 +38,7 @@ def connected(host: str, port: int, does: str) -> socket.socket:
     return link
 
 
-def _opened(host: str, port: int) -> socket.socket:
+def _open(host: str, port: int) -> socket.socket:
     for pause in AGAIN_SECONDS:
         try:
             return socket.create_connection((host, port), CONNECT_SECONDS)

@@ -109,15 +109,15 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
             moves more than two arms at once.
     """
     starts = {arm.name: np.asarray(arm.home) for arm in cell.arms}
-    starts |= {one.arm: np.asarray(one.legs[0].q[0]) for one in plan.arms}
+    starts |= {arm_plan.arm: np.asarray(arm_plan.legs[0].q[0]) for arm_plan in plan.arms}
     before: dict[str, Leg] = {}
     share, ticket = approval.speed_share, approval.digest[:TICKET]
     steps = tuple(_step(cell, plan, step, before, share) for step in plan.sequence)
     loads: dict[tuple[str, LoadOf], LoadData] = {}
-    for one in plan.arms:
-        if one.loads is not None:
-            loads[one.arm, "tool"] = load_data(one.loads.tool)
-            loads[one.arm, "part"] = load_data(one.loads.part)
+    for arm_plan in plan.arms:
+        if arm_plan.loads is not None:
+            loads[arm_plan.arm, "tool"] = load_data(arm_plan.loads.tool)
+            loads[arm_plan.arm, "part"] = load_data(arm_plan.loads.part)
     program = Program(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]

@@ -114,11 +114,11 @@ class ProgramReports:
         """
         letter, _, said = frame.rest.partition(" ")
         result, _, why = said.partition(" ")
-        for one in self._plan.arms:
-            is_it = self._cell.arm(one.arm).controller_id == letter
-            if is_it and one.arm not in self._parts and result in ("picked", "failed"):
-                self._parts[one.arm] = PartReport(one.arm, one.detection, result == "picked", why)
-                return self._parts[one.arm]
+        for arm in self._plan.arms:
+            is_it = self._cell.arm(arm.arm).controller_id == letter
+            if is_it and arm.arm not in self._parts and result in ("picked", "failed"):
+                self._parts[arm.arm] = PartReport(arm.arm, arm.detection, result == "picked", why)
+                return self._parts[arm.arm]
         raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
 
     def check_done(self, frame: Frame, where: str) -> None:

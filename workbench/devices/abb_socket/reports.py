@@ -64,7 +64,7 @@ def _state(line: bytes) -> RobotState:
 
 def _text(value: Any) -> str:
     """A text that can be recorded; a fault is one, whatever letters it comes with."""
-    return "".join(one if one.isprintable() else "?" for one in str(value)[:LONGEST_TEXT])
+    return "".join(letter if letter.isprintable() else "?" for letter in str(value)[:LONGEST_TEXT])
 
 
 def _count(value: Any) -> int:

@@ -231,18 +231,18 @@ class Sending:
                 took = at - self._aborted_at
                 words = f"the controller acknowledged the stop after {took * 1000:.0f} ms"
                 self.status = replace(self.status, phase="stopped", stopped=took, stop=words)
-                yield self._heard(frame)
+                yield self._make_receipt(frame)
             return
         match frame.word:
             case "hello" | "ok":
                 yield from self._take_acknowledgement(frame)
             case "no":
-                yield self._heard(frame)
+                yield self._make_receipt(frame)
                 raise LinkError(
                     f"the controller refuses {self.where}: {frame.rest[5:]}{self._hint}"
                 )
             case "fault":
-                yield self._heard(frame)
+                yield self._make_receipt(frame)
                 raise LinkError(f"the controller reports a fault at {self.where}: {frame.rest}")
             case "state":
                 yield from self._take_state(frame)
@@ -301,7 +301,7 @@ class Sending:
             return []
         self._told.add(said)
         running = step if phase == "running" else 0
-        return [replace(self._heard(frame), waits=waits, step=running)]
+        return [replace(self._make_receipt(frame), waits=waits, step=running)]
 
     def _check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> int:
         """The step that it waits before; 0 as long as our word that this one may run is on its way.
@@ -324,14 +324,14 @@ class Sending:
     def _take_part(self, frame: Frame) -> list[Receipt]:
         self._check_is_run(frame)
         part = self._reports.part(frame)
-        return [replace(self._heard(frame), arm=part.arm, part=part)]
+        return [replace(self._make_receipt(frame), arm=part.arm, part=part)]
 
     def _take_done(self, frame: Frame) -> list[Receipt]:
         self._check_is_run(frame)
         self._reports.check_done(frame, self.where)
         self._is_done = True
         self.status = replace(self.status, phase="done")
-        return [self._heard(frame)]
+        return [self._make_receipt(frame)]
 
     def _check_is_run(self, frame: Frame) -> None:
         if not self._is_run:
@@ -348,6 +348,6 @@ class Sending:
             heard,
         )
 
-    def _heard(self, frame: Frame) -> Receipt:
+    def _make_receipt(self, frame: Frame) -> Receipt:
         done, total = self._acknowledged, len(self._lines)
         return Receipt(self._now(), "", "heard", "", done, total, frame.text)

@@ -111,7 +111,7 @@ def connected(address: str, serial: str) -> Generator[Camera]:
         LinkError: it is not there, not the one that is meant, or somebody else's.
     """
     library = aravis()
-    name = address or _found(library, serial)
+    name = address or _find(library, serial)
     camera = library.call("arv_camera_new", name.encode())
     if not camera:
         raise LinkError(f"there is no camera at {name}")
@@ -125,21 +125,21 @@ def connected(address: str, serial: str) -> Generator[Camera]:
         library.plain("g_object_unref", camera)
 
 
-def _found(library: Aravis, serial: str) -> str:
+def _find(library: Aravis, serial: str) -> str:
     """What aravis calls the camera of a serial number, or the only one."""
     library.plain("arv_update_device_list")
     here = [
-        tuple(library.text(f"arv_get_device_{what}", one) for what in ("id", "serial_nbr"))
-        for one in range(library.plain("arv_get_n_devices"))
+        tuple(library.text(f"arv_get_device_{what}", index) for what in ("id", "serial_nbr"))
+        for index in range(library.plain("arv_get_n_devices"))
     ]
-    told = ", ".join(number for _, number in here) or "none"
+    numbers = ", ".join(number for _, number in here) or "none"
     meant = [name for name, number in here if serial in ("", number)]
     if not meant:
         wanted = f"with the serial number {serial} " if serial else ""
-        raise LinkError(f"no camera {wanted}answers (found: {told})")
+        raise LinkError(f"no camera {wanted}answers (found: {numbers})")
     if len(meant) > 1:
         raise LinkError(
-            f"{len(meant)} cameras answer ({told}); say which by `serial`, or by `address`"
+            f"{len(meant)} cameras answer ({numbers}); say which by `serial`, or by `address`"
         )
     return meant[0]
 
@@ -174,7 +174,7 @@ def one_frame(
             library.plain("arv_stream_push_buffer", stream, buffer)
         camera.call("arv_camera_start_acquisition")
         try:
-            frame = _awaited(camera, stream, is_triggered, patience, glance)
+            frame = _wait_for_frame(camera, stream, is_triggered, patience, glance)
         except CameraGone:
             raise  # nobody is there to be told to stop
         except BaseException:
@@ -198,25 +198,25 @@ def _look_after(camera: Camera) -> None:
         raise CameraGone(f"the camera has gone: {error}") from None
 
 
-def _flushed(library: Aravis, stream: Any) -> frozenset[int]:
+def _flush(library: Aravis, stream: Any) -> frozenset[int]:
     """The numbers of frames that came without a trigger, and have been thrown away."""
     numbers: set[int] = set()
     for _ in range(BUFFERS):
-        with _popped(library, stream, ARMING) as buffer:
+        with _pop(library, stream, ARMING) as buffer:
             if not buffer:
                 break
             numbers.add(library.plain("arv_buffer_get_frame_id", buffer))
     return frozenset(numbers)
 
 
-def _awaited(
+def _wait_for_frame(
     camera: Camera,
     stream: Any,
     is_triggered: bool,
     patience: float,
     glance: Callable[[float], None],
 ) -> Frame:
-    early = _flushed(camera.library, stream) if is_triggered else frozenset[int]()
+    early = _flush(camera.library, stream) if is_triggered else frozenset[int]()
     began = asked = time.monotonic()
     triggers = 0
     while (now := time.monotonic()) - began < patience:
@@ -227,14 +227,14 @@ def _awaited(
         if now - asked > ALIVE:
             _look_after(camera)
             asked = now
-        with _popped(camera.library, stream, GLANCE) as buffer:
+        with _pop(camera.library, stream, GLANCE) as buffer:
             if buffer and camera.library.plain("arv_buffer_get_frame_id", buffer) not in early:
                 return _frame(camera.library, buffer)
     raise LinkError(f"no frame came within {patience:g} s")
 
 
 @contextmanager
-def _popped(library: Aravis, stream: Any, wait: float) -> Generator[Any]:
+def _pop(library: Aravis, stream: Any, wait: float) -> Generator[Any]:
     """A buffer that has come within `wait` [s], or None; it goes with the block."""
     buffer = library.plain("arv_stream_timeout_pop_buffer", stream, int(wait * 1e6))
     try:

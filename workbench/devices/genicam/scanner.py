@@ -104,14 +104,14 @@ def _means(camera: Camera, options: GenicamOptions) -> DepthScale:
     scale, offset = options.scale_mm / 1000, options.offset_mm / 1000
     if scale == 0:
         unit = _unit(camera)
-        scale = _told(camera, "Scan3dCoordinateScale", "scale_mm") * unit
-        offset = _told(camera, "Scan3dCoordinateOffset", "scale_mm") * unit
+        scale = _read_number(camera, "Scan3dCoordinateScale", "scale_mm") * unit
+        offset = _read_number(camera, "Scan3dCoordinateOffset", "scale_mm") * unit
     focal, center = options.focal_px, (options.center_u_px, options.center_v_px)
     if focal == 0:
-        focal = _told(camera, "Scan3dFocalLength", "focal_px")
+        focal = _read_number(camera, "Scan3dFocalLength", "focal_px")
         center = (
-            _told(camera, "Scan3dPrincipalPointU", "focal_px"),
-            _told(camera, "Scan3dPrincipalPointV", "focal_px"),
+            _read_number(camera, "Scan3dPrincipalPointU", "focal_px"),
+            _read_number(camera, "Scan3dPrincipalPointV", "focal_px"),
         )
     return DepthScale(scale, offset, focal, center, _invalid(camera, options))
 
@@ -137,7 +137,7 @@ def _invalid(camera: Camera, options: GenicamOptions) -> int | None:
     return int(camera.number("Scan3dInvalidDataValue"))
 
 
-def _told(camera: Camera, feature: str, key: Literal["scale_mm", "focal_px"]) -> float:
+def _read_number(camera: Camera, feature: str, key: Literal["scale_mm", "focal_px"]) -> float:
     if not camera.has(feature):
         raise LinkError(f"the camera has no {feature}; give {key} in [scanner.options]")
     return camera.number(feature)

@@ -119,9 +119,9 @@ class Controller:
         self.signals = Signals(made={n: self._output(*w) for n, w in _low(setup.outputs)})
         self.tasks = {name: Task(name, clock, self.covered) for name in setup.tasks}
         self.mechanisms = {
-            name: Mechanism(name, Axes(cell, cell.arm(one.arm)))
-            for name, one in setup.tasks.items()
-            if one.arm
+            name: Mechanism(name, Axes(cell, cell.arm(task.arm)))
+            for name, task in setup.tasks.items()
+            if task.arm
         }
         self.moving: dict[str, Moving] = {}
         self.shared: dict[str, list[Any]] = {}
@@ -180,7 +180,7 @@ class Controller:
 
     def axes(self) -> dict[str, Floats]:
         """Where the robots are, (n,) [deg], by task."""
-        return {name: np.array(one.here) for name, one in self.mechanisms.items()}
+        return {name: np.array(mechanism.here) for name, mechanism in self.mechanisms.items()}
 
     # -- what people and faults do
 
@@ -202,8 +202,8 @@ class Controller:
     def start_anew(self) -> None:
         """Robots' pointers to main, stops of the emergency reset, everything started."""
         self.is_emergency = False
-        for name, one in self.mechanisms.items():
-            one.stops.discard("emergency")
+        for name, mechanism in self.mechanisms.items():
+            mechanism.stops.discard("emergency")
             self.tasks[name].take_pointer()
         for task in self.tasks.values():
             task.start()
@@ -211,8 +211,8 @@ class Controller:
     def emergency_stop(self) -> None:
         """The robots stop where they are, and their programs with them; T_LINK goes on."""
         self.is_emergency = True
-        for name, one in self.mechanisms.items():
-            one.stops.add("emergency")
+        for name, mechanism in self.mechanisms.items():
+            mechanism.stops.add("emergency")
             self.tasks[name].is_running = False
 
     def lose_pointer(self, task: str) -> None:
@@ -297,20 +297,26 @@ class Controller:
             self._warned = wrong
             log.warning("%s", wrong or "synchronised movements go on")
         if wrong:
-            for one in self.mechanisms.values():
-                one.stops.add("emergency")
-        for one in self.mechanisms.values():
-            one.advance(STEP)
+            for mechanism in self.mechanisms.values():
+                mechanism.stops.add("emergency")
+        for mechanism in self.mechanisms.values():
+            mechanism.advance(STEP)
 
     def _rest(self) -> float:
         now = self.clock()
-        rest = IDLE if all(one.is_standing for one in self.mechanisms.values()) else TICK
+        rest = (
+            IDLE if all(mechanism.is_standing for mechanism in self.mechanisms.values()) else TICK
+        )
         deadlines = [task.deadline for task in self.tasks.values() if task.is_running]
-        return max(0.0005, min([rest, *(one - now for one in deadlines if one is not None)]))
+        return max(
+            0.0005, min([rest, *(deadline - now for deadline in deadlines if deadline is not None)])
+        )
 
     def _help(self) -> None:
         """What the operator does by himself."""
-        is_stopped = self.is_emergency or any(one.stops for one in self.mechanisms.values())
+        is_stopped = self.is_emergency or any(
+            mechanism.stops for mechanism in self.mechanisms.values()
+        )
         if not is_stopped:
             self._stopped_since = None
         elif self._stopped_since is None:

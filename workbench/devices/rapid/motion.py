@@ -175,11 +175,11 @@ def pair(mechanisms: Sequence[Mechanism]) -> str:
 
     The slower one gives the time, the smaller zone the corner.
     """
-    together = [one for one in mechanisms if one.is_in_step]
+    together = [mechanism for mechanism in mechanisms if mechanism.is_in_step]
     if not together:
         return ""
     before: tuple[Way, ...] = ()
-    for column in zip(*(one.waiting for one in together), strict=False):
+    for column in zip(*(mechanism.waiting for mechanism in together), strict=False):
         if len({way.number for way in column}) != 1:
             return "the \\ID of synchronised movements differ"
         if not all(way.is_paired for way in column):
@@ -189,8 +189,8 @@ def pair(mechanisms: Sequence[Mechanism]) -> str:
                 way.seconds, way.share, way.is_paired = seconds, share, True
             if before:
                 corners = list(zip(together, before, column, strict=False))
-                zone = min(one.zone(first, then) for one, first, then in corners)
-                for one, first, _ in corners:
-                    one.join(first, zone)
+                zone = min(mechanism.zone(first, then) for mechanism, first, then in corners)
+                for mechanism, first, _ in corners:
+                    mechanism.join(first, zone)
         before = column
     return ""

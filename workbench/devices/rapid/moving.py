@@ -206,8 +206,8 @@ class Moving:
             those = list(self._mechanisms.values())
         else:
             those = [self._mine()]
-        for one in those:
-            (one.stops.add if is_stop else one.stops.discard)("program")
+        for mechanism in those:
+            (mechanism.stops.add if is_stop else mechanism.stops.discard)("program")
 
     # -- where it is
 

@@ -33,7 +33,7 @@ def serve_modules(cell: Cell, asked: Simulation, ready: Callable[[Running], None
     operator = Operator()
     if asked.home_after < math.inf:
         operator = Operator(usual=YES, comes_after=asked.home_after)
-    one = Controller(
+    controller = Controller(
         cell,
         read_setup(asked.rapid),
         host=asked.host,
@@ -41,14 +41,14 @@ def serve_modules(cell: Cell, asked: Simulation, ready: Callable[[Running], None
         speed=asked.speed,
         operator=operator,
     )
-    _arrange(one, faults)
-    ready(one)
-    one.run()
+    _arrange(controller, faults)
+    ready(controller)
+    controller.run()
 
 
-def _arrange(one: Controller, left: list[Fault]) -> None:
+def _arrange(controller: Controller, left: list[Fault]) -> None:
     """Let faults happen: at the n-th motion of an arm, or the n-th grip."""
-    counts, usual = {"moves": 0, "grips": 0}, one.closes_at
+    counts, usual = {"moves": 0, "grips": 0}, controller.closes_at
 
     def due(what: str, names: tuple[str, ...]) -> list[Fault]:
         counts[what] += 1
@@ -59,9 +59,11 @@ def _arrange(one: Controller, left: list[Fault]) -> None:
     def before_move(task: str) -> None:
         for fault in due("moves", FAULTS[:2]):
             is_emergency = fault.name == "emergency-stop"
-            one.later(one.emergency_stop if is_emergency else lambda: one.lose_pointer(task))
+            controller.later(
+                controller.emergency_stop if is_emergency else lambda: controller.lose_pointer(task)
+            )
 
     def closes_at(task: str) -> float:
         return 0.0 if due("grips", FAULTS[2:]) else usual(task)
 
-    one.before_move, one.closes_at = before_move, closes_at
+    controller.before_move, controller.closes_at = before_move, closes_at

@@ -108,7 +108,7 @@ class Network:
 
     def bind(self, place: Place, address: str, port: float) -> None:
         """SocketBind."""
-        device, link = _opened(place)
+        device, link = _require_open(place)
         if device.address is not None:
             raise RapidError("ERR_SOCK_IS_BOUND")
         if not 1 <= port <= 65535:
@@ -126,7 +126,7 @@ class Network:
 
     def listen(self, place: Place) -> None:
         """SocketListen."""
-        device, link = _opened(place)
+        device, link = _require_open(place)
         if device.address is None:
             raise RapidError("ERR_SOCK_NOT_BOUND")
         link.listen()
@@ -136,7 +136,7 @@ class Network:
         self, task: Task, place: Place, client: Place, who: Place | None, time: float | None
     ) -> None:
         """SocketAccept."""
-        device, link = _opened(place)
+        device, link = _require_open(place)
         if not device.is_listening:
             raise RapidError("ERR_SOCK_NOT_BOUND")
         found, address = self._when(task, link, link.accept, time)
@@ -151,7 +151,7 @@ class Network:
         self, task: Task, place: Place, text: str | None, data: list[float] | None, count: Any
     ) -> None:
         """SocketSend: waits until the system has taken all of it."""
-        _, link = _opened(place)
+        _, link = _require_open(place)
         message = text.encode("latin-1") if text is not None else _bytes(data, count)
         if len(message) > LONGEST_MESSAGE:
             raise RapidStop(f"SocketSend: {len(message)} bytes, {LONGEST_MESSAGE} can be said")
@@ -170,11 +170,11 @@ class Network:
         text: Place | None,
         data: Place | None,
         count: float | None,
-        told: Place | None,
+        output: Place | None,
         time: float | None,
     ) -> None:
         r"""SocketReceive: what has arrived, or, with \\ReadNoOfBytes, so many bytes."""
-        device, link = _opened(place)
+        device, link = _require_open(place)
         if device.is_listening:
             raise RapidError("ERR_SOCK_NOT_CONN")
         most = 80 if text is not None else LONGEST_MESSAGE if data is not None else 0
@@ -200,12 +200,12 @@ class Network:
         elif data is not None:
             array: list[float] = data[0][data[1]]
             array[: len(message)] = [float(byte) for byte in message[: len(array)]]
-        if told is not None:
-            told[0][told[1]] = float(len(message))
+        if output is not None:
+            output[0][output[1]] = float(len(message))
 
     def peek(self, place: Place) -> float:
         """SocketPeek: how many bytes have arrived."""
-        device, link = _opened(place)
+        device, link = _require_open(place)
         try:
             seen = link.recv(65536, socket.MSG_PEEK)
         except BlockingIOError:
@@ -255,7 +255,7 @@ def _device(place: Place) -> Device:
     return place[0][place[1]]
 
 
-def _opened(place: Place) -> tuple[Device, socket.socket]:
+def _require_open(place: Place) -> tuple[Device, socket.socket]:
     device = _device(place)
     if device.link is None:
         raise RapidError("ERR_SOCK_CLOSED")

@@ -66,7 +66,7 @@ class Interrupts:
         self._conditions.pop(int(number), None)
         # The number may be given anew.
         self._sleeping.discard(int(number))
-        self._due = [one for one in self._due if one != int(number)]
+        self._due = [due for due in self._due if due != int(number)]
 
     def sleep(self, number: float, is_asleep: bool) -> None:
         """ISleep and IWatch: what comes while it sleeps is lost."""

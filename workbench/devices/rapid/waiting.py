@@ -167,9 +167,11 @@ class Waiting:
     ) -> None:
         if in_position:
             self._in_position()
-        self._met(ident, _names(tasks), seconds, "ERR_WAITSYNCTASK")
+        self._find_condition(ident, _names(tasks), seconds, "ERR_WAITSYNCTASK")
 
-    def _met(self, ident: Place, names: list[str], seconds: float | None, error: str) -> None:
+    def _find_condition(
+        self, ident: Place, names: list[str], seconds: float | None, error: str
+    ) -> None:
         most = FOREVER if seconds is None else seconds
         try:
             self._meetings.wait(self._task, ident[0][ident[1]], names, most)
@@ -181,14 +183,14 @@ class Waiting:
             raise RapidStop("SyncMoveOn: movements are synchronised already")
         self._in_position()
         names = _names(tasks)
-        self._met(ident, names, seconds, "ERR_SYNCMOVEON")
+        self._find_condition(ident, names, seconds, "ERR_SYNCMOVEON")
         self._sync, self._task.mechanism.is_in_step = names, True
 
     def _sync_off(self, ident: Place, seconds: float | None) -> None:
         if not self._sync:
             raise RapidStop("SyncMoveOff: movements are not synchronised")
         self._in_position()
-        self._met(ident, self._sync, seconds, "ERR_SYNCMOVEOFF")
+        self._find_condition(ident, self._sync, seconds, "ERR_SYNCMOVEOFF")
         self._sync_undo()
 
     def _sync_undo(self) -> None:
@@ -246,4 +248,4 @@ def _clock(place: Place) -> Clock:
 
 
 def _names(tasks: Place) -> list[str]:
-    return [one[0] for one in tasks[0][tasks[1]]]
+    return [task[0] for task in tasks[0][tasks[1]]]

@@ -47,13 +47,13 @@ class HttpScanner:
         address = self._mount.address
         report(0.0, f"asking {address}")
         try:
-            content = asyncio.run(self._asked(report, cancelled))
+            content = asyncio.run(self._ask(report, cancelled))
         except LinkError as error:
             raise LinkError(f"scanner: {address}: {error}") from None
         name = Path(unquote(urlsplit(address).path).rpartition("/")[2] or "scan")
         return parse_scan(name, content, self._mount)
 
-    async def _asked(self, report: Report, cancelled: Cancelled) -> bytes:
+    async def _ask(self, report: Report, cancelled: Cancelled) -> bytes:
         """What the page gives, within the patience, unless it is cancelled."""
         # Every cell that is read loads this module, and its import takes 0.4 s.
         from workbench.devices.scanners.pages import pull

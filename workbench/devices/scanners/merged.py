@@ -60,7 +60,7 @@ class MergedScanner:
         """Take a scan of each view; see `Scanner`."""
         for view in self._views:
             _check_calibration(view, time.time())
-        clouds, colours, told = list[Floats](), list[np.ndarray | None](), list[str]()
+        clouds, colours, notes = list[Floats](), list[np.ndarray | None](), list[str]()
         for number, view in enumerate(self._views):
 
             def share(done: float, note: str, view: View = view, number: int = number) -> None:
@@ -75,7 +75,7 @@ class MergedScanner:
             T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
             clouds.append(scan.points @ T.rotation.T + T.translation)
             colours.append(scan.colours)
-            told.append(f"{len(scan.points):,} of {view.file.name}")
+            notes.append(f"{len(scan.points):,} of {view.file.name}")
         points = np.concatenate(clouds)
         if len(points) > MOST_POINTS:
             raise LinkError(
@@ -86,7 +86,7 @@ class MergedScanner:
         return Scan(
             points,
             self._mount.T_world_scanner,
-            f"merged: {', '.join(told)}",
+            f"merged: {', '.join(notes)}",
             colours=np.concatenate(painted) if len(painted) == len(colours) else None,
         )
 

@@ -99,16 +99,16 @@ def _check_status(answer: aiohttp.ClientResponse, login: str) -> None:
     Raises:
         LinkError: the page refuses, is not there, or sends elsewhere.
     """
-    told = f"{answer.status} {answer.reason}"
+    status = f"{answer.status} {answer.reason}"
     if answer.status == 200:
         return
     if answer.status == 401 and login == NONE:
-        raise LinkError(f"it asks for a login ({told}): give login in [scanner.options]")
+        raise LinkError(f"it asks for a login ({status}): give login in [scanner.options]")
     if answer.status in (401, 403):
-        raise LinkError(f"it refuses the login {login} ({told})")
+        raise LinkError(f"it refuses the login {login} ({status})")
     if 300 <= answer.status < 400:
         to = urlsplit(answer.headers.get("Location", "")).hostname or "elsewhere"
         raise LinkError(
-            f"it sends to {to} ({told}), which is not followed: give the address itself"
+            f"it sends to {to} ({status}), which is not followed: give the address itself"
         )
-    raise LinkError(f"it gives no file: {told}")
+    raise LinkError(f"it gives no file: {status}")

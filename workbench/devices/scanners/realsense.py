@@ -79,13 +79,13 @@ class RealsenseScanner:
         taking = _Taking(sdk, self._options.skipped_frames)
         try:
             with _running(sdk, self._options, taking) as has_ended:
-                number, points = self._awaited(taking, has_ended, named, report, cancelled)
+                number, points = self._wait_for(taking, has_ended, named, report, cancelled)
             source = f"{named} frame {number}"
             return scan_of(points, self._mount, source, "is it this scanner?")
         except (LinkError, RuntimeError) as error:
             raise LinkError(f"scanner {named}: {error}") from None
 
-    def _awaited(
+    def _wait_for(
         self,
         taking: "_Taking",
         has_ended: Callable[[], bool],
@@ -192,7 +192,9 @@ def _recording(context: Any, options: RealsenseOptions) -> Any:
 
 def _camera(sdk: Any, context: Any, options: RealsenseOptions) -> Any:
     """The camera of that number, or the only one."""
-    devices = {one.get_info(sdk.camera_info.serial_number): one for one in context.query_devices()}
+    devices = {
+        device.get_info(sdk.camera_info.serial_number): device for device in context.query_devices()
+    }
     if options.serial in devices:
         return devices[options.serial]
     if options.serial or len(devices) != 1:

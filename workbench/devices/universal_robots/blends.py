@@ -93,8 +93,8 @@ def blended(
     best, least = tuple(lines), Way(start, lines, flange.at).seconds if not corners else math.inf
     for count in range(len(by_ease) + 1):
         chosen = {k: corners[k] for k in by_ease[:count]}
-        slower = _matched(chosen, steps, speeds, acceleration)
-        tried = _said(lines, slower * fars, chosen)
+        slower = _match(chosen, steps, speeds, acceleration)
+        tried = _write_lines(lines, slower * fars, chosen)
         seconds = seconds_of_all(start, tried, flange)
         if seconds < least and _keeps(chosen, steps, slower, acceleration):
             best, least = tried, seconds
@@ -128,13 +128,15 @@ def _corners(
         r = math.floor(min(most, into, out, *(APART * gap for gap in gaps)) * 1e4) / 1e4
         if r < LEAST:
             continue
-        one, other = (Segment(q[n], steps[n], 1.0, 1.0) for n in (k, k + 1))
-        if shares := shares_within(one, other, r, flange.at):
+        first, second = (Segment(q[n], steps[n], 1.0, 1.0) for n in (k, k + 1))
+        if shares := shares_within(first, second, r, flange.at):
             found[k] = Corner(r, *shares)
     return found
 
 
-def _needed(corner: Corner, steps: Floats, speeds: Floats, acceleration: Floats, k: int) -> float:
+def _needed_acceleration(
+    corner: Corner, steps: Floats, speeds: Floats, acceleration: Floats, k: int
+) -> float:
     """The acceleration of a blend on average, as a share of the largest."""
     change = np.abs(speeds[k + 1] * steps[k + 1] - speeds[k] * steps[k])
     seconds = corner.into / speeds[k] + corner.out / speeds[k + 1]
@@ -143,11 +145,11 @@ def _needed(corner: Corner, steps: Floats, speeds: Floats, acceleration: Floats,
 
 def _ease(corner: Corner, steps: Floats, speeds: Floats, acceleration: Floats, k: int) -> float:
     """By how much both moves would have to be slower; 1 where not at all."""
-    needed = _needed(corner, steps, speeds, acceleration, k)
+    needed = _needed_acceleration(corner, steps, speeds, acceleration, k)
     return min(math.sqrt(SHARPEST / needed), 1.0) if needed else 1.0
 
 
-def _matched(
+def _match(
     chosen: dict[int, Corner], steps: Floats, speeds: Floats, acceleration: Floats
 ) -> Floats:
     """Speeds (k,) [shares/s], no higher than `speeds`, with which the chosen corners blend."""
@@ -173,12 +175,14 @@ def _keeps(chosen: dict[int, Corner], steps: Floats, speeds: Floats, acceleratio
         into, out = corner.into / speeds[k], corner.out / speeds[k + 1]
         if max(into, out) > UNEVEN * min(into, out):
             return False
-        if _needed(corner, steps, speeds, acceleration, k) > SHARPEST * (1 + 1e-6):
+        if _needed_acceleration(corner, steps, speeds, acceleration, k) > SHARPEST * (1 + 1e-6):
             return False
     return True
 
 
-def _said(lines: Sequence[Line], speeds: Floats, chosen: dict[int, Corner]) -> tuple[Line, ...]:
+def _write_lines(
+    lines: Sequence[Line], speeds: Floats, chosen: dict[int, Corner]
+) -> tuple[Line, ...]:
     """The moves with these speeds of the leading axis (k,) [rad/s] and these blends."""
     radii = [chosen[k].r if k in chosen else 0.0 for k in range(len(lines))]
     return tuple(

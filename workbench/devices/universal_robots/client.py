@@ -27,7 +27,7 @@ VARIABLES = (
     "robot_mode",
     "safety_status_bits",
     "runtime_state",
-    *(f"output_int_register_{one}" for one in (PROGRESS, *BEGUN)),
+    *(f"output_int_register_{register}" for register in (PROGRESS, *BEGUN)),
 )
 
 
@@ -36,8 +36,8 @@ def main(host: str, script_port: int, sends: bool) -> None:
     words = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # the library prints what is no JSON
 
-    def say(**told: Any) -> None:
-        words.write(json.dumps(told) + "\n")
+    def say(**request: Any) -> None:
+        words.write(json.dumps(request) + "\n")
 
     try:
         _serve(host, script_port, sends, say)
@@ -68,7 +68,7 @@ def _serve(host: str, script_port: int, sends: bool, say: Any) -> None:
             safety=robot.getSafetyStatusBits(),
             runtime=robot.getRuntimeState(),
             leg=robot.getOutputIntRegister(PROGRESS),
-            begun=[robot.getOutputIntRegister(one) for one in BEGUN],
+            begun=[robot.getOutputIntRegister(register) for register in BEGUN],
         )
         if not select.select([0], [], [], PERIOD)[0]:
             continue

@@ -74,7 +74,7 @@ class Sending:
         try:
             self._client.say(run=self._program.text, alive=0)
             yield self._receipt("program", sent=self._program.text)
-            for state in self._followed(cancelled):
+            for state in self._follow(cancelled):
                 done = state.leg - self._program.ticket
                 for number in range(self._leg + 1, min(done, len(self._program.legs)) + 1):
                     self._leg = number
@@ -89,7 +89,7 @@ class Sending:
                 with suppress(LinkError):
                     self._client.say(stop=True)
 
-    def _followed(self, cancelled: Cancelled) -> Iterator[State]:
+    def _follow(self, cancelled: Cancelled) -> Iterator[State]:
         """States of the program as it runs, each looked at, up to that of its end."""
         total, clock = len(self._program.legs), self._patience.clock
         began, stood, over = clock(), None, None
@@ -155,10 +155,10 @@ class Sending:
         while self._patience.clock() < until:
             if cancelled():
                 raise JobCancelled("sending was stopped before the controller was spoken to")
-            told = self._client.hear(POLL)
-            if told is not None and told.get("remote") is False:
+            message = self._client.hear(POLL)
+            if message is not None and message.get("remote") is False:
                 raise LinkError("the robot is in local control; choose remote control on its panel")
-            state = self._states.taken(told)
+            state = self._states.taken(message)
             if state is not None:
                 # How long the client took to connect is not the controller's silence.
                 self._fresh = self._patience.clock()
@@ -199,10 +199,10 @@ class Sending:
     def _hear(self) -> State | None:
         """A state that is news; we say that we are there as often as we look."""
         began = self._patience.clock()
-        told = self._client.hear(POLL)
-        if told is not None and told.get("sent") is False:
+        message = self._client.hear(POLL)
+        if message is not None and message.get("sent") is False:
             raise LinkError("the controller did not take the program")
-        state = self._states.taken(told)
+        state = self._states.taken(message)
         if state is not None:
             self._fresh = self._patience.clock()
             self._alive += 1
@@ -227,9 +227,9 @@ class Sending:
         try:
             self._client.say(stop=True)
             while clock() - began < self._patience.stop:
-                told = self._client.hear(POLL)
-                is_heard = is_heard or (told is not None and "stopping" in told)
-                state = self._states.taken(told)
+                message = self._client.hear(POLL)
+                is_heard = is_heard or (message is not None and "stopping" in message)
+                state = self._states.taken(message)
                 if state is None or not is_heard:
                     continue
                 # What was on its way when the stop was heard says nothing: two that agree do.

@@ -48,7 +48,8 @@ class Client:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             # Where we were found, it finds us.
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(one for one in sys.path if one)},
+            env=os.environ
+            | {"PYTHONPATH": os.pathsep.join(folder for folder in sys.path if folder)},
         )
         assert self._process.stdin is not None and self._process.stdout is not None
         self._in, self._out = self._process.stdin, self._process.stdout
@@ -94,9 +95,9 @@ class Client:
             self._heard += data
         line, self._heard = self._heard.split(b"\n", 1)
         try:
-            told = dict[str, Any](json.loads(line))
+            message = dict[str, Any](json.loads(line))
         except (ValueError, TypeError):
             raise LinkError(f"the controller's client says {line[:40]!r}") from None
-        if "problem" in told:
-            raise LinkError(f"the controller's client says: {told['problem']}")
-        return told
+        if "problem" in message:
+            raise LinkError(f"the controller's client says: {message['problem']}")
+        return message

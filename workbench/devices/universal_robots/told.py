@@ -77,19 +77,19 @@ class States:
         self._arm, self._bounds = arm, bounds_of(cell, arm)
         self._at = -math.inf
 
-    def taken(self, told: dict[str, Any] | None, *, in_motion: bool = True) -> State | None:
+    def taken(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> State | None:
         """A state that is news; None where this is none: the client tells the last one again.
 
         Args:
-            told: by the client.
+            message: from the client.
             in_motion: whether a program of ours moves the arm.
 
         Raises:
             ProtocolError: a number in it is none, or cannot be, or the clock goes back.
         """
-        if told is None or "q" not in told:
+        if message is None or "q" not in message:
             return None
-        at = check_time(told["at"], "a time")
+        at = check_time(message["at"], "a time")
         if at < self._at:
             raise ProtocolError(
                 f"the controller's clock goes back, from {self._at:.3f} to {at:.3f} s"
@@ -97,8 +97,10 @@ class States:
         if at == self._at:
             return None
         self._at = at
-        if len(told["q"]) != len(self._arm.joints):
-            raise ProtocolError(f"the controller reports {len(told['q'])} axes, 6 are expected")
-        q = self._bounds.taken(self._arm.from_axes(told["q"]), in_motion=in_motion)
-        mode, safety, runtime, leg = (told[name] for name in ("mode", "safety", "runtime", "leg"))
-        return State(at, q, mode, safety, runtime, leg, tuple(told.get("begun", ())))
+        if len(message["q"]) != len(self._arm.joints):
+            raise ProtocolError(f"the controller reports {len(message['q'])} axes, 6 are expected")
+        q = self._bounds.taken(self._arm.from_axes(message["q"]), in_motion=in_motion)
+        mode, safety, runtime, leg = (
+            message[name] for name in ("mode", "safety", "runtime", "leg")
+        )
+        return State(at, q, mode, safety, runtime, leg, tuple(message.get("begun", ())))

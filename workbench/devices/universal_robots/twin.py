@@ -137,7 +137,8 @@ class SimulatedUr:
     def run(self) -> None:
         """Serve until somebody stops it."""
         threads = [
-            threading.Thread(target=self._accept, args=one, daemon=True) for one in self._listening
+            threading.Thread(target=self._accept, args=listener, daemon=True)
+            for listener in self._listening
         ]
         for thread in threads:
             thread.start()
@@ -171,11 +172,11 @@ class SimulatedUr:
             except TimeoutError:
                 continue
             client.settimeout(POLL)
-            clients = [one for one in clients if one.is_alive()]
+            clients = [thread for thread in clients if thread.is_alive()]
             clients.append(threading.Thread(target=self._serve, args=(client, serve), daemon=True))
             clients[-1].start()
-        for one in clients:
-            one.join()
+        for thread in clients:
+            thread.join()
 
     def _serve(self, client: socket.socket, serve: Callable[[socket.socket], None]) -> None:
         # A client that goes, or talks nonsense, is no fault of the controller.

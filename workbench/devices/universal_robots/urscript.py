@@ -123,15 +123,23 @@ def _move(name: str, words: str) -> Line | None:
         return None
     try:
         q = tuple(float(word) for word in said[1].split(","))
-        one, other, third = (float(word or 0) for word in said.groups()[1:])
+        acceleration, other, third = (float(word or 0) for word in said.groups()[1:])
     except ValueError:
         return None
-    if len(q) != 6 or not all(map(math.isfinite, (*q, one, other, third))):
+    if len(q) != 6 or not all(map(math.isfinite, (*q, acceleration, other, third))):
         return None
     if name == "movej":
-        return Line(name, (), q, one, other, third) if one > 0 and other > 0 else None
+        return (
+            Line(name, (), q, acceleration, other, third)
+            if acceleration > 0 and other > 0
+            else None
+        )
     has_range = LOOKAHEAD[0] <= other <= LOOKAHEAD[1] and GAIN[0] <= third <= GAIN[1]
-    return Line(name, (), q, t=one, lookahead=other, gain=third) if one > 0 and has_range else None
+    return (
+        Line(name, (), q, t=acceleration, lookahead=other, gain=third)
+        if acceleration > 0 and has_range
+        else None
+    )
 
 
 def seconds_of(way: float, v: float, a: float) -> float:

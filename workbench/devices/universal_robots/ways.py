@@ -114,20 +114,20 @@ def _cut(segments: list[Segment], positions: Positions) -> list[Segment]:
     """Without what their blends take."""
     cut = list(segments)
     for k in range(len(cut) - 1):
-        one, after = cut[k], cut[k + 1]
-        shares = shares_within(one, after, one.r, positions) if one.r else None
+        segment, after = cut[k], cut[k + 1]
+        shares = shares_within(segment, after, segment.r, positions) if segment.r else None
         # The flange may come near again after it has left: nothing is cut twice.
-        if shares and one.begin < 1.0 - shares[0]:
-            cut[k] = replace(one, end=1.0 - shares[0])
+        if shares and segment.begin < 1.0 - shares[0]:
+            cut[k] = replace(segment, end=1.0 - shares[0])
             cut[k + 1] = replace(after, begin=shares[1])
     return cut
 
 
 def shares_within(
-    one: Segment, after: Segment, r: float, positions: Positions
+    segment: Segment, after: Segment, r: float, positions: Positions
 ) -> tuple[float, float] | None:
     """The shares of two moves that are within `r` [m] of the waypoint between them."""
-    into = samples_of(one.start, one.step, positions)
+    into = samples_of(segment.start, segment.step, positions)
     out = samples_of(after.start, after.step, positions)
     is_in = np.linalg.norm(into - into[-1], axis=1) < r
     is_out = np.linalg.norm(out - out[0], axis=1) < r
@@ -145,50 +145,50 @@ def _pieces(segments: Sequence[Segment]) -> list[Piece]:
     """
     count = len(segments)
     shares = [0.0] * (count + 1)
-    blends = [one.end < 1.0 for one in segments[:-1]]
+    blends = [segment.end < 1.0 for segment in segments[:-1]]
     for k in range(count - 1):
-        shares[k + 1] = min(_reached(segments[k], shares[k]), 1.0) if blends[k] else 0.0
+        shares[k + 1] = min(_reachable_share(segments[k], shares[k]), 1.0) if blends[k] else 0.0
     for k in reversed(range(count)):
-        shares[k] = min(shares[k], _reached(segments[k], shares[k + 1]))
+        shares[k] = min(shares[k], _reachable_share(segments[k], shares[k + 1]))
     pieces: list[Piece] = []
-    for k, one in enumerate(segments):
-        pieces.append(_straight(one, shares[k] * one.speed, shares[k + 1] * one.speed))
+    for k, segment in enumerate(segments):
+        pieces.append(_straight(segment, shares[k] * segment.speed, shares[k + 1] * segment.speed))
         if k < count - 1 and blends[k]:
-            pieces.append(_blend(one, segments[k + 1], shares[k + 1]))
+            pieces.append(_blend(segment, segments[k + 1], shares[k + 1]))
     return pieces
 
 
-def _reached(one: Segment, share: float) -> float:
+def _reachable_share(segment: Segment, share: float) -> float:
     """The share of its speed at the other end of a move, with this one at the first."""
-    return math.sqrt(share**2 + 2 * one.push * one.length / one.speed**2)
+    return math.sqrt(share**2 + 2 * segment.push * segment.length / segment.speed**2)
 
 
-def _straight(one: Segment, begins: float, ends: float) -> Piece:
+def _straight(segment: Segment, begins: float, ends: float) -> Piece:
     """From one speed [1/s] to another, no faster and no more suddenly than may be."""
-    peak = min(one.speed, math.sqrt(one.push * one.length + (begins**2 + ends**2) / 2))
-    up, down = (peak - begins) / one.push, (peak - ends) / one.push
+    peak = min(segment.speed, math.sqrt(segment.push * segment.length + (begins**2 + ends**2) / 2))
+    up, down = (peak - begins) / segment.push, (peak - ends) / segment.push
     ramps = (begins + peak) / 2 * up, (peak + ends) / 2 * down
-    level = max(one.length - sum(ramps), 0.0) / peak
+    level = max(segment.length - sum(ramps), 0.0) / peak
     total = up + level + down
 
     def at(t: float) -> Floats:
         if t < up:
-            share = begins * t + one.push * t * t / 2
+            share = begins * t + segment.push * t * t / 2
         elif t < up + level:
             share = ramps[0] + peak * (t - up)
         else:
             left = total - t
-            share = one.length - ends * left - one.push * left * left / 2
-        return one.start + (one.begin + share) * one.step
+            share = segment.length - ends * left - segment.push * left * left / 2
+        return segment.start + (segment.begin + share) * segment.step
 
     return Piece(total, at)
 
 
-def _blend(one: Segment, after: Segment, share: float) -> Piece:
+def _blend(segment: Segment, after: Segment, share: float) -> Piece:
     """A cubic with the velocities of both moves; it takes what both would have taken."""
-    start, end = one.start + one.end * one.step, after.start + after.begin * after.step
-    begins, ends = share * one.speed * one.step, share * after.speed * after.step
-    seconds = (1.0 - one.end) / (share * one.speed) + after.begin / (share * after.speed)
+    start, end = segment.start + segment.end * segment.step, after.start + after.begin * after.step
+    begins, ends = share * segment.speed * segment.step, share * after.speed * after.step
+    seconds = (1.0 - segment.end) / (share * segment.speed) + after.begin / (share * after.speed)
     bends = np.array([start, start + begins * seconds / 3, end - ends * seconds / 3, end])
 
     def at(t: float) -> Floats:

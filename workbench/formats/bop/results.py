@@ -43,11 +43,13 @@ def write_results(path: Path, estimates: Sequence[PoseEstimate]) -> None:
         FileError: the file cannot be written.
     """
     lines = [HEADER]
-    for one in estimates:
-        T = one.T_camera_object
+    for estimate in estimates:
+        T = estimate.T_camera_object
         R = " ".join(map(repr, T.rotation.ravel().tolist()))
         t = " ".join(map(repr, (T.translation * 1000).tolist()))
-        lines.append(f"{one.scene},{one.image},{one.object},{one.score!r},{R},{t},{one.seconds!r}")
+        lines.append(
+            f"{estimate.scene},{estimate.image},{estimate.object},{estimate.score!r},{R},{t},{estimate.seconds!r}"
+        )
     write_whole(path, ("\n".join(lines) + "\n").encode())
 
 

@@ -78,7 +78,7 @@ def read_images(folder: Path, split: str, sensor: str = "") -> list[BopImage]:
         )
     wanted = _targets(folder) if split == "test" else None
     images = [image for path in scenes for image in _scene(path.parent, _end(sensor))]
-    return [one for one in images if wanted is None or (one.scene, one.number) in wanted]
+    return [image for image in images if wanted is None or (image.scene, image.number) in wanted]
 
 
 def read_depth(image: BopImage) -> Floats:
@@ -87,7 +87,7 @@ def read_depth(image: BopImage) -> Floats:
     Raises:
         FileError: it is no image of depths, or in another unit than the true poses.
     """
-    with _opened(image) as opened:
+    with _open(image) as opened:
         path, depths = Path(opened.filename), _values(opened)
     if depths.ndim != 2:
         raise FileError(path, "is no image of depths: one channel is expected")
@@ -96,7 +96,9 @@ def read_depth(image: BopImage) -> Floats:
         raise FileError(path, "holds no depth")
     seen = float(np.median(depths[depths > 0]))
     if image.truth:
-        true = float(np.median([one.T_camera_object.translation[2] for one in image.truth]))
+        true = float(
+            np.median([detection.T_camera_object.translation[2] for detection in image.truth])
+        )
         if not true / OTHER_UNIT < seen < true * OTHER_UNIT:
             raise FileError(
                 path,
@@ -112,12 +114,12 @@ def depth_width(image: BopImage) -> int:
     Raises:
         FileError: as `read_depth` has it.
     """
-    with _opened(image) as opened:
+    with _open(image) as opened:
         return int(opened.width)
 
 
 @contextmanager
-def _opened(image: BopImage) -> Generator[Any]:
+def _open(image: BopImage) -> Generator[Any]:
     from PIL import Image
 
     path = next((p for p in map(image.depth.with_suffix, KINDS) if is_file(p)), None)
@@ -153,8 +155,8 @@ def _targets(folder: Path) -> set[tuple[int, int]] | None:
     # A list stands there, and our reader wants an object.
     content = b'{"targets":' + read_whole(path, LARGEST_FILE).removeprefix(b"\xef\xbb\xbf") + b"}"
     return {
-        (one.whole("scene_id", low=0, high=10**9), one.whole("im_id", low=0, high=10**9))
-        for one in Table(path, parse_object(path, content)).tables("targets", MISSING)
+        (target.whole("scene_id", low=0, high=10**9), target.whole("im_id", low=0, high=10**9))
+        for target in Table(path, parse_object(path, content)).tables("targets", MISSING)
     }
 
 
@@ -165,14 +167,18 @@ def _scene(folder: Path, end: str) -> Iterator[BopImage]:
     visible = _read(shares) if is_file(shares) else None
     for key in cameras.names():
         number, camera = whole_name(cameras.path, key), cameras.table(key)
-        truth = [_true_pose(one) for one in poses.tables(key, MISSING)]
+        truth = [_true_pose(table) for table in poses.tables(key, MISSING)]
         if visible is not None:
             infos = list(visible.tables(key, MISSING))
             if len(infos) != len(truth):
                 raise visible.error(key, f"{len(truth)} entries are expected, as in scene_gt")
             truth = [
-                TruePose(one.object, one.T_camera_object, info.number("visib_fract", low=0, high=1))
-                for one, info in zip(truth, infos, strict=True)
+                TruePose(
+                    detection.object,
+                    detection.T_camera_object,
+                    info.number("visib_fract", low=0, high=1),
+                )
+                for detection, info in zip(truth, infos, strict=True)
             ]
         yield BopImage(
             scene,

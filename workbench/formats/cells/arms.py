@@ -100,7 +100,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         needs_roll=table.flag("needs_roll", False),
         passes_parts_on=table.flag("passes_parts_on", False),
         jerk=_jerk(table, count),
-        tools=tuple(_known_tool(table, "tools", one, tools) for one in names),
+        tools=tuple(_known_tool(table, "tools", tool_name, tools) for tool_name in names),
     )
     table.finish()
     if not re.fullmatch(r"[A-Z]", arm.controller_id):

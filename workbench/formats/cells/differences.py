@@ -26,15 +26,17 @@ def difference(before: Cell, after: Cell) -> str:
 
 
 def _differences(before: Cell, after: Cell) -> Iterator[str]:
-    yield from _moved("the bin", before.bin.T_world_bin, after.bin.T_world_bin)
+    yield from _list_moves("the bin", before.bin.T_world_bin, after.bin.T_world_bin)
     if not np.array_equal(before.bin.size, after.bin.size) or before.bin.wall != after.bin.wall:
         yield "the bin has another size"
     if digest_of(before.bin.regions) != digest_of(after.bin.regions):
         yield "the regions of interest are others"
     if before.bin.has_walls != after.bin.has_walls:
         yield "the bin has walls" if after.bin.has_walls else "the bin has no walls any more"
-    yield from _moved("the robot", before.T_world_robot, after.T_world_robot)
-    yield from _moved("the scanner", before.scanner.T_world_scanner, after.scanner.T_world_scanner)
+    yield from _list_moves("the robot", before.T_world_robot, after.T_world_robot)
+    yield from _list_moves(
+        "the scanner", before.scanner.T_world_scanner, after.scanner.T_world_scanner
+    )
     were = {fixture.name: fixture for fixture in before.fixtures}
     are = {fixture.name: fixture for fixture in after.fixtures}
     for name in were | are:
@@ -43,19 +45,19 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
         elif name not in were:
             yield f"{name} was added"
         else:
-            yield from _moved(name, were[name].T_world_fixture, are[name].T_world_fixture)
+            yield from _list_moves(name, were[name].T_world_fixture, are[name].T_world_fixture)
     if digest_of(before.stations) != digest_of(after.stations):
         yield "the stations are others"
-    for one, other in zip(before.arms, after.arms, strict=False):
-        yield from _arm(one, other)
-    for one in fields(before.policy):
-        old, new = getattr(before.policy, one.name), getattr(after.policy, one.name)
+    for arm, other in zip(before.arms, after.arms, strict=False):
+        yield from _arm(arm, other)
+    for arm in fields(before.policy):
+        old, new = getattr(before.policy, arm.name), getattr(after.policy, arm.name)
         if old != new:
-            yield f"{one.name} was {old}, now it is {new}"
+            yield f"{arm.name} was {old}, now it is {new}"
     yield from _parts(before.parts, after.parts)
 
 
-def _moved(what: str, before: pin.SE3, after: pin.SE3) -> Iterator[str]:
+def _list_moves(what: str, before: pin.SE3, after: pin.SE3) -> Iterator[str]:
     shift, turn = shift_and_turn(before.actInv(after))
     far, turned = shift * 1000, float(np.rad2deg(turn))
     if far > 1e-3 and turned > 1e-3:

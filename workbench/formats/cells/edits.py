@@ -83,19 +83,19 @@ def log_change(path: Path, cell: Cell, actor: str, at: float, remark: str) -> No
 
 def _names(cell: Cell) -> list[list[str]]:
     """Of the arms, fixtures and regions, in their order: none can be added or taken away."""
-    return [[one.name for one in many] for many in (cell.arms, cell.fixtures, cell.bin.regions)]
+    return [[arm.name for arm in many] for many in (cell.arms, cell.fixtures, cell.bin.regions)]
 
 
-def _is_same(one: Cell, other: Cell) -> bool:
+def _is_same(cell: Cell, other: Cell) -> bool:
     """Whether two cells differ by no more than what is lost when numbers are written."""
-    if [part.name for part in one.parts] != [part.name for part in other.parts]:
+    if [part.name for part in cell.parts] != [part.name for part in other.parts]:
         return False
     parts = tuple(
         replace(mine, library=part.library, symmetry=part.symmetry)
         if are_written_alike(mine.library, part.library)
         and str(mine.symmetry) == str(part.symmetry)
         else mine
-        for mine, part in zip(one.parts, other.parts, strict=True)
+        for mine, part in zip(cell.parts, other.parts, strict=True)
     )
     arms = tuple(
         replace(
@@ -106,13 +106,13 @@ def _is_same(one: Cell, other: Cell) -> bool:
             Ts_world_place=arm.Ts_world_place,
             part_places=_moved_as(mine.part_places, arm.part_places),
         )
-        for mine, arm in zip(one.arms, other.arms, strict=True)
+        for mine, arm in zip(cell.arms, other.arms, strict=True)
     )
     fixtures = tuple(
         replace(mine, T_world_fixture=fixture.T_world_fixture)
-        for mine, fixture in zip(one.fixtures, other.fixtures, strict=True)
+        for mine, fixture in zip(cell.fixtures, other.fixtures, strict=True)
     )
-    mount, other_mount = one.scanner, other.scanner
+    mount, other_mount = cell.scanner, other.scanner
     calibration, record = mount.calibration, other_mount.calibration
     if calibration is not None and record is not None:
         calibration = replace(
@@ -123,15 +123,15 @@ def _is_same(one: Cell, other: Cell) -> bool:
             covariance=record.covariance,
         )
     alike = replace(
-        one,
+        cell,
         T_world_robot=other.T_world_robot,
         bin=replace(
-            one.bin,
+            cell.bin,
             T_world_bin=other.bin.T_world_bin,
             size=other.bin.size,
             regions=tuple(
                 replace(mine, T_bin_region=region.T_bin_region)
-                for mine, region in zip(one.bin.regions, other.bin.regions, strict=True)
+                for mine, region in zip(cell.bin.regions, other.bin.regions, strict=True)
             ),
         ),
         scanner=replace(
@@ -141,7 +141,7 @@ def _is_same(one: Cell, other: Cell) -> bool:
         fixtures=fixtures,
         parts=parts,
     )
-    mine, others = _numbers(one), _numbers(other)
+    mine, others = _numbers(cell), _numbers(other)
     is_near = len(mine) == len(others) and bool(np.allclose(mine, others, atol=LOST))
     return is_near and alike.digest == other.digest
 
@@ -156,7 +156,7 @@ def _numbers(cell: Cell) -> Floats:
     rows = [T.homogeneous.ravel() for T in Ts] + [np.asarray(arm.home) for arm in cell.arms]
     record = cell.scanner.calibration
     errors = (record.rms, record.position_error, record.angle_error) if record else ()
-    kept = [0.0 if one is None else one for one in errors]
+    kept = [0.0 if error is None else error for error in errors]
     unsure = np.zeros(0) if record is None or record.covariance is None else record.covariance
     return np.concatenate([*rows, np.asarray(cell.bin.size), kept, unsure.ravel()])
 
@@ -167,10 +167,10 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
     edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
     if not np.array_equal(old.bin.size, new.bin.size):
         document["bin"]["size_mm"] = millimetres(new.bin.size)
-    for table, one, other in zip(
+    for table, region, other in zip(
         document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
     ):
-        edit_pose(table, one.T_bin_region, other.T_bin_region)
+        edit_pose(table, region.T_bin_region, other.T_bin_region)
     edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
@@ -184,14 +184,14 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         document["scanner"].pop("calibration", None)
     elif old.scanner.calibration is None or digest_of(record) != digest_of(old.scanner.calibration):
         document["scanner"]["calibration"] = record_table(record)
-    for table, one, other in zip(
+    for table, region, other in zip(
         document.get("fixture", []), old.fixtures, new.fixtures, strict=True
     ):
-        edit_pose(table, one.T_world_fixture, other.T_world_fixture)
-    for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
-        if not np.array_equal(one.home, other.home):
+        edit_pose(table, region.T_world_fixture, other.T_world_fixture)
+    for table, region, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if not np.array_equal(region.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
-        _edit_places(table, one, other)
+        _edit_places(table, region, other)
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:
@@ -203,8 +203,8 @@ def _edit_places(table: Any, old: Arm, new: Arm) -> None:
     if same or any("grid" in place for place in tables):
         return  # places of a grid are changed in the file: the trial will tell
     of_part = [place for place in tables if OF_PART[0] in place]
-    for place, one, other in zip(of_part, old.part_places, new.part_places, strict=False):
-        edit_pose(place, one.T_world_part, other.T_world_part, OF_PART)
+    for place, part_place, other in zip(of_part, old.part_places, new.part_places, strict=False):
+        edit_pose(place, part_place.T_world_part, other.T_world_part, OF_PART)
     if len(old.Ts_world_place) == len(new.Ts_world_place):
         of_tool = [place for place in tables if OF_PART[0] not in place]
         for place, T, U in zip(of_tool, old.Ts_world_place, new.Ts_world_place, strict=True):
@@ -230,8 +230,8 @@ def _moved_as(
     if len(places) != len(others):
         return places
     return tuple(
-        replace(one, T_world_part=other.T_world_part)
-        for one, other in zip(places, others, strict=True)
+        replace(place, T_world_part=other.T_world_part)
+        for place, other in zip(places, others, strict=True)
     )
 
 

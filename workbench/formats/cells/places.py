@@ -58,13 +58,13 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
             pallets += 1
         place.finish()
         if is_of_part:
-            one = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
+            part_place = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
             for layer, T in product(range(layers), shifts):
                 up = np.array([0.0, 0.0, layer * height])
                 T_world_part = pin.SE3(T_part.rotation, (T_part * T).translation + up)
                 pallet = pallets if layers > 1 else 0
                 of_part.append(
-                    replace(one, T_world_part=T_world_part, pallet=pallet, layer=layer + 1)
+                    replace(part_place, T_world_part=T_world_part, pallet=pallet, layer=layer + 1)
                 )
         else:
             of_tool += [T_tool * T for T in shifts]
@@ -92,25 +92,31 @@ def read_stations(table: Table, fixtures: Sequence[Fixture]) -> tuple[Station, .
     Raises:
         FileError: names the file, the key, its value and what was expected.
     """
-    poses = {one.name: one.T_world_fixture for one in fixtures}
+    poses = {known_fixture.name: known_fixture.T_world_fixture for known_fixture in fixtures}
     found: list[Station] = []
     where: list[pin.SE3] = []
-    for one in table.tables("station"):
-        name, fixture = one.text("name"), one.text("fixture", "", empty=True)
+    for station_table in table.tables("station"):
+        name, fixture = station_table.text("name"), station_table.text("fixture", "", empty=True)
         if fixture and fixture not in poses:
             known = ", ".join(poses) or "none"
-            raise one.error("fixture", f"{fixture!r:.60} is no fixture of the cell: {known}")
-        size = one.numbers("size_mm", 2, low=10, high=5000) / 1000
-        station = Station(name, read_pose(one), size, fixture)
+            raise station_table.error(
+                "fixture", f"{fixture!r:.60} is no fixture of the cell: {known}"
+            )
+        size = station_table.numbers("size_mm", 2, low=10, high=5000) / 1000
+        station = Station(name, read_pose(station_table), size, fixture)
         where.append(poses.get(fixture, pin.SE3.Identity()) * station.T_base_station)
         if where[-1].rotation[2, 2] < np.cos(LEVEL):
-            raise one.error("rpy_deg", "does not lie level, so that parts would slide or roll off")
-        one.finish()
+            raise station_table.error(
+                "rpy_deg", "does not lie level, so that parts would slide or roll off"
+            )
+        station_table.finish()
         found.append(station)
-    table.once("station.name", (one.name for one in found))
-    for (one, T), (other, U) in combinations(zip(found, where, strict=True), 2):
-        if _share_room(T.actInv(U), one.size, other.size):
-            raise table.error("station", f"{one.name} and {other.name} lie over each other")
+    table.once("station.name", (known_station.name for known_station in found))
+    for (station_table, T), (other, U) in combinations(zip(found, where, strict=True), 2):
+        if _share_room(T.actInv(U), station_table.size, other.size):
+            raise table.error(
+                "station", f"{station_table.name} and {other.name} lie over each other"
+            )
     return tuple(found)
 
 
@@ -129,20 +135,20 @@ def _share_room(T: pin.SE3, size: Floats, other: Floats) -> bool:
 
 def _is_of_part(table: Table) -> bool:
     """Whether a place says how the part lies: of hand and part it may say one."""
-    told = [key for key in OF_PART if table.has(key)]
+    keys = [key for key in OF_PART if table.has(key)]
     for key in OF_TOOL:
-        if told and table.has(key):
+        if keys and table.has(key):
             raise table.error(
-                key, f"is the tool's pose, and {told[0]} that of the part: one is expected"
+                key, f"is the tool's pose, and {keys[0]} that of the part: one is expected"
             )
-    if told and not table.has(OF_PART[0]):
-        raise table.error(OF_PART[0], f"is missing; it is expected beside {told[0]}")
+    if keys and not table.has(OF_PART[0]):
+        raise table.error(OF_PART[0], f"is missing; it is expected beside {keys[0]}")
     for key in ABOUT_PART:
-        if not told and table.has(key):
+        if not keys and table.has(key):
             raise table.error(
                 key, "is about where the part lies; part_position_mm is expected beside it"
             )
-    return bool(told)
+    return bool(keys)
 
 
 def _part_pose(table: Table) -> pin.SE3:
@@ -154,11 +160,11 @@ def _part_pose(table: Table) -> pin.SE3:
 
 def _direction(table: Table) -> tuple[float, float, float]:
     """The unit direction in the world in which a part comes to a place: from above if not told."""
-    told = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
-    length = float(np.linalg.norm(told))
+    approach = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
+    length = float(np.linalg.norm(approach))
     if length < 1e-6:
         raise table.error("approach", "has no length; a direction like [1, 0, 0] is expected")
-    x, y, z = (float(v) for v in told / length + 0.0)
+    x, y, z = (float(v) for v in approach / length + 0.0)
     return x, y, z
 
 

@@ -98,7 +98,7 @@ DEPENDS = frozenset(
 
 def cell_schema() -> dict[str, Any]:
     """The schema, draft 2020-12."""
-    with _noted() as notes:
+    with _take_notes() as notes:
         for name in ("yumi", "tx2_90"):
             read_cell(name)
         _read_solids()
@@ -123,7 +123,7 @@ def cell_schema() -> dict[str, Any]:
 
 def part_schema() -> dict[str, Any]:
     """The schema of `part.toml`."""
-    with _noted() as notes:
+    with _take_notes() as notes:
         for name in ("keyed_cylinder", "puck"):
             read_part(name)
         _read_solids()
@@ -133,7 +133,7 @@ def part_schema() -> dict[str, Any]:
 
 def grasp_schema() -> dict[str, Any]:
     """The schema of `grasps.toml`."""
-    with _noted() as notes:
+    with _take_notes() as notes:
         library_of(Table(Path("grasps.toml"), GRASPS))
     for key in ("pair[].first", "pair[].second"):
         del notes[key]["enum"]  # the names of this library's grasps
@@ -141,7 +141,7 @@ def grasp_schema() -> dict[str, Any]:
 
 
 @contextmanager
-def _noted() -> Generator[Notes]:
+def _take_notes() -> Generator[Notes]:
     """What tables are asked meanwhile."""
     notes: Notes = {}
     token = NOTES.set(notes)

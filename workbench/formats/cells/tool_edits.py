@@ -17,7 +17,9 @@ from workbench.model.geometry import Floats, Mesh, Solid
 TOOLS = "tools"
 """The folder beside a cell file that the meshes of new tools go to."""
 
-DIRECTIONS = np.array([one for one in product((-1.0, 0.0, 1.0), repeat=3) if any(one)])
+DIRECTIONS = np.array(
+    [direction for direction in product((-1.0, 0.0, 1.0), repeat=3) if any(direction)]
+)
 """In which it is compared how far convex meshes reach."""
 
 
@@ -37,13 +39,13 @@ def edit_tools(document: Any, old: Cell, new: Cell, folder: Path) -> None:
     Raises:
         FileError: a mesh cannot be written.
     """
-    for table, one, other in zip(document["arm"], old.arms, new.arms, strict=True):
-        if one.tool.name != other.tool.name:
+    for table, arm_plan, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if arm_plan.tool.name != other.tool.name:
             table["tool"] = other.tool.name
         names = [tool.name for tool in other.tools]
-        if [tool.name for tool in one.tools] != names:
+        if [tool.name for tool in arm_plan.tools] != names:
             table["tools"] = names
-        if names == [other.tool.name] and len(one.tools) > 1:
+        if names == [other.tool.name] and len(arm_plan.tools) > 1:
             del table["tools"]  # what it carries is all that it can
     were, are = (
         {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}
@@ -96,7 +98,11 @@ def _numbers(tool: Tool) -> Floats:
         [
             tool.T_flange_tcp.homogeneous.ravel(),
             (*tool.stroke, tool.press, tool.force or 0.0, tool.mass or 0.0, len(tool.body)),
-            *(np.ravel(one) for one in (tool.centre_of_gravity, tool.inertia) if one is not None),
+            *(
+                np.ravel(values)
+                for values in (tool.centre_of_gravity, tool.inertia)
+                if values is not None
+            ),
             *(finger.direction for finger in tool.fingers),
             *map(_of_solid, solids),
         ]
@@ -109,5 +115,5 @@ def _of_solid(solid: Solid) -> Floats:
         measures = (np.asarray(shape.points) @ DIRECTIONS.T).max(axis=0)
     else:
         lengths = (getattr(shape, key, 0.0) for key in ("size", "radius", "length"))
-        measures = np.concatenate([np.ravel(one) for one in lengths])
+        measures = np.concatenate([np.ravel(length) for length in lengths])
     return np.concatenate([solid.T_owner_shape.homogeneous.ravel(), measures])

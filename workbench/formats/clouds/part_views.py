@@ -65,7 +65,7 @@ def read_views(folder: Path) -> PartViews:
     listed = tuple(table.tables("scan"))
     if not FEWEST <= len(listed) <= MOST:
         raise table.error("scan", f"{FEWEST} to {MOST} scans are expected, {len(listed)} are given")
-    placed = [_placed(one, T_scanner_table) for one in listed]
+    placed = [_read_view(scan_table, T_scanner_table) for scan_table in listed]
     paths = [path for path, _ in placed]
     for path in paths:
         if paths.count(path) > 1:
@@ -94,7 +94,7 @@ def _turntable(table: Table) -> pin.SE3:
     return pin.SE3(np.stack([x, np.cross(z, x), z], axis=1), point)
 
 
-def _placed(table: Table, T_scanner_table: pin.SE3 | None) -> tuple[Path, pin.SE3]:
+def _read_view(table: Table, T_scanner_table: pin.SE3 | None) -> tuple[Path, pin.SE3]:
     """The file of a scan, and `T_model_scanner`."""
     name = table.text("file")
     path = table.path.parent / name

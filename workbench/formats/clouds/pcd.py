@@ -65,7 +65,7 @@ def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
         many for name, many in zip(layout.names, layout.counts, strict=True) if name in AXES
     ):
         raise FileError(path, f"FIELDS {' '.join(layout.names)[:80]}: x, y and z are expected")
-    packed = _packed(layout)
+    packed = _find_packed(layout)
     names = AXES if packed is None else (*AXES, packed)
     match layout.encoding:
         case "ascii":
@@ -73,7 +73,7 @@ def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
         case "binary":
             columns = _binary(path, content[layout.end :], layout, count, names)
         case _:
-            columns = _compressed(path, content[layout.end :], layout, count, names)
+            columns = _decompress(path, content[layout.end :], layout, count, names)
     with np.errstate(invalid="ignore"):
         points = np.column_stack([column.astype(np.float64) for column in columns[:3]])
     colours = None if packed is None else unpacked(columns[3])
@@ -81,7 +81,7 @@ def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
     return PcdCloud(points, organised, colours)
 
 
-def _packed(layout: Layout) -> str | None:
+def _find_packed(layout: Layout) -> str | None:
     """The field that holds colours, if there is one, once, of four bytes."""
     for name, kind, count in zip(layout.names, layout.kinds, layout.counts, strict=True):
         if name in PACKED and layout.names.count(name) == 1 and kind[2] == "4" and count == 1:
@@ -164,7 +164,7 @@ def _ascii(
         ]
 
 
-def _compressed(
+def _decompress(
     path: Path, data: bytes, layout: Layout, count: int, names: tuple[str, ...]
 ) -> list[np.ndarray]:
     """Field by field, packed by LZF behind the two sizes."""

@@ -73,14 +73,14 @@ def _row(path: Path, content: bytes, header: Header, element: Element) -> dict[s
     before = header.after[: header.after.index(element)]
     names = [name for name, _ in element.properties]
     if header.encoding == "ascii":
-        skip = header.skip_lines + header.count + sum(one.count for one in before)
+        skip = header.skip_lines + header.count + sum(earlier.count for earlier in before)
         values = read_rows(
             path, content, header.end, columns=range(len(names)), count=1, skip=skip
         )[0].tolist()
     else:
         order = "<" if header.encoding == "binary_little_endian" else ">"
         start = header.end + header.skip_bytes + header.count * header.size(path)
-        start += sum(one.count * one.size(path) for one in before)
+        start += sum(earlier.count * earlier.size(path) for earlier in before)
         layout = np.dtype([(name, order + kind) for name, kind in element.properties])
         if len(content) < start + layout.itemsize:
             raise FileError(path, f"is cut off: its element {element.name} is not whole")

@@ -132,8 +132,10 @@ def read_header(path: Path, content: bytes) -> Header:
         properties=tuple(vertex.properties),
         notes=tuple(notes),
         end=end,
-        skip_bytes=0 if encoding == "ascii" else sum(one.count * one.size(path) for one in before),
-        skip_lines=sum(one.count for one in before),
+        skip_bytes=0
+        if encoding == "ascii"
+        else sum(element.count * element.size(path) for element in before),
+        skip_lines=sum(element.count for element in before),
         after=tuple(elements[len(before) + 1 :]),
     )
 

@@ -156,7 +156,7 @@ def parse_cloud(
     rows = _rows(path, content)
     with np.errstate(over="ignore", invalid="ignore"):
         points = rows.points * UNITS[unit]
-    measured = _measured(path, points)
+    measured = _select_measured(path, points)
     points = points[measured]
     _check_distance(path, points, unit, key)
     pixels = None
@@ -175,10 +175,10 @@ def points_of(path: Path, content: bytes) -> Floats:
         FileError: as `parse_cloud` has it, but for the unit.
     """
     points = _rows(path, content).points
-    return np.array(points[_measured(path, points)], dtype=np.float64)
+    return np.array(points[_select_measured(path, points)], dtype=np.float64)
 
 
-def _measured(path: Path, points: Floats) -> Bools:
+def _select_measured(path: Path, points: Floats) -> Bools:
     """Which points (n,) were measured, some at least."""
     measured: Bools = np.asarray(np.isfinite(points).all(axis=1) & points.any(axis=1))
     if not measured.any():

@@ -163,7 +163,7 @@ def _run(
 def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
     try:
         said = json.loads((folder / TOLD).read_bytes())
-        kind, told = said["kind"], said["told"]
+        kind, content = said["kind"], said["told"]
     except (OSError, ValueError, LookupError, TypeError):
         if code == -signal.SIGXCPU:
             problem = f"could not be read within {longest:g} s of processor time"
@@ -172,13 +172,13 @@ def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
     match kind:
         case "answer":
             names = [name for name in said["arrays"] if NAME.fullmatch(name)]
-            return Answer(told, {name: _array(folder, name) for name in names})
+            return Answer(content, {name: _array(folder, name) for name in names})
         case "file":
-            raise FileError(path, told)
+            raise FileError(path, content)
         case "input":
-            raise InputError(told)
+            raise InputError(content)
         case _:
-            log.error("a file could not be read:\n%s", told)
+            log.error("a file could not be read:\n%s", content)
             raise FileError(path, "cannot be read: internal error, see the log")
 
 
@@ -216,8 +216,8 @@ def main() -> None:
         _tell(folder, "bug", traceback.format_exc())
 
 
-def _tell(folder: Path, kind: str, told: Any, arrays: list[str] | None = None) -> None:
-    said = {"kind": kind, "told": told, "arrays": arrays or []}
+def _tell(folder: Path, kind: str, answer: Any, arrays: list[str] | None = None) -> None:
+    said = {"kind": kind, "told": answer, "arrays": arrays or []}
     partial = folder / f"{TOLD}.partial"
     partial.write_text(json.dumps(said), encoding="utf-8")
     partial.replace(folder / TOLD)

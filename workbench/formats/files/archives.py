@@ -53,12 +53,15 @@ def write_archive(
         raise FileError(path, f"would have more than {MOST_FILES:,} files")
     try:
         with partial.open("wb+") as file:
-            members = [_written(path, file, name, one) for name, one in content.items()]
+            members = [
+                _write(path, file, name, member_content) for name, member_content in content.items()
+            ]
             if last is not None:
                 file.seek(0)
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
                 members += [
-                    _written(path, file, name, one, STORED) for name, one in last(digest).items()
+                    _write(path, file, name, member_content, STORED)
+                    for name, member_content in last(digest).items()
                 ]
             file.seek(0, 2)
             file.write(directory_of(members))
@@ -70,7 +73,7 @@ def write_archive(
             partial.unlink()
 
 
-def _written(
+def _write(
     path: Path,
     file: IO[bytes],
     name: str,

@@ -42,7 +42,7 @@ def parse_object(path: Path, content: bytes) -> dict[str, Any]:
     """
     try:
         values = json.loads(
-            content.decode("utf-8-sig"), object_pairs_hook=_each_once, parse_constant=_refused
+            content.decode("utf-8-sig"), object_pairs_hook=_each_once, parse_constant=_refuse
         )
     except UnicodeDecodeError:
         raise FileError(path, "is not a text file in UTF-8") from None
@@ -83,5 +83,5 @@ def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return values
 
 
-def _refused(constant: str) -> NoReturn:
+def _refuse(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not a JSON number")

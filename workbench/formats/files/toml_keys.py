@@ -124,7 +124,7 @@ class Table:
         """A finite number, low <= value <= high."""
         self._note(key, default, _number_form(low, high))
         value = self._value(key, (int, float), "a number", default)
-        return self._checked(key, value, low, high)
+        return self._check(key, value, low, high)
 
     def numbers(
         self,
@@ -140,13 +140,13 @@ class Table:
         Two counts: so many or so many; None: any number of them.
         """
         items = {"type": "array", "items": _number_form(low, high)}
-        self._note(key, default, items | _counted(count))
+        self._note(key, default, items | _count_schema(count))
         value = self._value(key, (list, np.ndarray), "a list of numbers", default)
         counts = (count,) if isinstance(count, int) else count
         if counts is not None and len(value) not in counts:
-            told = " or ".join(map(str, counts))
-            raise self.error(key, f"{told} numbers are expected, {len(value)} are given")
-        return np.array([self._checked(key, item, low, high) for item in value])
+            expected_counts = " or ".join(map(str, counts))
+            raise self.error(key, f"{expected_counts} numbers are expected, {len(value)} are given")
+        return np.array([self._check(key, item, low, high) for item in value])
 
     def wholes(
         self,
@@ -159,7 +159,7 @@ class Table:
     ) -> list[int]:
         """A list of so many whole numbers, or of one of two counts, low <= value <= high."""
         items = _number_form(low, high) | {"type": "integer"}
-        self._note(key, default, {"type": "array", "items": items} | _counted(count))
+        self._note(key, default, {"type": "array", "items": items} | _count_schema(count))
         values = self.numbers(key, count, default, low=low, high=high)
         for value in values.tolist():
             if value != round(value):
@@ -171,7 +171,7 @@ class Table:
         rows = self._rows(key, columns, "numbers")
         block = np.empty((len(rows), columns))
         for number, (at, row) in enumerate(rows):
-            block[number] = [self._checked(at, item, -math.inf, math.inf) for item in row]
+            block[number] = [self._check(at, item, -math.inf, math.inf) for item in row]
         return block
 
     def text_rows(self, key: str, columns: int) -> list[tuple[str, ...]]:
@@ -293,7 +293,7 @@ class Table:
             raise self.error(key, f"{shown(value)} holds a character that cannot be printed")
         return value
 
-    def _checked(self, key: str, value: Any, low: float, high: float) -> float:
+    def _check(self, key: str, value: Any, low: float, high: float) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self.error(key, f"a number is expected, {shown(value)} is given")
         try:
@@ -317,7 +317,7 @@ def _plain_default(default: Any) -> dict[str, Any]:
     return {"default": list(plain) if isinstance(plain, tuple) else plain}
 
 
-def _counted(count: int | tuple[int, int] | None) -> dict[str, int]:
+def _count_schema(count: int | tuple[int, int] | None) -> dict[str, int]:
     """How long a list has to be, in a schema."""
     if count is None:
         return {}

@@ -54,12 +54,14 @@ class Member(NamedTuple):
 
 def name_problems(files: Iterable[str], folders: Iterable[str] = ()) -> Iterator[str]:
     """Why no reader on any system should unpack files and folders of these names."""
-    told = [(name, False) for name in files] + [(name, True) for name in folders]
-    for name, _ in told:
+    named = [(name, False) for name in files] + [(name, True) for name in folders]
+    for name, _ in named:
         if len(name) > LONGEST_NAME or not all(map(NAME.fullmatch, name.split("/"))):
             yield f"names {name[:100]!r}, which is no plain path below a folder"
     # A file system may not tell capitals from small letters.  What is in a folder comes behind it.
-    ordered = sorted((name.lower().replace("/", "\0"), is_folder, name) for name, is_folder in told)
+    ordered = sorted(
+        (name.lower().replace("/", "\0"), is_folder, name) for name, is_folder in named
+    )
     for (above, is_folder, name), (below, _, other) in itertools.pairwise(ordered):
         if above == below:
             yield f"names {other!r} twice"
@@ -125,9 +127,9 @@ def members_of(file: IO[bytes]) -> list[Member]:
     file.seek(place)
     rest = file.read(len(expected) + 1)
     if rest != expected:
-        told = "there are bytes behind its end" if rest.startswith(expected) else ""
+        remark = "there are bytes behind its end" if rest.startswith(expected) else ""
         raise ValueError(
-            told or f"from byte {place} on it was changed, or another program packed it"
+            remark or f"from byte {place} on it was changed, or another program packed it"
         )
     for problem in name_problems(member.name for member in members):
         raise ValueError(f"it {problem}")
@@ -152,7 +154,7 @@ def check_contents(file: IO[bytes], members: Iterable[Member], length: int) -> N
     file.seek(0)
     block = file.read(512)
     others = block[:148] + b" " * 8 + block[156:]
-    signed = sum(others) - 256 * sum(one > 127 for one in others)
+    signed = sum(others) - 256 * sum(byte > 127 for byte in others)
     checksum = re.match(rb"[ \0]*([0-7]+)", block[148:156])
     if checksum and int(checksum[1], 8) in (sum(others), signed):
         raise ValueError("it is a tar file as well")
@@ -168,7 +170,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
         if not block:
             raise ValueError(f"{member.name} is cut short")
         left -= len(block)
-        for piece in (block,) if member.method == STORED else _unpacked(unpack, block):
+        for piece in (block,) if member.method == STORED else _unpack(unpack, block):
             size, crc = size + len(piece), zlib.crc32(piece, crc)
             if size > member.size:
                 raise ValueError(f"{member.name} is longer than it says")
@@ -180,7 +182,7 @@ def blocks_of(file: IO[bytes], member: Member) -> Iterator[bytes]:
         raise ValueError(f"{member.name} is damaged")
 
 
-def _unpacked(unpack: Any, block: bytes) -> Iterator[bytes]:
+def _unpack(unpack: Any, block: bytes) -> Iterator[bytes]:
     try:
         while piece := unpack.decompress(block, STEP):
             yield piece

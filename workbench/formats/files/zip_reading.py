@@ -114,7 +114,7 @@ def _end(file: IO[bytes], length: int) -> tuple[int, int, int]:
     if comment or disk or first or here != count:
         raise ValueError("its end is that of several files, or has a comment")
     if _bytes(file, max(place - 20, 0), 4) == LARGE_PLACE:
-        told = (count, size, start)
+        fields = (count, size, start)
         at = struct.unpack("<4xLQL", _bytes(file, place - 20, 20))
         place -= 76
         record = _bytes(file, place, 56)
@@ -122,9 +122,9 @@ def _end(file: IO[bytes], length: int) -> tuple[int, int, int]:
         if at != (0, place, 1) or disk or first or (form, here) != (44, count):
             raise ValueError("its two ends do not agree")
         if not record.startswith(LARGE_END) or any(
-            one not in (other, full)
-            for one, other, full in zip(
-                told, (count, size, start), (FULL, FULL_LARGE, FULL_LARGE), strict=True
+            stated not in (expected, full)
+            for stated, expected, full in zip(
+                fields, (count, size, start), (FULL, FULL_LARGE, FULL_LARGE), strict=True
             )
         ):
             raise ValueError("its two ends do not agree")
@@ -166,22 +166,22 @@ def _check_kind(name: bytes, method: int, system: int, outer: int) -> None:
         raise ValueError(f"{name!r} is no plain file")
 
 
-def _large(extra: bytes, *told: int) -> tuple[int, ...]:
+def _large(extra: bytes, *stated: int) -> tuple[int, ...]:
     """Numbers of 32 bits, with those of 64 bits where they are full."""
     found: dict[int, bytes] = {}
     while extra:
         kind, length = struct.unpack("<2H", extra[:4].ljust(4, b"\0"))
-        one, extra = extra[: 4 + length], extra[4 + length :]
-        if len(one) != 4 + length or kind in found:
+        field, extra = extra[: 4 + length], extra[4 + length :]
+        if len(field) != 4 + length or kind in found:
             raise ValueError("it has a field that cannot be read, or is there twice")
-        if kind != LARGE_FIELD and not TIMES_AND_OWNERS.fullmatch(one):
+        if kind != LARGE_FIELD and not TIMES_AND_OWNERS.fullmatch(field):
             raise ValueError(f"it has a field {kind:#06x} that is not read")
-        found[kind] = one[4:]
-    count = told.count(FULL_LARGE)
+        found[kind] = field[4:]
+    count = stated.count(FULL_LARGE)
     if (LARGE_FIELD in found) != bool(count) or len(found.get(LARGE_FIELD, b"")) != 8 * count:
         raise ValueError("it has large numbers where none belong, or lacks them")
     numbers = iter(struct.unpack(f"<{count}Q", found.get(LARGE_FIELD, b"")))
-    return tuple(next(numbers) if one == FULL_LARGE else one for one in told)
+    return tuple(next(numbers) if number == FULL_LARGE else number for number in stated)
 
 
 def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
@@ -190,7 +190,7 @@ def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
     version, flags, method, crc, packed, size, named, more = struct.unpack("<4x3H4x3L2H", head)
     name = _bytes(file, entry.place + 30, named)
     numbers = _large(_bytes(file, entry.place + 30 + named, more), size, packed)
-    told = [crc, numbers[1], numbers[0]]
+    sizes = [crc, numbers[1], numbers[0]]
     behind = b""
     if flags & LENGTHS_BEHIND:
         # Whoever reads from the front finds the end of what is packed by itself alone.
@@ -201,8 +201,10 @@ def _member(file: IO[bytes], entry: _Entry) -> tuple[Member, bytes]:
             behind = struct.pack(form, LENGTHS, *entry.fields[1:])
         except struct.error:
             raise ValueError(f"{name!r} is longer than it may say behind it") from None
-        told = [one or other for one, other in zip(told, entry.fields[1:], strict=True)]
-    is_same = (name, flags, (method, *told)) == (entry.name, entry.flags, entry.fields)
+        sizes = [
+            stated or expected for stated, expected in zip(sizes, entry.fields[1:], strict=True)
+        ]
+    is_same = (name, flags, (method, *sizes)) == (entry.name, entry.flags, entry.fields)
     if not is_same or not head.startswith(FILE) or version & 0xFF > LARGE_VERSION:
         raise ValueError(f"{entry.name!r} has another header than the directory says")
     method, crc, packed, size = entry.fields

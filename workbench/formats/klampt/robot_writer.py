@@ -37,7 +37,7 @@ def write_rob(path: Path, robot: Robot) -> None:
         if a in names and b in names
     )
     lines = [
-        f"links {' '.join(map(_quoted, names))}",
+        f"links {' '.join(map(_quote, names))}",
         f"parents -1 {' '.join(str(names.index(joint.parent)) for joint in joints)}",
         "jointtype r " + " ".join("p" if j.kind == "prismatic" else "r" for j in joints),
         "tparent "
@@ -46,7 +46,7 @@ def write_rob(path: Path, robot: Robot) -> None:
         f"qmin {_list([0.0 if f else v for f, v in zip(fixed, lower, strict=True)])}",
         f"qmax {_list([0.0 if f else v for f, v in zip(fixed, upper, strict=True)])}",
         f"velmax {_list([0.0, *(joint.velocity for joint in joints)])}",
-        f"geometry {' '.join(map(_quoted, files))}",
+        f"geometry {' '.join(map(_quote, files))}",
         *(f"joint weld {k}" for k, is_fixed in enumerate(fixed) if is_fixed),
         f"noselfcollision {' '.join(pairs)}",
         f"mass {_list([1.0] * len(names))}",
@@ -55,7 +55,7 @@ def write_rob(path: Path, robot: Robot) -> None:
     write_whole(path, ("\n".join(lines) + "\n").encode())
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     return '"' + text.replace('"', "") + '"'
 
 

@@ -63,7 +63,7 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
         if not -1 <= parent < number:
             raise FileError(path, f"parents: link {number} hangs on {parent}, which is not before")
     names = _names(path, words, count)
-    welded = _welded(path, words, count)
+    welded = _read_welds(path, words, count)
     scale = float(_numbers(path, words, "scale", 1, [1.0])[0])
     Ts = _transforms(path, words, count, scale)
     directions = _numbers(path, words, "axis", 3 * count, [0.0, 0.0, 1.0] * count)
@@ -77,7 +77,7 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
     for k, name in enumerate(names):
         parent = root if parents[k] < 0 else names[parents[k]]
         is_fixed = k in welded or lower[k] == upper[k]
-        T = Ts[k] * _moved(kinds[k], axes[k], lower[k]) if is_fixed else Ts[k]
+        T = Ts[k] * _move(kinds[k], axes[k], lower[k]) if is_fixed else Ts[k]
         kind: JointKind = "fixed" if is_fixed else kinds[k]
         limits = (max(lower[k], -_most(kind)), min(upper[k], _most(kind)))
         low, high = map(float, limits)
@@ -88,7 +88,7 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
     pairs = _pairs(path, words, names)
     robot = Robot(path.stem, tuple(links), tuple(joints), pairs | _neighbours(joints))
     for line in words.get("mount", []):
-        robot = _mounted(path, robot, names, line, depth)
+        robot = _mount(path, robot, names, line, depth)
     return robot
 
 
@@ -158,7 +158,7 @@ def _kinds(path: Path, words: Words, count: int) -> list[JointKind]:
     return [known[letter] for letter in letters]
 
 
-def _welded(path: Path, words: Words, count: int) -> set[int]:
+def _read_welds(path: Path, words: Words, count: int) -> set[int]:
     welded: set[int] = set()
     for line in words.get("joint", []):
         if not line or line[0].lower() in FLOATING:
@@ -212,7 +212,7 @@ def _denavit_hartenberg(path: Path, words: Words, count: int, scale: float) -> l
     ]
 
 
-def _moved(kind: JointKind, axis: Floats, value: float) -> pin.SE3:
+def _move(kind: JointKind, axis: Floats, value: float) -> pin.SE3:
     if value == 0.0 or not math.isfinite(value):
         return pin.SE3.Identity()
     if kind == "prismatic":
@@ -252,13 +252,13 @@ def _links(path: Path, words: Words, names: list[str], scale: float) -> list[Lin
             raise FileError(path, f"geomscale: {scales[k]:g} must be positive")
         mesh = read_mesh(path.parent / file, float(scales[k]))
         if k in turned:
-            mesh = _placed(path, mesh, turned[k], scale)
+            mesh = _place(path, mesh, turned[k], scale)
         solid = Solid(f"{name}_0", mesh, pin.SE3.Identity(), GREY)
         links.append(Link(name, (solid,), (solid,)))
     return links
 
 
-def _placed(path: Path, mesh: Mesh, T: Floats, scale: float) -> Mesh:
+def _place(path: Path, mesh: Mesh, T: Floats, scale: float) -> Mesh:
     """A mesh moved by a transform (4, 4), which may also stretch and mirror it."""
     R, shift = T[:3, :3], T[:3, 3] * scale
     largest = max(np.abs(R).max(), np.abs(shift).max())
@@ -303,7 +303,7 @@ def _root_name(stem: str, names: Sequence[str]) -> str:
     return root
 
 
-def _mounted(path: Path, robot: Robot, names: list[str], line: list[str], depth: int) -> Robot:
+def _mount(path: Path, robot: Robot, names: list[str], line: list[str], depth: int) -> Robot:
     """The robot with another one on one of its links."""
     if len(line) < 2:
         raise FileError(path, "mount: a link and a file are expected")
@@ -316,9 +316,9 @@ def _mounted(path: Path, robot: Robot, names: list[str], line: list[str], depth:
     elif values and values[0].lower() != "as":
         raise FileError(path, "mount: 12 numbers are expected after the file")
     sub = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file, depth=depth + 1)
-    known = {one.name for one in robot.links}
-    prefix = f"{sub.name}_" if any(one.name in known for one in sub.links) else ""
-    if any(prefix + one.name in known for one in sub.links):
+    known = {known_link.name for known_link in robot.links}
+    prefix = f"{sub.name}_" if any(sub_link.name in known for sub_link in sub.links) else ""
+    if any(prefix + sub_link.name in known for sub_link in sub.links):
         raise FileError(path, f"mount: {line[1]} is mounted twice under the same names")
 
     def called(name: str) -> str:
@@ -327,18 +327,18 @@ def _mounted(path: Path, robot: Robot, names: list[str], line: list[str], depth:
     mount = Joint(called(sub.root), "fixed", link, called(sub.root), T, np.array([0.0, 0.0, 1.0]))
     return Robot(
         robot.name,
-        (*robot.links, *(replace(one, name=called(one.name)) for one in sub.links)),
+        (*robot.links, *(replace(sub_link, name=called(sub_link.name)) for sub_link in sub.links)),
         (
             *robot.joints,
             mount,
             *(
                 replace(
-                    one,
-                    name=called(one.name),
-                    parent=called(one.parent),
-                    child=called(one.child),
+                    joint,
+                    name=called(joint.name),
+                    parent=called(joint.parent),
+                    child=called(joint.child),
                 )
-                for one in sub.joints
+                for joint in sub.joints
             ),
         ),
         robot.disabled_pairs

@@ -52,13 +52,13 @@ def read_klampt_world(path: Path) -> KlamptWorld:
     robot = read_urdf(file) if file.suffix.lower() == ".urdf" else read_rob(file)
     count = len(robots[0].text("config", "").split())
     values = robots[0].numbers("config", count)[1:] if count else np.empty(0)
-    things = [_thing(one, BLUE, k) for k, one in enumerate(root.all("rigidObject"))]
-    things += [_thing(one, BROWN, k) for k, one in enumerate(root.all("terrain"))]
+    things = [_thing(user, BLUE, k) for k, user in enumerate(root.all("rigidObject"))]
+    things += [_thing(user, BROWN, k) for k, user in enumerate(root.all("terrain"))]
     names = [thing.name for thing in things]
     for name in names:
         if names.count(name) > 1:
             raise FileError(path, f"two things are called {shown(name)}")
-    return KlamptWorld(robot, _placed(robots[0]), values, tuple(things))
+    return KlamptWorld(robot, _read_pose(robots[0]), values, tuple(things))
 
 
 def box_around(thing: Fixture) -> Bin:
@@ -104,11 +104,11 @@ def _thing(element: Element, usual: tuple[float, float, float], number: int) -> 
         colour = (red, green, blue)
     if geometry is not None:
         key = "file" if geometry.text("file", "") else "mesh"
-        mesh = _scaled(_mesh(_beside(geometry, key)), geometry)
+        mesh = _scale(_mesh(_beside(geometry, key)), geometry)
     else:
-        mesh = _scaled(_mesh(_beside(element, "file")), element)
+        mesh = _scale(_mesh(_beside(element, "file")), element)
     solid = Solid(f"{name}_mesh", mesh, pin.SE3.Identity(), colour)
-    return Fixture(name, _placed(element), (solid,))
+    return Fixture(name, _read_pose(element), (solid,))
 
 
 def _mesh(path: Path) -> Mesh:
@@ -134,7 +134,7 @@ def _factor(path: Path, text: str) -> float:
     return factor
 
 
-def _scaled(mesh: Mesh, element: Element) -> Mesh:
+def _scale(mesh: Mesh, element: Element) -> Mesh:
     words = len(element.text("scale", "1").split())
     scale = element.numbers("scale", 3 if words == 3 else 1, (1.0,))
     shift = element.numbers("translate", 3, (0.0, 0.0, 0.0))
@@ -143,7 +143,7 @@ def _scaled(mesh: Mesh, element: Element) -> Mesh:
     return Mesh(np.asarray(mesh.points) * scale + shift, mesh.triangles)
 
 
-def _placed(element: Element) -> pin.SE3:
+def _read_pose(element: Element) -> pin.SE3:
     """Position and turns, one after the other, of a thing in the world."""
     p = element.numbers("position", 3, (0.0, 0.0, 0.0))
     if element.text("translation", ""):

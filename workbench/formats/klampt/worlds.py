@@ -100,13 +100,13 @@ def robot_with_tools(cell: Cell, snapshot: Snapshot) -> Robot:
     for arm in cell.arms:
         tool = f"{arm.name}_tool"
         links.append(Link(tool, _tool_solids(arm, snapshot.openings.get(arm.name, 0.0))))
-        joints.append(_fixed(arm.flange, tool, pin.SE3.Identity()))
+        joints.append(_fix(arm.flange, tool, pin.SE3.Identity()))
         held = snapshot.held.get(arm.name)
         if held is not None:
             links.append(Link(held.name, held.part.pieces))
-            joints.append(_fixed(tool, held.name, arm.tool.T_flange_tcp * held.T))
+            joints.append(_fix(tool, held.name, arm.tool.T_flange_tcp * held.T))
     links.insert(0, Link(WORLD))
-    joints.insert(0, _fixed(WORLD, cell.robot.root, cell.T_world_robot))
+    joints.insert(0, _fix(WORLD, cell.robot.root, cell.T_world_robot))
     robot = replace(cell.robot, links=tuple(links), joints=tuple(joints))
     return replace(robot, disabled_pairs=robot.disabled_pairs | frozenset(_rigid_pairs(robot)))
 
@@ -123,7 +123,7 @@ def _tool_solids(arm: Arm, opening: float) -> tuple[Solid, ...]:
     return (*arm.tool.body, *fingers)
 
 
-def _fixed(parent: str, child: str, T: pin.SE3) -> Joint:
+def _fix(parent: str, child: str, T: pin.SE3) -> Joint:
     return Joint(f"{child}_mount", "fixed", parent, child, T, np.array([0.0, 0.0, 1.0]))
 
 

@@ -193,13 +193,13 @@ def joints(at: float, values: Mapping[str, float]) -> Json:
 
 def log(at: float, level: int, who: str, says: str, file: str, line: int) -> Json:
     """A line of the record as `foxglove.Log`; `line` is the number of the entry."""
-    told = {"level": level, "message": says, "name": who, "file": file, "line": line}
-    return {"timestamp": _time(at), **told}
+    record = {"level": level, "message": says, "name": who, "file": file, "line": line}
+    return {"timestamp": _time(at), **record}
 
 
 def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
     """A plan leg by leg as `workbench.Plan`, with what its proof says."""
-    told: Json = {
+    form: Json = {
         "timestamp": _time(at),
         "digest": plan.digest,
         "strategy": str(plan.strategy),
@@ -231,13 +231,13 @@ def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
         ],
     }
     if proof is not None:
-        told["proof"] = {
+        form["proof"] = {
             "holds": proof.holds,
             "checks": int(proof.checks),
             "clearance": float(proof.clearance),
             "violations": [str(violation.message) for violation in proof.violations],
         }
-    return told
+    return form
 
 
 def verdicts(at: float, verdict: Verdict, candidates: Iterable[Candidate]) -> Json:
@@ -247,27 +247,27 @@ def verdicts(at: float, verdict: Verdict, candidates: Iterable[Candidate]) -> Js
         "verdict": _verdict(verdict),
         "candidates": [
             {
-                "detection": one.detection,
-                "grasp": one.grasp.name,
-                "arm": one.arm,
-                "rank": float(one.rank),
-                "pose": _pose(one.T_world_tcp),
-                **_verdict(one.verdict),
+                "detection": candidate.detection,
+                "grasp": candidate.grasp.name,
+                "arm": candidate.arm,
+                "rank": float(candidate.rank),
+                "pose": _pose(candidate.T_world_tcp),
+                **_verdict(candidate.verdict),
             }
-            for one in candidates
+            for candidate in candidates
         ],
     }
 
 
 def _verdict(verdict: Verdict) -> Json:
-    told: Json = {"reason": str(verdict.reason), "stage": str(verdict.stage), "says": str(verdict)}
+    form: Json = {"reason": str(verdict.reason), "stage": str(verdict.stage), "says": str(verdict)}
     if verdict.pair is not None:
-        told["pair"] = list(verdict.pair)
+        form["pair"] = list(verdict.pair)
     if verdict.distance is not None:
-        told["distance"] = float(verdict.distance)
+        form["distance"] = float(verdict.distance)
     if verdict.q is not None:
-        told["q"] = verdict.q.tolist()
-    return told
+        form["q"] = verdict.q.tolist()
+    return form
 
 
 def _time(at: float) -> Json:

@@ -54,7 +54,7 @@ class Body:
     @property
     def placed(self) -> Mesh:
         """The body in the frame of the file."""
-        return _moved(self.mesh, self.T)
+        return _move(self.mesh, self.T)
 
     @property
     def own(self) -> Mesh:
@@ -64,7 +64,7 @@ class Body:
         is_rigid = np.allclose(A.T @ A, scale**2 * np.eye(3), atol=1e-6 * scale**2)
         M = np.eye(4)
         M[:3, :3] = scale * np.eye(3) if is_rigid and np.linalg.det(A) > 0 else A
-        return _moved(self.mesh, M)
+        return _move(self.mesh, M)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,19 +86,19 @@ def bodies_of(path: Path) -> CadBodies:
         FileError: it cannot be read, or holds nothing that has a surface.
     """
     answer = apart(path, raw_bodies)
-    told: Any = answer.told
+    content: Any = answer.told
     points, triangles = answer.arrays["points"], answer.arrays["triangles"]
     of_points = np.cumsum(answer.arrays["counts"][:, 0])[:-1]
     of_triangles = np.cumsum(answer.arrays["counts"][:, 1])[:-1]
     bodies = zip(
-        told["names"],
+        content["names"],
         np.split(points, of_points),
         np.split(triangles, of_triangles),
         answer.arrays["places"],
         strict=True,
     )
     each = tuple(Body(name, Mesh(p, t), T) for name, p, t, T in bodies)
-    return CadBodies(each, told["scale"], told["kind"])
+    return CadBodies(each, content["scale"], content["kind"])
 
 
 def raw_bodies(path: Path) -> Answer:
@@ -109,12 +109,12 @@ def raw_bodies(path: Path) -> Answer:
     """
     found = read_bodies(path)
     return Answer(
-        {"names": [one.name for one in found.bodies], "scale": found.scale, "kind": found.kind},
+        {"names": [body.name for body in found.bodies], "scale": found.scale, "kind": found.kind},
         {
-            "points": np.vstack([one.mesh.points for one in found.bodies]),
-            "triangles": np.vstack([one.mesh.triangles for one in found.bodies]),
+            "points": np.vstack([body.mesh.points for body in found.bodies]),
+            "triangles": np.vstack([body.mesh.triangles for body in found.bodies]),
             "counts": np.array([(len(b.mesh.points), len(b.mesh.triangles)) for b in found.bodies]),
-            "places": np.array([one.T for one in found.bodies]),
+            "places": np.array([body.T for body in found.bodies]),
         },
     )
 
@@ -128,13 +128,13 @@ def read_bodies(path: Path) -> CadBodies:
     kind = path.suffix.lower()
     try:
         if kind in ZIPPED:
-            inner = _unzipped(path, Path("unzipped"))
+            inner = _unzip(path, Path("unzipped"))
             try:
                 return read_bodies(inner)
             except FileError as error:
                 raise FileError(path, f"{inner.name} in it {error.problem}") from None
         if kind not in SCENES:
-            return CadBodies((_unnamed(path),), None, kind)
+            return CadBodies((_read_unnamed(path),), None, kind)
         if kind in STEP:
             bodies, _ = _scene(converted_step(path, Path("converted.glb")), 1.0)
             # As in the file, so that a person who knows that it states a wrong unit can say so.
@@ -154,7 +154,7 @@ def _in_unit(body: Body, unit: float) -> Body:
     return Body(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)
 
 
-def _unnamed(path: Path) -> Body:
+def _read_unnamed(path: Path) -> Body:
     # Bounded as if it were in millimetres: the unit is looked at later.
     mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
     return Body(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))
@@ -234,25 +234,25 @@ def _solids(body: Body) -> list[Body]:
     found: list[Body] = []
     for number, solid in enumerate(solids, 1):
         used, triangles = np.unique(mesh.triangles[outer[of_shell] == solid], return_inverse=True)
-        one = Mesh(mesh.points[used], triangles.reshape(-1, 3))
-        found.append(replace(body, name=f"{body.name}/{number}", mesh=one))
+        solid_mesh = Mesh(mesh.points[used], triangles.reshape(-1, 3))
+        found.append(replace(body, name=f"{body.name}/{number}", mesh=solid_mesh))
     return found
 
 
-def _unzipped(path: Path, folder: Path) -> Path:
+def _unzip(path: Path, folder: Path) -> Path:
     """The only CAD file in an archive, unpacked with what lies beside it."""
     try:
         with zipfile.ZipFile(BytesIO(read_whole(path, LARGEST_MESH))) as archive:
-            members = [one for one in archive.infolist() if _is_wanted(one)]
-            named = [one.filename for one in members if _suffix(one.filename) in KINDS]
+            members = [info for info in archive.infolist() if _is_wanted(info)]
+            named = [member.filename for member in members if _suffix(member.filename) in KINDS]
             if len(named) != 1:
                 held = f"{len(named)} CAD files: {', '.join(named[:8])}" if named else "no CAD file"
                 raise FileError(path, f"holds {held}; one is expected")
             left = 4 * LARGEST_MESH
-            for one in members:
-                place = folder / PurePosixPath(one.filename)
+            for member in members:
+                place = folder / PurePosixPath(member.filename)
                 place.parent.mkdir(parents=True, exist_ok=True)
-                with archive.open(one) as source:
+                with archive.open(member) as source:
                     content = source.read(left + 1)
                 left -= len(content)
                 if left < 0:
@@ -274,7 +274,7 @@ def _suffix(name: str) -> str:
     return PurePosixPath(name).suffix.lower()
 
 
-def _moved(mesh: Mesh, T: Floats) -> Mesh:
+def _move(mesh: Mesh, T: Floats) -> Mesh:
     """A mesh after an affine map; what was outside stays outside where it mirrors."""
     if np.array_equal(T, np.eye(4)):
         return mesh

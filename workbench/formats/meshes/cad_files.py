@@ -112,8 +112,8 @@ def read_cad(
     size = float(np.ptp(mesh.points, axis=0).max())
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
         likely = _likely(float(np.ptp(raw.points, axis=0).max()))
-        told = "; ".join(_meaning(raw, one, density) for one in likely)
-        would = f"would be {size * 1000:.4g} mm large" + (f" ({told})" if told else "")
+        meanings = "; ".join(_meaning(raw, likely_unit, density) for likely_unit in likely)
+        would = f"would be {size * 1000:.4g} mm large" + (f" ({meanings})" if meanings else "")
         raise FileError(path, f"{would}: give another unit (--unit)")
     solids = tuple(_shapes(found.bodies)) if len(found.bodies) > 1 else ()
     return CadMesh(mesh, unit or "", is_assumed, taken, solids)
@@ -132,9 +132,11 @@ def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]
     if len(bodies) == 1:
         return bodies[0].placed, ""
     placed = [body.placed for body in bodies]
-    starts = np.cumsum([0, *(len(one.points) for one in placed[:-1])])
-    triangles = [one.triangles + start for one, start in zip(placed, starts, strict=True)]
-    mesh = Mesh(np.vstack([one.points for one in placed]), np.vstack(triangles))
+    starts = np.cumsum([0, *(len(solid_mesh.points) for solid_mesh in placed[:-1])])
+    triangles = [
+        solid_mesh.triangles + start for solid_mesh, start in zip(placed, starts, strict=True)
+    ]
+    mesh = Mesh(np.vstack([solid_mesh.points for solid_mesh in placed]), np.vstack(triangles))
     return mesh, f"{len(bodies)} solids taken as one rigid part: {_names(bodies)}"
 
 
@@ -142,22 +144,22 @@ def _shapes(solids: tuple[Body, ...]) -> dict[str, int]:
     """The first solid of each shape by its name, with how many are of it."""
     first: dict[tuple[float, ...], str] = {}
     times: dict[str, int] = {}
-    for one in solids:
-        sides = np.ptp(one.own.points, axis=0)
-        shape = (len(one.mesh.triangles), *np.round(sides / sides.max(), 3).tolist())
-        name = first.setdefault(shape, one.name)
+    for solid in solids:
+        sides = np.ptp(solid.own.points, axis=0)
+        shape = (len(solid.mesh.triangles), *np.round(sides / sides.max(), 3).tolist())
+        name = first.setdefault(shape, solid.name)
         times[name] = times.get(name, 0) + 1
     return times
 
 
 def _names(solids: tuple[Body, ...]) -> str:
     """The names of solids, those of one shape together."""
-    told = [
+    shapes = [
         name if count == 1 else f"{name} and {count - 1} like it"
         for name, count in _shapes(solids).items()
     ]
-    more = f" and {len(told) - NAMED} other shapes" if len(told) > NAMED else ""
-    return ", ".join(told[:NAMED]) + more
+    more = f" and {len(shapes) - NAMED} other shapes" if len(shapes) > NAMED else ""
+    return ", ".join(shapes[:NAMED]) + more
 
 
 def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
@@ -165,18 +167,20 @@ def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
     likely = _likely(float(np.ptp(raw.points, axis=0).max()))
     if len(likely) == 1:
         return likely[0]
-    told = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
-    raise FileError(path, f"does not say its unit ({told}): say which (--unit)")
+    meanings = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
+    raise FileError(path, f"does not say its unit ({meanings}): say which (--unit)")
 
 
 def _likely(side: float) -> list[str]:
     """The units in which a largest side is that of a part."""
-    return [unit for unit, one in UNITS.items() if SMALLEST_PART <= side * one <= LARGEST_PART]
+    return [
+        unit for unit, metres in UNITS.items() if SMALLEST_PART <= side * metres <= LARGEST_PART
+    ]
 
 
 def _meaning(raw: Mesh, unit: str, density: float) -> str:
     """What a unit would mean in size and mass."""
-    size = " x ".join(f"{one * 1000 * UNITS[unit]:.4g}" for one in np.ptp(raw.points, axis=0))
+    size = " x ".join(f"{side * 1000 * UNITS[unit]:.4g}" for side in np.ptp(raw.points, axis=0))
     volume = abs(float(volumes_of(raw, np.zeros(len(raw.triangles), int)).sum()))
     return f"in {unit}: {size} mm, {mass_words(volume * UNITS[unit] ** 3 * density)}"
 

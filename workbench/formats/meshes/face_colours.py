@@ -38,29 +38,29 @@ def read_face_colours(path: Path, count: int) -> np.ndarray:
         raise FileError(path, f"cannot have colours: one of {', '.join(KINDS)} is expected")
     content = read_whole(path, LARGEST_MESH)
     how = f"colours {recipe('trimesh', 'pillow')} {kind}"
-    found = kept(how, [content], lambda: {"colours": _loaded(path, kind, content)})
-    colours = _loaded(path, kind, content) if found is None else found["colours"]
+    found = kept(how, [content], lambda: {"colours": _load(path, kind, content)})
+    colours = _load(path, kind, content) if found is None else found["colours"]
     if colours.shape != (count, 3):
         raise FileError(path, f"has {count} triangles and {len(colours)} colours")
     return np.asarray(colours, np.uint8)
 
 
-def _loaded(path: Path, kind: str, content: bytes) -> np.ndarray:
+def _load(path: Path, kind: str, content: bytes) -> np.ndarray:
     import trimesh  # takes a while, and is seldom needed
 
     try:
         loaded: Any = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)
         # As `read_mesh` has them one behind the other.
-        meshes = [one for one in loaded.dump() if isinstance(one, trimesh.Trimesh)]
+        meshes = [piece for piece in loaded.dump() if isinstance(piece, trimesh.Trimesh)]
         of = _of_glb if kind == ".glb" else _of_visual
         colours = [of(mesh) for mesh in meshes]
     except Exception as error:  # the loaders behind trimesh raise whatever they like
         raise FileError(path, f"its colours cannot be read: {shown(str(error))}") from None
-    if all(one is None for one in colours):
+    if all(colour is None for colour in colours):
         raise FileError(path, "has no colours, which use_colours asks for")
-    if any(one is None for one in colours):
+    if any(colour is None for colour in colours):
         raise FileError(path, "has colours of some of its bodies, and use_colours asks for all")
-    return np.concatenate([one for one in colours if one is not None])
+    return np.concatenate([colour for colour in colours if colour is not None])
 
 
 def _of_visual(mesh: Any) -> np.ndarray | None:
@@ -76,7 +76,7 @@ def _of_glb(mesh: Any) -> np.ndarray | None:
     """
     if mesh.visual.kind != "texture":
         colours = _of_visual(mesh)
-        return None if colours is None else _encoded(colours / 255.0)
+        return None if colours is None else _encode(colours / 255.0)
     material, uv = mesh.visual.material, mesh.visual.uv
     texture = getattr(material, "baseColorTexture", None)
     factor = getattr(material, "baseColorFactor", None)
@@ -87,7 +87,7 @@ def _of_glb(mesh: Any) -> np.ndarray | None:
         light *= np.asarray(factor, float)[:3] / 255.0
     if texture is not None and uv is not None:
         light *= _texture_light(material, np.asarray(uv, float)[mesh.faces])
-    return _encoded(light)
+    return _encode(light)
 
 
 def _texture_light(material: Any, corners: Floats) -> Floats:
@@ -114,7 +114,7 @@ def _linear(colours: np.ndarray) -> Floats:
     return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
 
 
-def _encoded(light: Floats) -> np.ndarray:
+def _encode(light: Floats) -> np.ndarray:
     """SRGB (n, 3), 0..255, from shares of light (n, 3), 0..1."""
     shares = np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)
     return np.round(255.0 * shares).astype(np.uint8)

@@ -49,11 +49,11 @@ def kept(recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None
         make: makes it; None is not kept, and neither is an error.
     """
     key = hashlib.sha256(recipe.encode())
-    for one in content:
-        key.update(f" {len(one)} ".encode())
-        key.update(one)
+    for piece in content:
+        key.update(f" {len(piece)} ".encode())
+        key.update(piece)
     path = cache_folder() / f"{key.hexdigest()}.npz"
-    found = _found(path)
+    found = _find(path)
     if found is not None:
         return found
     made = make()
@@ -67,7 +67,7 @@ def kept(recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None
     return made
 
 
-def _found(path: Path) -> Arrays | None:
+def _find(path: Path) -> Arrays | None:
     """What is kept; None when there is nothing, or what is there is none of ours."""
     try:
         with np.load(BytesIO(read_whole(path, 2 * LARGEST_KEPT))) as found:

@@ -69,7 +69,9 @@ def read_mesh(
 
     def made() -> Mesh:
         is_taught = kind == ".pcd"
-        mesh = _taught(path, content, scale) if is_taught else _loaded(path, content, scale, most)
+        mesh = (
+            _read_taught(path, content, scale) if is_taught else _loaded(path, content, scale, most)
+        )
         return as_convex(path, mesh) if is_piece else mesh
 
     # What reads points of a scanner is code of another folder, which a recipe does not know of.
@@ -147,7 +149,7 @@ def bare_collada(content: bytes) -> BytesIO:
     return BytesIO(ElementTree.tostring(root))
 
 
-def _taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
+def _read_taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
     points = read_pcd(path, content, MOST_TRIANGLES).points
     # Many scanners put pixels without a measurement at exactly (0, 0, 0).
     points = points[np.isfinite(points).all(axis=1) & points.any(axis=1)] * scale

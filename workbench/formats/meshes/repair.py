@@ -104,7 +104,7 @@ def _places(rows: Ints) -> tuple[Ints, Ints]:
     if len(rows):
         # One number a row where it has room: sorting rows takes ten times as long.
         low = rows.min(axis=0)
-        x, y, z = (int(one) + 1 for one in rows.max(axis=0) - low)
+        x, y, z = (int(side) + 1 for side in rows.max(axis=0) - low)
         if x * y * z < 2**62:
             keys = ((rows - low) * [y * z, z, 1]).sum(axis=1)
     _, first, number = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -147,7 +147,7 @@ def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     if split:
         said.append(f"slits closed at {split} corners")
     points, triangles = np.asarray(mesh.points), np.array(mesh.triangles)
-    turned = _turned(triangles)
+    turned = _find_turned(triangles)
     if turned.any():
         said.append(f"{int(turned.sum())} triangles turned to fit their neighbours")
         triangles[turned] = triangles[turned][:, ::-1]
@@ -195,7 +195,7 @@ def _without_sheets(mesh: Mesh) -> tuple[Mesh, int]:
     return (rest, int(is_sheet.sum())) if closed.is_watertight else (mesh, 0)
 
 
-def _turned(triangles: Ints) -> Bools:
+def _find_turned(triangles: Ints) -> Bools:
     """Which triangles (m,) look the other way than most of those that they hang together with.
 
     Every triangle stands twice in a graph, as it is and turned; neighbours that fit are joined in
@@ -208,10 +208,10 @@ def _turned(triangles: Ints) -> Bools:
     _, number, times = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
     order = np.argsort(number.ravel(), kind="stable")
     order = order[times[number.ravel()[order]] == 2]
-    one, other = order[::2], order[1::2]
-    differ = (edges[one, 0] == edges[other, 0]).astype(np.int64)
-    rows = np.concatenate([owner[one], owner[one] + count])
-    columns = np.concatenate([owner[other] + count * differ, owner[other] + count * (1 - differ)])
+    first, second = order[::2], order[1::2]
+    differ = (edges[first, 0] == edges[second, 0]).astype(np.int64)
+    rows = np.concatenate([owner[first], owner[first] + count])
+    columns = np.concatenate([owner[second] + count * differ, owner[second] + count * (1 - differ)])
     way = connected(rows, columns, 2 * count)
     as_it_is, turned = way[:count], way[count:]
     fitting = np.bincount(as_it_is, minlength=int(way.max()) + 1)
@@ -246,9 +246,9 @@ def _lids(points: Floats, triangles: Ints) -> Ints:
     rim = edges[times[number.ravel()] == 1]
     after: dict[int, int] = {}
     forked: set[int] = set()
-    for one, other in rim.tolist():
-        forked |= {other} if other in after else set()
-        after[other] = one  # a lid runs the other way than the triangle beside it
+    for tail, head in rim.tolist():
+        forked |= {head} if head in after else set()
+        after[head] = tail  # a lid runs the other way than the triangle beside it
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     added: list[list[int]] = []
     while after:

@@ -50,12 +50,12 @@ def save_grasps(path: Path, library: GraspLibrary) -> None:
     grasps = tomlkit.aot()
     for entry in library.entries:
         table = tables.get(entry.name)
-        grasps.append(_edited(table, before.get(entry.name, {}), keys_of(entry)))
+        grasps.append(_edit(table, before.get(entry.name, {}), keys_of(entry)))
     _put(document, "grasp", grasps)
     if old.pairs != library.pairs:
         pairs = tomlkit.aot()
         for pair in library.pairs:
-            pairs.append(_edited(None, {}, _pair_keys(pair)))
+            pairs.append(_edit(None, {}, _pair_keys(pair)))
         _put(document, "pair", pairs)
     text = tomlkit.dumps(document)
     library_of(_table(path, text))  # what nobody could read again is not written
@@ -75,23 +75,25 @@ def add_grasps(path: Path, grasps: Iterable[Grasp]) -> tuple[str, ...]:
     taken = {entry.name for entry in library.entries} | {grasp.name for grasp in library.grasps}
     added: list[Grasp] = []
     for grasp in grasps:
-        added.append(replace(grasp, name=_unused(grasp.name, taken)))
+        added.append(replace(grasp, name=_make_unused(grasp.name, taken)))
         taken.add(added[-1].name)
     save_grasps(path, replace(library, entries=(*library.entries, *added)))
     return tuple(grasp.name for grasp in added)
 
 
-def _unused(name: str, taken: set[str]) -> str:
+def _make_unused(name: str, taken: set[str]) -> str:
     """The name, with the first number behind it that makes it new."""
     numbered = (f"{name}-{number}" for number in count(2))
-    return next(one for one in chain([name], numbered) if one not in taken)
+    return next(joint for joint in chain([name], numbered) if joint not in taken)
 
 
 def are_written_alike(library: GraspLibrary, other: GraspLibrary) -> bool:
     """Whether two libraries make the same file, but for its comments."""
 
-    def keys(one: GraspLibrary) -> list[dict[str, Any]]:
-        return [keys_of(entry) for entry in one.entries] + [_pair_keys(p) for p in one.pairs]
+    def keys(grasp_library: GraspLibrary) -> list[dict[str, Any]]:
+        return [keys_of(entry) for entry in grasp_library.entries] + [
+            _pair_keys(p) for p in grasp_library.pairs
+        ]
 
     return keys(library) == keys(other)
 
@@ -163,7 +165,7 @@ def _pair_keys(pair: GraspPair) -> dict[str, Any]:
     return {"first": pair.first, "second": pair.second, **ordered}
 
 
-def _edited(table: Any, before: dict[str, Any], now: dict[str, Any]) -> Any:
+def _edit(table: Any, before: dict[str, Any], now: dict[str, Any]) -> Any:
     """A table with what has changed; a new one where there was none."""
     table = tomlkit.table() if table is None else table
     for key in before.keys() - now.keys():
@@ -171,7 +173,7 @@ def _edited(table: Any, before: dict[str, Any], now: dict[str, Any]) -> Any:
     for key, value in now.items():
         if key == "pattern":
             old = before.get(key, {})
-            table[key] = _edited(table.get(key), old, value)
+            table[key] = _edit(table.get(key), old, value)
         elif key not in before or before[key] != value:
             table[key] = value
     return table

@@ -37,12 +37,15 @@ def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[str, ...]:
         elif changes := ", ".join(_changes(before[name], entry)):
             found.append(f"{name}: {changes}")
     kept = [
-        [name for name in one if name in other] for one, other in ((before, after), (after, before))
+        [name for name in names if name in others]
+        for names, others in ((before, after), (after, before))
     ]
     if kept[0] != kept[1]:
         found.append("the order is another")
-    found += [f"{_paired(pair)} is gone" for pair in old.pairs if not _is_in(pair, new.pairs)]
-    found += [f"{_paired(pair)} is new" for pair in new.pairs if not _is_in(pair, old.pairs)]
+    found += [
+        f"{_describe_pair(pair)} is gone" for pair in old.pairs if not _is_in(pair, new.pairs)
+    ]
+    found += [f"{_describe_pair(pair)} is new" for pair in new.pairs if not _is_in(pair, old.pairs)]
     return tuple(found)
 
 
@@ -54,41 +57,41 @@ def _kind(entry: Entry) -> str:
 
 def _changes(old: Entry, new: Entry) -> Iterator[str]:
     before, after = keys_of(old), keys_of(new)
-    yield from _moved(old, new)
+    yield from _list_moves(old, new)
     if before.get("enabled", True) != after.get("enabled", True):
         yield "disabled" if "enabled" in after else "enabled"
     for key, (word, unit) in WORDS.items():
         if before.get(key) != after.get(key):
-            yield f"{word} {_shown(before.get(key), unit)} → {_shown(after.get(key), unit)}"
-    one, other = before.get("pattern"), after.get("pattern")
-    if one is not None and other is None:
+            yield f"{word} {_format(before.get(key), unit)} → {_format(after.get(key), unit)}"
+    old_pattern, new_pattern = before.get("pattern"), after.get("pattern")
+    if old_pattern is not None and new_pattern is None:
         yield "no pattern any more"
-    elif one is None and other is not None:
+    elif old_pattern is None and new_pattern is not None:
         yield f"repeated as {_kind(new)}"
-    elif one is not None and one != other:
+    elif old_pattern is not None and old_pattern != new_pattern:
         counts = [entry.count for entry in (old, new) if isinstance(entry, GraspPattern)]
         yield f"pattern changed, {counts[0]} → {counts[1]} grasps"
 
 
-def _moved(old: Entry, new: Entry) -> Iterator[str]:
-    one, other = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
-    shift, turn = shift_and_turn(one.T_part_tcp.actInv(other.T_part_tcp))
+def _list_moves(old: Entry, new: Entry) -> Iterator[str]:
+    old_grasp, new_grasp = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
+    shift, turn = shift_and_turn(old_grasp.T_part_tcp.actInv(new_grasp.T_part_tcp))
     if shift * 1000 >= 0.005:
         yield f"moved by {shift * 1000:.2f} mm"
     if np.rad2deg(turn) >= 0.005:
         yield f"turned by {np.rad2deg(turn):.2f}°"
 
 
-def _paired(pair: GraspPair) -> str:
+def _describe_pair(pair: GraspPair) -> str:
     order = "then" if pair.is_ordered else "with"
     return f"the pair {pair.first} {order} {pair.second}"
 
 
 def _is_in(pair: GraspPair, pairs: tuple[GraspPair, ...]) -> bool:
-    return any(_paired(one) == _paired(pair) for one in pairs)
+    return any(_describe_pair(grasp_pair) == _describe_pair(pair) for grasp_pair in pairs)
 
 
-def _shown(value: Any, unit: str) -> str:
+def _format(value: Any, unit: str) -> str:
     if value is None:
         return "as usual"
     if isinstance(value, list):

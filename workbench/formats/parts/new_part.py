@@ -234,5 +234,5 @@ def _lines(
     if any(stated.point):
         yield f"point_mm = {numbers(1000 * np.array(stated.point))}"
     if stated.also:
-        each = (f"{{axis = {numbers(one.axis)}, fold = {one.fold}}}" for one in stated.also)
+        each = (f"{{axis = {numbers(axis.axis)}, fold = {axis.fold}}}" for axis in stated.also)
         yield f"also = [{', '.join(each)}]"

@@ -167,7 +167,7 @@ def drop_draft(folder: Path) -> None:
 
 def stated_besides(symmetry: Symmetry) -> dict[str, list[Any]]:
     """What a file says of a symmetry beside its main axis; empty where it says nothing."""
-    also = [{"axis": shorts(one.axis, 6), "fold": one.fold} for one in symmetry.also]
+    also = [{"axis": shorts(axis.axis, 6), "fold": axis.fold} for axis in symmetry.also]
     point = shorts(1000 * np.array(symmetry.point), 4) if any(symmetry.point) else []
     return {"point_mm": point, "also": also}
 

@@ -152,7 +152,7 @@ def _proof(table: Table, plan: Plan) -> Proof:
         clearance=table.number("clearance", low=-1.0, high=1.0),
         nearest=None,
         violations=(),
-        clearances=tuple(_leg(one) for one in table.tables("clearances", MISSING)),
+        clearances=tuple(_leg(clearance) for clearance in table.tables("clearances", MISSING)),
     )
     table.finish()
     return proof

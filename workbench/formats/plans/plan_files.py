@@ -153,9 +153,9 @@ def _notes(table: Table) -> tuple[Message, ...]:
         notes = tuple(map(message_of, table.forms("notes")))
     except (KeyError, TypeError, ValueError):
         raise table.error("notes", "messages with id and args, or texts, are expected") from None
-    if len(notes) > MOST_NOTES or any(len(str(one)) > LONGEST_NOTE for one in notes):
+    if len(notes) > MOST_NOTES or any(len(str(note)) > LONGEST_NOTE for note in notes):
         raise table.error("notes", f"at most {MOST_NOTES} of {LONGEST_NOTE} characters are read")
-    if not all(str(one).isprintable() for one in notes):
+    if not all(str(note).isprintable() for note in notes):
         raise table.error("notes", "holds a character that cannot be shown")
     return notes
 

@@ -52,8 +52,8 @@ class Calls(Expressions):
         """Look at arguments of which nothing is known."""
         for item in args.children if args is not None else ():
             if item.data in ("named", "by_name"):
-                for one in item.children[1:]:
-                    self.expression(one, UNKNOWN)
+                for child in item.children[1:]:
+                    self.expression(child, UNKNOWN)
             elif item.data != "passed_on":
                 self.expression(item, UNKNOWN)
 
@@ -65,46 +65,52 @@ class Calls(Expressions):
             self.loose(args)
             return NOTHING.run
         given = self._given(routine, args, node)
-        groups = [one.group for one in routine.parameters if one.group and one.name in given]
+        groups = [
+            parameter.group
+            for parameter in routine.parameters
+            if parameter.group and parameter.name in given
+        ]
         if len(groups) != len(set(groups)):
             self.wrong(node, f"{routine.name}: arguments that exclude each other")
         if routine.native is None:
-            makers = [given.get(one.name) for one in routine.parameters]
+            makers = [given.get(parameter.name) for parameter in routine.parameters]
             return lambda frame: routine.call([make(frame) if make else None for make in makers])
         return _native(routine, given)
 
     def _given(self, routine: Routine, args: Node | None, node: Node) -> dict[str, Run]:
-        by_name = {one.name: one for one in routine.parameters}
+        by_name = {parameter.name: parameter for parameter in routine.parameters}
         given: dict[str, Run] = {}
-        required = [one for one in routine.parameters if not one.is_optional]
+        required = [parameter for parameter in routine.parameters if not parameter.is_optional]
         for item in args.children if args is not None else ():
             if item.data in ("named", "passed_on"):
-                one = by_name.get(str(item.children[0]).lower())
-                if one is None or not one.is_optional or one.name in given:
+                parameter = by_name.get(str(item.children[0]).lower())
+                if parameter is None or not parameter.is_optional or parameter.name in given:
                     what = f"{routine.name} has no argument \\{item.children[0]}"
-                    self.wrong(item.children[0], what if one is None else f"{what} here")
+                    self.wrong(item.children[0], what if parameter is None else f"{what} here")
                     continue
-                if routine.takes and one.name not in routine.takes:
+                if routine.takes and parameter.name not in routine.takes:
                     self.left_out(item.children[0], f"{routine.name} \\{item.children[0]}")
-                given[one.name] = self._named(routine, item, one)
+                given[parameter.name] = self._named(routine, item, parameter)
             elif not required:
                 self.wrong(item, f"{routine.name} has no more arguments")
             elif item.data == "by_name":
-                one = _required(required, str(item.children[0]).lower())
-                if one is None:
+                parameter = _required(required, str(item.children[0]).lower())
+                if parameter is None:
                     what = f"{routine.name} has no argument {item.children[0]} here"
                     self.wrong(item.children[0], what)
                     continue
-                required.remove(one)
-                given[one.name] = self._argument(routine, item.children[1], one)
+                required.remove(parameter)
+                given[parameter.name] = self._argument(routine, item.children[1], parameter)
             else:
-                one = required.pop(0)
-                given[one.name] = self._argument(routine, item, one)
+                parameter = required.pop(0)
+                given[parameter.name] = self._argument(routine, item, parameter)
         if required:
-            self.wrong(node, f"{routine.name} misses {', '.join(one.name for one in required)}")
+            self.wrong(
+                node, f"{routine.name} misses {', '.join(parameter.name for parameter in required)}"
+            )
         return given
 
-    def _named(self, routine: Routine, item: Node, one: Parameter) -> Run:
+    def _named(self, routine: Routine, item: Node, parameter: Parameter) -> Run:
         if item.data == "passed_on":
             name = item.children[1]
             found = self.symbol(str(name))
@@ -117,61 +123,63 @@ class Calls(Expressions):
             slot = found.slot
             return lambda frame: frame[slot]
         value = item.children[1] if len(item.children) > 1 else None
-        if one.kind.name == "switch":
+        if parameter.kind.name == "switch":
             if value is not None:
-                self.wrong(item, f"\\{one.name} takes no value")
+                self.wrong(item, f"\\{parameter.name} takes no value")
             return lambda frame: ([True], 0)
         if value is None:
-            self.wrong(item, f"\\{one.name} needs a value")
+            self.wrong(item, f"\\{parameter.name} needs a value")
             return NOTHING.run
-        return self._argument(routine, value, one)
+        return self._argument(routine, value, parameter)
 
-    def _fitting(self, item: Node, one: Parameter) -> Parameter:
+    def _fitting(self, item: Node, parameter: Parameter) -> Parameter:
         """Which of the alternatives for one place an argument is."""
-        if not one.others:
-            return one
-        kind = self.read(item, self.expression(item, one.kind)).kind
-        options = (one, *one.others)
-        return next((option for option in options if self.types.fit(kind, option.kind)), one)
+        if not parameter.others:
+            return parameter
+        kind = self.read(item, self.expression(item, parameter.kind)).kind
+        options = (parameter, *parameter.others)
+        return next((option for option in options if self.types.fit(kind, option.kind)), parameter)
 
-    def _argument(self, routine: Routine, item: Node, one: Parameter) -> Run:
-        one = self._fitting(item, one)
-        found = self.value(item, one.kind)
+    def _argument(self, routine: Routine, item: Node, parameter: Parameter) -> Run:
+        parameter = self._fitting(item, parameter)
+        found = self.value(item, parameter.kind)
         if routine.native is not None and not found.kind.is_unknown:
-            is_left_out = one.is_optional and one.name not in routine.takes
-            fits = one.executed_as is not None and self.types.fit(found.kind, one.executed_as)
+            is_left_out = parameter.is_optional and parameter.name not in routine.takes
+            fits = parameter.executed_as is not None and self.types.fit(
+                found.kind, parameter.executed_as
+            )
             if not is_left_out and not fits:
                 self.left_out(item, f"{routine.name} of a {found.kind}")
-        if one.mode == "lazy":
+        if parameter.mode == "lazy":
             run = found.run
             return lambda frame: ([lambda: run(frame)], 0)
-        if one.mode == "value":
+        if parameter.mode == "value":
             run = found.run
             return lambda frame: ([copy(run(frame))], 0)
         variable = found.variable
         if found is NOTHING:
             return lambda frame: ([0.0], 0)
-        wants_write = one.mode in ("var", "inout")
+        wants_write = parameter.mode in ("var", "inout")
         if found.place is None or variable is None or (wants_write and not variable.is_writable):
-            self.wrong(item, f"{one.name} needs data that can be written")
-        elif one.mode == "var" and variable.storage == "pers":
-            self.wrong(item, f"{one.name} needs a VAR, {variable.name} is a PERS")
-        elif one.mode == "pers" and variable.storage not in ("pers", "inout"):
-            self.wrong(item, f"{one.name} needs a PERS, {variable.name} is none")
+            self.wrong(item, f"{parameter.name} needs data that can be written")
+        elif parameter.mode == "var" and variable.storage == "pers":
+            self.wrong(item, f"{parameter.name} needs a VAR, {variable.name} is a PERS")
+        elif parameter.mode == "pers" and variable.storage not in ("pers", "inout"):
+            self.wrong(item, f"{parameter.name} needs a PERS, {variable.name} is none")
         return found.place or found.run
 
 
 def _required(required: list[Parameter], name: str) -> Parameter | None:
-    for one in required:
-        if name in (one.name, *(other.name for other in one.others)):
-            return one
+    for parameter in required:
+        if name in (parameter.name, *(other.name for other in parameter.others)):
+            return parameter
     return None
 
 
 def _native(routine: Routine, given: dict[str, Run]) -> Run:
     native = routine.native
     assert native is not None
-    modes = {one.name: one.mode for one in routine.parameters}
+    modes = {parameter.name: parameter.mode for parameter in routine.parameters}
     makers = [(given.get(name), modes[name] in ("value", "lazy")) for name in routine.takes]
 
     def run(frame: Frame) -> Any:

@@ -61,21 +61,21 @@ class Checked:
 
     def of(self, kind: str) -> list[Problem]:
         """The problems of one kind."""
-        return [one for one in self.problems if one.kind == kind]
+        return [problem for problem in self.problems if problem.kind == kind]
 
     def names(self, kind: str) -> list[Name]:
         """The names of one kind, those that are used most first."""
         found: dict[str, list[Problem]] = {}
-        for one in self.of(kind):
-            found.setdefault(one.name.lower(), []).append(one)
+        for problem in self.of(kind):
+            found.setdefault(problem.name.lower(), []).append(problem)
         names = [
             Name(ones[0].name, self._use(ones[0]), len(ones), ones[0], self.places.get(low, ()))
             for low, ones in found.items()
         ]
-        return sorted(names, key=lambda one: (-one.uses, one.name.lower()))
+        return sorted(names, key=lambda name: (-name.uses, name.name.lower()))
 
-    def _use(self, one: Problem) -> str:
-        return ENCODED if one.what == ENCODED else self.uses.get(one.name.lower(), "")
+    def _use(self, problem: Problem) -> str:
+        return ENCODED if problem.what == ENCODED else self.uses.get(problem.name.lower(), "")
 
 
 def check_modules(paths: Sequence[Path], signals: Iterable[str] = ()) -> list[Problem]:
@@ -100,7 +100,7 @@ def check(paths: Sequence[Path], signals: Iterable[str] = ()) -> Checked:
     is_on = gc.isenabled()
     gc.disable()
     try:
-        return _check_all(paths, dict(_signal(one) for one in signals))
+        return _check_all(paths, dict(_signal(signal) for signal in signals))
     finally:
         if is_on:
             gc.enable()
@@ -115,22 +115,26 @@ def _check_all(paths: Sequence[Path], made: dict[str, str]) -> Checked:
             rest.append(path)
             continue
         try:
-            one = read_setup(path).controller()
+            controller = read_setup(path).controller()
         except BadModule as error:
             problems |= set(error.problems)
             continue
-        sources += _check(one, {**one.configuration.names(), **made}, checked, problems)
+        sources += _check(
+            controller, {**controller.configuration.names(), **made}, checked, problems
+        )
     if rest:
         found = find_tasks(rest)
         problems |= set(found.problems)
         sources += found.spare
-        checked.spare = [one.path for one in found.spare]
-        for one in found.controllers:
-            sources += _check(one, {**one.configuration.names(), **made}, checked, problems)
+        checked.spare = [spare_source.path for spare_source in found.spare]
+        for controller in found.controllers:
+            sources += _check(
+                controller, {**controller.configuration.names(), **made}, checked, problems
+            )
         if not sources:
             # Nothing was read at all: that an encoded module is no mistake helps nobody.
-            problems = {_as_unreadable(one) for one in problems}
-    unknown = {one.name.lower() for one in problems if one.kind == UNKNOWN_NAME}
+            problems = {_as_unreadable(problem) for problem in problems}
+    unknown = {problem.name.lower() for problem in problems if problem.kind == UNKNOWN_NAME}
     for source in sources:
         for name in declared(source) & unknown:
             where = checked.places.setdefault(name, [])
@@ -140,9 +144,9 @@ def _check_all(paths: Sequence[Path], made: dict[str, str]) -> Checked:
     return checked
 
 
-def _as_unreadable(one: Problem) -> Problem:
-    kind = UNREADABLE if one.kind == UNKNOWN_NAME else one.kind
-    return Problem(one.module, one.line, one.column, one.what, kind, one.name)
+def _as_unreadable(problem: Problem) -> Problem:
+    kind = UNREADABLE if problem.kind == UNKNOWN_NAME else problem.kind
+    return Problem(problem.module, problem.line, problem.column, problem.what, kind, problem.name)
 
 
 def _signal(text: str) -> tuple[str, str]:

@@ -99,12 +99,16 @@ class Declarations:
 
         def needs(variable: Variable) -> Iterator[Variable]:
             scope, node = known.get(id(variable), (None, None))
-            for one in node.walk() if node is not None else ():
-                found = scope.find(one.children[0].lower()) if scope and one.data == "var" else None
+            for descendant in node.walk() if node is not None else ():
+                found = (
+                    scope.find(descendant.children[0].lower())
+                    if scope and descendant.data == "var"
+                    else None
+                )
                 if type(found) is Variable and found.settle is not None:
                     yield found
 
-        for variable in _in_order([one for one, _, _ in data], needs):
+        for variable in _in_order([declared for declared, _, _ in data], needs):
             if variable.settle is not None:
                 variable.settle()
         return routines
@@ -133,9 +137,9 @@ class Declarations:
 
         def needs(full: str) -> Iterator[str]:
             scope, node = self._waiting[full]
-            for one in node.walk():
-                if one.data in ("part", "alias"):
-                    small = parts(one)[0].lower()
+            for descendant in node.walk():
+                if descendant.data in ("part", "alias"):
+                    small = parts(descendant)[0].lower()
                     name = scope.types_of_its_own.get(small, small)
                     if name in self._waiting:
                         yield name
@@ -276,13 +280,13 @@ class Declarations:
 
     def _sizes(self, scope: Scope, dims: Node | None) -> tuple[int, ...]:
         sizes: list[int] = []
-        for one in dims.children if dims is not None else ():
-            found = scope.value(one, NUM)
-            size = scope.known(one, found) if found.is_constant else 0.0
+        for child in dims.children if dims is not None else ():
+            found = scope.value(child, NUM)
+            size = scope.known(child, found) if found.is_constant else 0.0
             if found is NOTHING:
                 size = None
             if size is not None and (size < 1 or size != int(size)):
-                scope.wrong(one, "an array has a constant whole number of elements")
+                scope.wrong(child, "an array has a constant whole number of elements")
                 size = None
             sizes.append(int(size or 1))
         return tuple(sizes)
@@ -291,7 +295,7 @@ class Declarations:
 
     def routine(self, scope: Scope, node: Node) -> Routine:
         """A routine with its parameters, still without what it does."""
-        *heads, name = (one for one in parts(node) if type(one) is Token)
+        *heads, name = (part for part in parts(node) if type(part) is Token)
         kind = self.kind(scope, heads[0]) if node.data == "func" else None
         params = only(node, "params")
         parameters = list(self._parameters(scope, params)) if params is not None else []
@@ -305,9 +309,9 @@ class Declarations:
                 continue
             is_optional = child.data == "optional"
             inner = child.children if is_optional else [child]
-            for one in inner:
-                type_, name, stars = parts(one)
-                mode = next(iter(words(one) & {"var", "pers", "inout"}), "value")
+            for node in inner:
+                type_, name, stars = parts(node)
+                mode = next(iter(words(node) & {"var", "pers", "inout"}), "value")
                 kind = self.kind(scope, type_, len(stars.children) if stars is not None else 0)
                 shared = group if len(inner) > 1 else 0
                 yield Parameter(name.lower(), kind, mode, is_optional, shared)
@@ -325,7 +329,9 @@ def _in_order(
         stack = [(first, needs(first))]
         while stack:
             thing, rest = stack[-1]
-            needed = next((one for one in rest if _key(one) not in seen), None)
+            needed = next(
+                (needed_thing for needed_thing in rest if _key(needed_thing) not in seen), None
+            )
             if needed is None:
                 stack.pop()
                 yield thing

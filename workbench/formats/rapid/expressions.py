@@ -172,13 +172,13 @@ class Expressions:
         if len(kinds) != len(items):
             return self.wrong(node, f"{wanted} has {len(kinds)} components, not {len(items)}")
         found = [self.value(item, kind) for item, kind in zip(items, kinds, strict=True)]
-        if any(one.kind.is_unknown for one in found):
+        if any(ex.kind.is_unknown for ex in found):
             return NOTHING
-        runs = [one.run for one in found]
+        runs = [ex.run for ex in found]
         sizes = (len(items), *found[0].sizes) if wanted.dims else ()
-        if wanted.dims and any(one.sizes != found[0].sizes for one in found):
+        if wanted.dims and any(ex.sizes != found[0].sizes for ex in found):
             return self.wrong(node, "the rows of an array differ in length")
-        is_constant = all(one.is_constant for one in found)
+        is_constant = all(ex.is_constant for ex in found)
         return Ex(
             wanted,
             lambda frame: [copy(run(frame)) for run in runs],
@@ -192,24 +192,24 @@ class Expressions:
         left, sign, right = node.children
         word = str(sign).lower()
         hint = wanted if word in ARITHMETIC else None
-        one = self.read(left, self.expression(left, hint))
-        other = self.read(right, self.expression(right, hint or one.kind))
-        if one.is_literal and other.kind == DNUM:
-            one = self.expression(left, DNUM)
-        if other.is_literal and self.types.base(one.kind) in (NUM, DNUM):
-            other = self.expression(right, one.kind)
-        if one.kind.is_unknown or other.kind.is_unknown:
+        ex = self.read(left, self.expression(left, hint))
+        other = self.read(right, self.expression(right, hint or ex.kind))
+        if ex.is_literal and other.kind == DNUM:
+            ex = self.expression(left, DNUM)
+        if other.is_literal and self.types.base(ex.kind) in (NUM, DNUM):
+            other = self.expression(right, ex.kind)
+        if ex.kind.is_unknown or other.kind.is_unknown:
             return NOTHING
-        found = way(word, self.types.base(one.kind), self.types.base(other.kind))
+        found = way(word, self.types.base(ex.kind), self.types.base(other.kind))
         if found is None:
-            return self.wrong(sign, f"{one.kind} {sign} {other.kind} is no expression")
+            return self.wrong(sign, f"{ex.kind} {sign} {other.kind} is no expression")
         kind, act = found
-        a, b = one.run, other.run
+        a, b = ex.run, other.run
         return Ex(
             kind,
             lambda frame: act(a(frame), b(frame)),
-            is_constant=one.is_constant and other.is_constant,
-            is_literal=one.is_literal and other.is_literal and kind in (NUM, DNUM),
+            is_constant=ex.is_constant and other.is_constant,
+            is_literal=ex.is_literal and other.is_literal and kind in (NUM, DNUM),
         )
 
     def _not_(self, node: Node, wanted: Kind | None) -> Ex:
@@ -256,26 +256,26 @@ class Expressions:
         """Look at the indices of something that is not known itself."""
         for part in node.children:
             if type(part) is not Token and part is not None:
-                for one in part.children if part.data == "index" else ():
-                    self.value(one, NUM)
+                for child in part.children if part.data == "index" else ():
+                    self.value(child, NUM)
                 if part.data == "component":
                     self._indices(part)
 
     def _element(self, node: Any, ex: Ex, index: Node) -> Ex:
-        found = [self.value(one, NUM) for one in index.children]
+        found = [self.value(child, NUM) for child in index.children]
         if ex.kind.is_unknown:
             return ex
         if len(found) != ex.kind.dims:
             return self.wrong(node, f"{ex.kind} is indexed with {len(found)} numbers")
-        for one, size in zip(found, ex.sizes, strict=False):
-            value = self.known(index, one) if one.is_constant else 1.0
+        for subscript, size in zip(found, ex.sizes, strict=False):
+            value = self.known(index, subscript) if subscript.is_constant else 1.0
             if value is None:
                 return NOTHING
             if not 1 <= value <= size:
                 return self.wrong(index, f"index {value:g} is outside 1 to {size}")
         assert ex.place is not None
-        place = _element_place(ex.place, [one.run for one in found])
-        is_constant = ex.is_constant and all(one.is_constant for one in found)
+        place = _element_place(ex.place, [subscript.run for subscript in found])
+        is_constant = ex.is_constant and all(subscript.is_constant for subscript in found)
         return Ex(Kind(ex.kind.name), _read(place), place, ex.variable, (), is_constant)
 
     def _component(self, node: Node, ex: Ex) -> Ex:

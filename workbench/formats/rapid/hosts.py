@@ -59,4 +59,4 @@ def no_action(frame: Frame) -> None:
 def labels_of(block: Node) -> dict[str, int]:
     """Where labels stand among the statements of a block, by small name."""
     rows = enumerate(block.children)
-    return {str(one.children[0]).lower(): k for k, one in rows if one.data == "label"}
+    return {str(node.children[0]).lower(): k for k, node in rows if node.data == "label"}

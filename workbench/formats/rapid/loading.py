@@ -99,7 +99,7 @@ class Loaded(Declarations):
         Raises:
             BadModule: with all problems.
         """
-        problems = [one for one in self.problems if one.kind != REMARK]
+        problems = [problem for problem in self.problems if problem.kind != REMARK]
         if problems:
             raise BadModule(sorted(problems))
 
@@ -116,13 +116,13 @@ class Loaded(Declarations):
             taken = self.routine(scope, node)
             known = robotware().names[taken.name.lower()]
             assert type(known) is Routine
-            self.globals[taken.name.lower()] = _executed(known, taken, self._natives)
+            self.globals[taken.name.lower()] = _make_executable(known, taken, self._natives)
         self.problems.clear()
 
     def _check_entry(self, sources: Sequence[Source], entry: str) -> None:
         main = self.find(entry.lower())
         if not isinstance(main, Routine) or main.word != "proc":
-            modules = ", ".join(one.path for one in sources)
+            modules = ", ".join(source.path for source in sources)
             what = f"no module of the task has a PROC {entry}"
             self.problems.add(Problem(modules, 1, 1, what, UNKNOWN_NAME, entry))
         elif main.parameters and main.node is not None:
@@ -140,9 +140,13 @@ class Loaded(Declarations):
         node = routine.node
         assert node is not None
         own.routine = routine
-        for one in routine.parameters:
-            storage = "argument" if one.mode == "value" else one.mode
-            own.new_slot(Variable(one.name, one.kind, (), None, -1, storage, one.is_optional))
+        for parameter in routine.parameters:
+            storage = "argument" if parameter.mode == "value" else parameter.mode
+            own.new_slot(
+                Variable(
+                    parameter.name, parameter.kind, (), None, -1, storage, parameter.is_optional
+                )
+            )
         self._locals(own, routine, node)
         block = only(node, "block")
         assert block is not None
@@ -151,7 +155,7 @@ class Loaded(Declarations):
             data = getattr(handler, "data", "")
             if data == "error":
                 routine.handler = own.handler(handler)
-                if not any(_may_fail(one) for one in block.walk()):
+                if not any(_may_fail(descendant) for descendant in block.walk()):
                     own.remark(handler, f"nothing in {routine.name} can get here")
             elif data == "undo":
                 routine.undo = own.block(handler.children[-1])
@@ -177,25 +181,29 @@ class Loaded(Declarations):
             own.new_slot(variable)
 
 
-def _executed(known: Routine, taken: Routine, natives: Mapping[str, Callable[..., Any]]) -> Routine:
+def _make_executable(
+    known: Routine, taken: Routine, natives: Mapping[str, Callable[..., Any]]
+) -> Routine:
     """A routine of RobotWare with what is executed of it."""
-    takes = {one.name: one for one in taken.parameters}
+    takes = {parameter.name: parameter for parameter in taken.parameters}
     given: list[Any] = []
-    for one in known.parameters:
-        mine = takes.get(one.name)
-        others = [replace(other, executed_as=_taken(takes, other.name)) for other in one.others]
-        mode = mine.mode if mine is not None else one.mode
-        if known.name.lower() == "waituntil" and one.name == "cond":
+    for parameter in known.parameters:
+        mine = takes.get(parameter.name)
+        others = [
+            replace(other, executed_as=_kind_taken(takes, other.name)) for other in parameter.others
+        ]
+        mode = mine.mode if mine is not None else parameter.mode
+        if known.name.lower() == "waituntil" and parameter.name == "cond":
             mode = "lazy"
         executed_as = mine.kind if mine is not None else None
-        given.append(replace(one, mode=mode, others=others, executed_as=executed_as))
+        given.append(replace(parameter, mode=mode, others=others, executed_as=executed_as))
     native = natives.get(taken.name.lower()) or _missing(taken.name)
     return replace(
         known, parameters=given, native=native, takes=list(takes), is_executed=True, calls=[]
     )
 
 
-def _taken(takes: Mapping[str, Any], name: str) -> Kind | None:
+def _kind_taken(takes: Mapping[str, Any], name: str) -> Kind | None:
     return takes[name].kind if name in takes else None
 
 

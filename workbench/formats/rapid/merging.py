@@ -40,11 +40,11 @@ def merge(paths: Sequence[Path], ours: Path) -> Merged:
         BadModule: one of our modules is no RAPID.
     """
     setup, controllers, merged = read_setup(ours), _controllers(paths), Merged()
-    theirs = {task.name.lower(): task for one in controllers for task in one.tasks}
+    theirs = {task.name.lower(): task for controller in controllers for task in controller.tasks}
     signals = {
         name.lower(): kind
-        for one in controllers
-        for name, kind in one.configuration.signals.items()
+        for controller in controllers
+        for name, kind in controller.configuration.signals.items()
     }
     for name, task in setup.tasks.items():
         if name.lower() in theirs:
@@ -67,7 +67,9 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
     modules = ", ".join(source.name for source in task.modules)
     merged.steps.append(f"Load the modules {modules} into the task {name}.")
     entry = theirs.entry or ENTRY
-    taken = {one: source for source in theirs.sources for one in declared(source)}
+    taken = {
+        declared_name: source for source in theirs.sources for declared_name in declared(source)
+    }
     for source in task.modules:
         main = _routine(source, ENTRY)
         if main is not None:
@@ -76,9 +78,9 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
             if ENTRY in taken:
                 merged.steps.append(f"Leave PROC {ENTRY} out of {source.name}.")
             merged.steps.append(f"Call {calls} from PROC {entry}{where} in the task {name}.")
-        for one in sorted(declared(source) & set(taken) - {ENTRY}):
+        for clash in sorted(declared(source) & set(taken) - {ENTRY}):
             at = source.tree
-            what = f"{one} is declared in {taken[one].path}, too"
+            what = f"{clash} is declared in {taken[clash].path}, too"
             merged.clashes.append(Problem(source.path, at.line, at.column, what))
 
 

@@ -49,7 +49,7 @@ ARITHMETIC: dict[str, Callable[[float, float], float]] = {
 }  # fmt: skip
 
 
-def _joined(a: str, b: str) -> str:
+def _join(a: str, b: str) -> str:
     if len(a) + len(b) > LONGEST_STRING:
         raise RapidError("ERR_STRTOOLNG")
     return a + b
@@ -68,12 +68,12 @@ def scaled(a: list[float], b: float) -> list[float]:
     return [single(x * b) for x in a]
 
 
-def _crossed(a: list[float], b: list[float]) -> list[float]:
+def _cross(a: list[float], b: list[float]) -> list[float]:
     rows = ((1, 2), (2, 0), (0, 1))
     return [single(a[i] * b[j] - a[j] * b[i]) for i, j in rows]
 
 
-def _turned(a: list[float], b: list[float]) -> list[float]:
+def _turn(a: list[float], b: list[float]) -> list[float]:
     (w, x, y, z), (s, t, u, v) = a, b
     found = (
         w * s - x * t - y * u - z * v,
@@ -81,7 +81,7 @@ def _turned(a: list[float], b: list[float]) -> list[float]:
         w * u - x * v + y * s + z * t,
         w * v + x * u - y * t + z * s,
     )
-    return [single(one) for one in found]
+    return [single(number) for number in found]
 
 
 WAYS: dict[tuple[str, Kind, Kind], tuple[Kind, Act]] = {
@@ -89,21 +89,21 @@ WAYS: dict[tuple[str, Kind, Kind], tuple[Kind, Act]] = {
     **{(word, DNUM, DNUM): (DNUM, act) for word, act in ARITHMETIC.items()},
     **{(word, BOOL, BOOL): (BOOL, act) for word, act in LOGIC.items()},
     **{(word, kind, kind): (BOOL, act) for word, act in RELATIONS.items() for kind in (NUM, DNUM)},
-    ("+", STRING, STRING): (STRING, _joined),
+    ("+", STRING, STRING): (STRING, _join),
     ("+", POS, POS): (POS, _each(operator.add)),
     ("-", POS, POS): (POS, _each(operator.sub)),
-    ("*", POS, POS): (POS, _crossed),
+    ("*", POS, POS): (POS, _cross),
     ("*", POS, NUM): (POS, scaled),
     ("*", NUM, POS): (POS, lambda a, b: scaled(b, a)),
     ("/", POS, NUM): (POS, lambda a, b: [single(_divide(x, b)) for x in a]),
-    ("*", ORIENT, ORIENT): (ORIENT, _turned),
+    ("*", ORIENT, ORIENT): (ORIENT, _turn),
 }
 """By operator and base types: the type of the result, and what computes it."""
 
 
-def way(word: str, one: Kind, other: Kind) -> tuple[Kind, Act] | None:
+def way(word: str, kind: Kind, other: Kind) -> tuple[Kind, Act] | None:
     """What an operator makes of two base types; None when it makes nothing."""
-    found = WAYS.get((word, one, other))
-    if found is None and word in ("=", "<>") and one == other:
+    found = WAYS.get((word, kind, other))
+    if found is None and word in ("=", "<>") and kind == other:
         return BOOL, RELATIONS[word]
     return found

@@ -41,7 +41,7 @@ class Setup:
 
     def controller(self) -> Controller:
         """The same as a check takes it: each task begins at main."""
-        tasks = [TaskFiles(name, list(one.modules), "main") for name, one in self.tasks.items()]
+        tasks = [TaskFiles(name, list(task.modules), "main") for name, task in self.tasks.items()]
         signals = dict.fromkeys(self.outputs, "signaldo")
         return Controller(tasks, Configuration(signals))
 

@@ -51,8 +51,8 @@ class Statements(Calls):
         self._labels.pop()
 
         def run(frame: Frame) -> Any:
-            for one in runs:
-                signal = one(frame)
+            for statement in runs:
+                signal = statement(frame)
                 if signal is not None:
                     return signal
             return None
@@ -192,8 +192,8 @@ class Statements(Calls):
 
     def _if__statement(self, node: Node) -> Run:
         children = node.children
-        conditions = [self.value(one, BOOL).run for one in children[:-1:2]]
-        blocks = [self.block(one) for one in children[1:-1:2]]
+        conditions = [self.value(child, BOOL).run for child in children[:-1:2]]
+        blocks = [self.block(child) for child in children[1:-1:2]]
         # The last child is the block after ELSE, None when there is none.
         blocks.append(self.block(children[-1]) if children[-1] is not None else lambda frame: None)
 
@@ -217,13 +217,13 @@ class Statements(Calls):
         tries: list[tuple[list[Ex], Run]] = []
         for case in cases[:-1]:
             *labels, body = case.children
-            tries.append(([self.value(one, value.kind) for one in labels], self.block(body)))
+            tries.append(([self.value(label, value.kind) for label in labels], self.block(body)))
         default = self.block(cases[-1]) if cases[-1] is not None else None
 
         def choose(frame: Frame) -> Run | None:
             found = value.run(frame)
             for labels, block in tries:
-                if any(one.run(frame) == found for one in labels):
+                if any(label.run(frame) == found for label in labels):
                     return block
             return default
 
@@ -257,7 +257,7 @@ class Statements(Calls):
 
     def _for__statement(self, node: Node) -> Run:
         name, *bounds, body = node.children
-        runs = [self.value(one, NUM).run if one is not None else None for one in bounds]
+        runs = [self.value(bound, NUM).run if bound is not None else None for bound in bounds]
         before = self.locals.get(str(name).lower())
         variable = Variable(str(name), NUM, storage="loop")
         self.new_slot(variable)
@@ -343,7 +343,11 @@ class Statements(Calls):
         label = str(node.children[0]).lower()
         if not any(label in labels for labels in self._labels):
             assert self.routine is not None and self.routine.node is not None
-            within = (labels_of(one) for one in self.routine.node.walk() if one.data == "block")
+            within = (
+                labels_of(descendant)
+                for descendant in self.routine.node.walk()
+                if descendant.data == "block"
+            )
             if any(label in labels for labels in within):
                 self.left_out(node, "GOTO into a block")
             else:

@@ -129,8 +129,8 @@ class Routine:
         """
         if self.handler is None or frame.error is not None:
             # Who is interrupted takes no errors of a trap.
-            begin = max((k for k, one in enumerate(self.calls) if one.is_trap), default=0)
-            if any(one.has_handler and one.error is None for one in self.calls[begin:-1]):
+            begin = max((k for k, call in enumerate(self.calls) if call.is_trap), default=0)
+            if any(call.has_handler and call.error is None for call in self.calls[begin:-1]):
                 raise error
             raise RapidStop(f"nothing handles {error}")
         self.told(error)
@@ -144,12 +144,12 @@ class Routine:
 
 def parts(node: Node) -> list[Any]:
     """The children of a node without the words that only mark it."""
-    return [one for one in node.children if type(one) is not Token or one.type not in MARKS]
+    return [child for child in node.children if type(child) is not Token or child.type not in MARKS]
 
 
 def words(node: Node) -> set[str]:
     """The words that mark a node."""
-    return {one.type for one in node.children if type(one) is Token and one.type in MARKS}
+    return {child.type for child in node.children if type(child) is Token and child.type in MARKS}
 
 
 def only(node: Node, data: str) -> Node | None:

@@ -88,11 +88,11 @@ def byte_of(text: str, *forms: bool | None) -> float:
     return float(value)
 
 
-def _shifted(value: float, steps: float) -> float:
+def _shift(value: float, steps: float) -> float:
     return float(int(value) << int(steps) & 0xFF if steps >= 0 else int(value) >> -int(steps))
 
 
-def _rounded(value: float, decimals: float | None) -> float:
+def _round(value: float, decimals: float | None) -> float:
     scale = 10.0 ** (decimals or 0)
     return single(math.floor(abs(value) * scale + 0.5) / scale * (1 if value >= 0 else -1))
 
@@ -129,7 +129,7 @@ NATIVES: dict[str, Callable[..., Any]] = {
     "sqrt": _root,
     "dnumtonum": single,
     "pow": lambda base, exponent: single(base**exponent),
-    "round": _rounded,
+    "round": _round,
     "trunc": lambda value, dec: single(math.trunc(value * 10 ** (dec or 0)) / 10 ** (dec or 0)),
     "sin": lambda angle: single(math.sin(math.radians(angle))),
     "cos": lambda angle: single(math.cos(math.radians(angle))),
@@ -139,8 +139,8 @@ NATIVES: dict[str, Callable[..., Any]] = {
     "bitand": lambda a, b: float(int(a) & int(b)),
     "bitor": lambda a, b: float(int(a) | int(b)),
     "bitxor": lambda a, b: float(int(a) ^ int(b)),
-    "bitlsh": _shifted,
-    "bitrsh": lambda value, steps: _shifted(value, -steps),
+    "bitlsh": _shift,
+    "bitrsh": lambda value, steps: _shift(value, -steps),
     "bytetostr": byte_text,
     "strtobyte": byte_of,
     "numtostr": number_text,

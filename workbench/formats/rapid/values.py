@@ -130,11 +130,11 @@ class Types:
         record = self.records.get(self.base(Kind(kind.name)).name, {})
         return sum(self.atoms(Kind(part)) for part in record.values()) or 1
 
-    def fit(self, one: Kind, other: Kind) -> bool:
+    def fit(self, kind: Kind, other: Kind) -> bool:
         """Whether a value of one type can be used as the other."""
-        if one == other or not one.name or not other.name:
+        if kind == other or not kind.name or not other.name:
             return True
-        return self.base(one) == self.base(other)
+        return self.base(kind) == self.base(other)
 
     def default(self, kind: Kind, sizes: tuple[int, ...], name: str = "") -> Any:
         """What data hold that were not given a value; `name` is that of the data."""

@@ -49,9 +49,9 @@ def read_dh(table: Table, name: str) -> Robot:
     links = [Link("base"), *(_link(joints, k, radius) for k in range(len(rows))), Link("flange")]
     neighbours = frozenset(tuple(sorted((j.parent, j.child))) for j in joints)
     near = frozenset(
-        tuple(sorted((one.parent, other.child)))
-        for one, other in pairwise(joints)
-        if np.linalg.norm(other.T_parent_joint.translation) < 2 * radius
+        tuple(sorted((first.parent, second.child)))
+        for first, second in pairwise(joints)
+        if np.linalg.norm(second.T_parent_joint.translation) < 2 * radius
     )
     return Robot(name, tuple(links), tuple(joints), neighbours | near)  # type: ignore[arg-type]
 

@@ -28,7 +28,9 @@ def mesh_file(element: Element, name: str, packages: Packages) -> Path:
         MissingMesh: there is none; it says where it was looked for.
     """
     plain = name.replace("\\", "/").strip()
-    scheme = next((one for one in OF_PACKAGES if plain.startswith(one)), None)
+    scheme = next(
+        (package_scheme for package_scheme in OF_PACKAGES if plain.startswith(package_scheme)), None
+    )
     if scheme is None:
         return _beside(element, name, plain.removeprefix("file://"), packages)
     package, _, rest = plain.removeprefix(scheme).partition("/")
@@ -67,9 +69,9 @@ def _missing(element: Element, name: str, problem: str) -> MissingMesh:
 
 def _in(folder: Path, name: str) -> Path | None:
     """The file of that name in a folder, `%20` being a space, letters of either size."""
-    for one in dict.fromkeys((name, unquote(name))):
-        if is_file(folder / one):
-            return (folder / one).resolve()
+    for spelling in dict.fromkeys((name, unquote(name))):
+        if is_file(folder / spelling):
+            return (folder / spelling).resolve()
     parts = PurePosixPath(name).parts
     if not parts or name.startswith("/") or ".." in parts:
         return None
@@ -79,11 +81,11 @@ def _in(folder: Path, name: str) -> Path | None:
 def _alike(folder: Path, parts: tuple[str, ...]) -> Iterator[Path]:
     """Files below a folder whose parts differ in the size of letters at most."""
     try:
-        there = sorted(one for one in folder.iterdir() if one.name.lower() == parts[0].lower())
+        there = sorted(path for path in folder.iterdir() if path.name.lower() == parts[0].lower())
     except OSError:
         return
-    for one in there:
+    for path in there:
         if len(parts) > 1:
-            yield from _alike(one, parts[1:])
-        elif is_file(one):
-            yield one.resolve()
+            yield from _alike(path, parts[1:])
+        elif is_file(path):
+            yield path.resolve()

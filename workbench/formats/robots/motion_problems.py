@@ -117,7 +117,7 @@ def _robot(table: Table, path: Path) -> Robot:
 
 
 def _set(table: Table, name: str, robot: Robot) -> MotionSet:
-    problems = tuple(_problem(one, robot) for one in table.tables("problems"))
+    problems = tuple(_problem(problem, robot) for problem in table.tables("problems"))
     if not problems:
         raise table.error("problems", "there are none in it")
     table.once("problems", [problem.name for problem in problems])
@@ -140,7 +140,7 @@ def _problem(table: Table, robot: Robot) -> MotionProblem:
         names = ", ".join(shown(name) for name in moving)
         raise table.error("goal", f"the joints of start are expected: {names}")
     fixed = {name: value for name, value in others.items() if name not in start}
-    held = replace(robot, joints=tuple(_held(joint, fixed) for joint in robot.joints))
+    held = replace(robot, joints=tuple(_fix(joint, fixed) for joint in robot.joints))
     if not any(set(moving) <= _movable_before(held, link.name) for link in held.links):
         raise table.error("start", "its joints are not one chain from the base to a link")
     return MotionProblem(
@@ -164,7 +164,7 @@ def _joint_values(table: Table, key: str, robot: Robot) -> dict[str, float]:
     return {name: values.number(name, low=-most[name], high=most[name]) for name in values.names()}
 
 
-def _held(joint: Joint, values: dict[str, float]) -> Joint:
+def _fix(joint: Joint, values: dict[str, float]) -> Joint:
     """The joint fixed at its value, if it has one and can move."""
     return joint.at(values[joint.name]) if joint.name in values else joint
 
@@ -174,12 +174,12 @@ def _movable_before(robot: Robot, link: str) -> set[str]:
 
 
 def _obstacles(table: Table) -> Iterator[Solid]:
-    for one in table.tables("obstacles"):
-        kind = one.text("shape", among=SHAPES)
-        T = _pose(one.table("pose"))
-        if one.has("object_pose") and not one.is_null("object_pose"):
-            T = _pose(one.table("object_pose")) * T
-        yield Solid(one.text("name"), _shape(one, kind), T)
+    for obstacle in table.tables("obstacles"):
+        kind = obstacle.text("shape", among=SHAPES)
+        T = _pose(obstacle.table("pose"))
+        if obstacle.has("object_pose") and not obstacle.is_null("object_pose"):
+            T = _pose(obstacle.table("object_pose")) * T
+        yield Solid(obstacle.text("name"), _shape(obstacle, kind), T)
 
 
 def _shape(table: Table, kind: str) -> Shape:

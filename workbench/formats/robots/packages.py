@@ -51,7 +51,7 @@ class Packages:
     def all(self, name: str) -> Iterator[Path]:
         """The folders that may be the package, the likeliest first; some may come twice."""
         for folder in self._more:
-            yield from (one for one in (folder, *folder.parents) if _is_package(one, name))
+            yield from (parent for parent in (folder, *folder.parents) if _is_package(parent, name))
             yield from self._inside(folder, name)
         yield from (folder for folder in self._above if _is_package(folder, name))
         yield from (folder / name for folder in self._above if is_folder(folder / name))
@@ -67,7 +67,9 @@ class Packages:
     def find(self, name: str) -> Path | None:
         """The folder of a package, sooner one with a `package.xml`; None where there is none."""
         found = list(dict.fromkeys(self.all(name)))
-        return next((one for one in found if is_file(one / MANIFEST)), next(iter(found), None))
+        return next(
+            (folder for folder in found if is_file(folder / MANIFEST)), next(iter(found), None)
+        )
 
     def missing(self, name: str) -> str:
         """The sentence that says where a package was looked for."""
@@ -81,10 +83,10 @@ class Packages:
     def _inside(self, top: Path, name: str) -> list[Path]:
         """The packages of that name below a folder."""
         if top not in self._below:
-            self._below[top] = self._named(top)
+            self._below[top] = self._map_names(top)
         return self._below[top].get(name, [])
 
-    def _named(self, top: Path) -> dict[str, list[Path]]:
+    def _map_names(self, top: Path) -> dict[str, list[Path]]:
         """The packages below a folder by their names, those of folders and those they give."""
         found: defaultdict[str, list[Path]] = defaultdict(list)
         level = [top]
@@ -101,10 +103,10 @@ class Packages:
         if self._left <= 0:
             return []
         try:
-            inner = sorted(one.path for one in os.scandir(folder) if one.is_dir())
+            inner = sorted(entry.path for entry in os.scandir(folder) if entry.is_dir())
         except OSError:
             return []
-        inner = [one for one in map(Path, inner) if _may_hold(one)]
+        inner = [path for path in map(Path, inner) if _may_hold(path)]
         self._left -= len(inner)
         return inner
 

@@ -85,14 +85,13 @@ def robot_of(
     ]
     ordered = as_tree(path, links, joints)
     there = {joint.name for joint in joints}
-    for one in followers:
-        if one.leader not in there:
-            problem = (
-                f"joint {shown(one.joint.name)}: there is no joint {shown(one.leader)} to mimic"
-            )
+    for follower in followers:
+        if follower.leader not in there:
+            joint, leader = shown(follower.joint.name), shown(follower.leader)
+            problem = f"joint {joint}: there is no joint {leader} to mimic"
             remarks.pass_over(FileError(path, problem), "it stands still")
     robot = Robot(root.text("name", path.stem), tuple(links.values()), ordered)
-    return robot, tuple(one for one in followers if one.leader in there)
+    return robot, tuple(follower for follower in followers if follower.leader in there)
 
 
 def read_srdf(path: Path) -> frozenset[tuple[str, str]]:

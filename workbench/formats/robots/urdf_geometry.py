@@ -48,7 +48,7 @@ def read_pose(element: Element) -> pin.SE3:
     xyz = _lengths(origin, "xyz", 3, (0, 0, 0))
     rpy = origin.numbers("rpy", 3, (0, 0, 0))
     if np.abs(rpy).max() > 4 * np.pi:
-        raise origin.error(f"rpy={_listed(rpy)}: radians are expected, these look like degrees")
+        raise origin.error(f"rpy={_format(rpy)}: radians are expected, these look like degrees")
     return pose_from_rpy(xyz, rpy)
 
 
@@ -82,7 +82,7 @@ class Shapes:
         Raises:
             FileError: a number or a mesh is wrong, or both are of different units.
         """
-        visual = self._drawn(element, name)
+        visual = self._read_visuals(element, name)
         try:
             collision = self._solids(element, "collision", name, hull=hull)
         except MissingMesh as error:
@@ -95,7 +95,7 @@ class Shapes:
             visual = visual or collision
         return Link(name, collision, visual)
 
-    def _drawn(self, link: Element, name: str) -> tuple[Solid, ...]:
+    def _read_visuals(self, link: Element, name: str) -> tuple[Solid, ...]:
         """The solids under <visual>.  Nobody is hurt by one that is not drawn."""
         solids: list[Solid] = []
         for number, element in enumerate(link.all("visual")):
@@ -143,7 +143,7 @@ class Shapes:
         """The sizes (3,) [m] of a box; one of 0, as a ground plane has it, becomes `THIN`."""
         size = _lengths(element, "size", 3, None)
         if size.min() == 0 < size.max():
-            error = element.error(f"size={_listed(size)}: must be positive")
+            error = element.error(f"size={_format(size)}: must be positive")
             self._remarks.pass_over(error, f"is taken to be {THIN * 1000:g} mm thick")
             return np.where(size == 0, THIN, size)
         return _lengths(element, "size", 3, None, positive=True)
@@ -161,7 +161,7 @@ class Shapes:
         file = mesh_file(element, element.text("filename"), self._packages)
         scale = element.numbers("scale", 3, (1, 1, 1))
         if np.any(scale == 0):
-            raise element.error(f"scale={_listed(scale)}: would make it flat")
+            raise element.error(f"scale={_format(scale)}: would make it flat")
         if not element.text("scale", "") and file.suffix.lower() not in WITH_UNIT:
             scale = scale * self._mesh_scale
         key = (file, tuple(scale.tolist()))
@@ -216,16 +216,16 @@ def _lengths(
 ) -> Floats:
     values = element.numbers(key, count, default)
     if positive and np.any(values <= 0):
-        raise element.error(f"{key}={_listed(values)}: must be positive")
+        raise element.error(f"{key}={_format(values)}: must be positive")
     if np.abs(values).max() > FURTHEST:
         raise element.error(
-            f"{key}={_listed(values)}: metres up to {FURTHEST:g} are expected, "
+            f"{key}={_format(values)}: metres up to {FURTHEST:g} are expected, "
             "these look like millimetres"
         )
     return values
 
 
-def _listed(values: Floats) -> str:
+def _format(values: Floats) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 

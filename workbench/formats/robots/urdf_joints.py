@@ -121,7 +121,7 @@ def _limits(element: Element, declared: str, remarks: Remarks) -> tuple[float, f
         error = element.error("has no <limit> with lower, upper and velocity")
         if declared != "continuous":
             raise error
-        return -2 * math.pi, 2 * math.pi, _assumed(error, turns, remarks)
+        return -2 * math.pi, 2 * math.pi, _assume_speed(error, turns, remarks)
     if declared == "continuous":
         return -2 * math.pi, 2 * math.pi, _velocity(limit, turns, remarks)
     lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
@@ -150,21 +150,21 @@ def _limits(element: Element, declared: str, remarks: Remarks) -> tuple[float, f
 def _velocity(limit: Element, turns: bool, remarks: Remarks) -> float:
     """[rad/s or m/s]; an assumed one where the file gives none that is one."""
     if not remarks.is_strict and not limit.text("velocity", ""):
-        return _assumed(limit.error("has no velocity"), turns, remarks)
+        return _assume_speed(limit.error("has no velocity"), turns, remarks)
     velocity = limit.number("velocity")
     if velocity <= 0:
         error = limit.error(
             f"velocity={velocity:g}: must be positive; give its speed, or make the joint fixed"
         )
-        return _assumed(error, turns, remarks)
+        return _assume_speed(error, turns, remarks)
     if turns and FASTEST_TURN < velocity < NO_LIMIT:
         raise limit.error(f"velocity={velocity:g}: rad/s are expected, this looks like degrees")
     if velocity >= NO_LIMIT and not remarks.is_strict:
-        return _assumed(limit.error(f"velocity={velocity:g}: is no limit"), turns, remarks)
+        return _assume_speed(limit.error(f"velocity={velocity:g}: is no limit"), turns, remarks)
     return velocity
 
 
-def _assumed(error: FileError, turns: bool, remarks: Remarks) -> float:
+def _assume_speed(error: FileError, turns: bool, remarks: Remarks) -> float:
     speed, unit = (ASSUMED_TURN, "rad/s") if turns else (ASSUMED_SLIDE, "m/s")
     remarks.pass_over(error, f"{speed:g} {unit} is assumed; set velocity in robot.urdf")
     return speed

@@ -89,7 +89,7 @@ def expanded(
         given = _Arguments(arguments)
         for _ in range(MOST_MISSING):
             try:
-                content = _processed(path, given, finder)
+                content = _process(path, given, finder)
                 break
             except Exception as error:  # it evaluates expressions, which raise whatever they like
                 if not (finder.does_without(error) or given.takes_default(path, error)):
@@ -180,7 +180,7 @@ def _asking(finder: _Finder) -> Generator[None]:
                 sys.modules[name] = module
 
 
-def _processed(path: Path, arguments: "_Arguments", finder: _Finder) -> bytes:
+def _process(path: Path, arguments: "_Arguments", finder: _Finder) -> bytes:
     said = io.StringIO()  # its warnings are for those who write such files
     with _asking(finder), contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
         # It puts the defaults of the file among the arguments.
@@ -199,14 +199,14 @@ def _causes(error: BaseException | None) -> Iterator[BaseException]:
 
 def _files_of(error: BaseException) -> Iterator[Path]:
     """The files that could not be read."""
-    for one in _causes(error):
-        if isinstance(one, OSError) and isinstance(one.filename, str):
-            yield Path(one.filename)
+    for cause in _causes(error):
+        if isinstance(cause, OSError) and isinstance(cause.filename, str):
+            yield Path(cause.filename)
 
 
 def _argument_of(error: BaseException) -> str | None:
     """The argument that was asked for and is not there."""
-    found = (one for one in _causes(error) if type(one).__name__ == "ArgException")
+    found = (cause for cause in _causes(error) if type(cause).__name__ == "ArgException")
     return next(map(str, found), None)
 
 
@@ -217,13 +217,13 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
     where = "" if inner.resolve() == path.resolve() else f", in {inner}"
     if finder.missing:
         return f"cannot be expanded by xacro{where}: {'; '.join(finder.missing)}"
-    if any(isinstance(one, RecursionError) for one in _causes(error)):
-        circle = ", ".join(dict.fromkeys(Path(one).name for one in stack if one))
+    if any(isinstance(cause, RecursionError) for cause in _causes(error)):
+        circle = ", ".join(dict.fromkeys(Path(file).name for file in stack if file))
         return f"cannot be expanded by xacro: an include or a macro leads back to itself ({circle})"
-    for one in _causes(error):
-        mark: Any = getattr(one, "problem_mark", None)  # of PyYAML, which xacro reads with
+    for cause in _causes(error):
+        mark: Any = getattr(cause, "problem_mark", None)  # of PyYAML, which xacro reads with
         if mark is not None:
-            what = f"{mark.name}, line {mark.line + 1}: is not valid YAML: {vars(one)['problem']}"
+            what = f"{mark.name}, line {mark.line + 1}: is not valid YAML: {vars(cause)['problem']}"
             return f"cannot be expanded by xacro{where}: {what}"
     if isinstance(error, ExpatError):
         return f"cannot be expanded by xacro{where}: is not valid XML: {error}"
@@ -254,16 +254,20 @@ def _line_of(file: Path, said: str) -> str:
 def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
     """A file that is not there, what there is instead, and which argument leads to it."""
     said = str(missing)
-    above = next((one for one in missing.parents if is_folder(one)), None)
+    above = next((parent for parent in missing.parents if is_folder(parent)), None)
     if above is not None:
-        there = sorted(one.name for one in above.iterdir() if not one.name.startswith("."))
+        there = sorted(
+            neighbour.name for neighbour in above.iterdir() if not neighbour.name.startswith(".")
+        )
         listed = ", ".join(there[:MOST_LISTED]) + (", ..." if len(there) > MOST_LISTED else "")
         said += f" (in {above.name} there is {listed or 'nothing'})"
     arguments = _defaults(path) | given
     in_path = [name for name, value in arguments.items() if value in missing.parts]
     if above is not None:
         gap = missing.relative_to(above).parts[0]
-        if any(one.name.endswith(gap) and one.name != gap for one in above.iterdir()):
+        if any(
+            neighbour.name.endswith(gap) and neighbour.name != gap for neighbour in above.iterdir()
+        ):
             # Something belongs before it, which an argument that is empty should have been.
             in_path = [name for name, value in arguments.items() if not value] or in_path
     if in_path:

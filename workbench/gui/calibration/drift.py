@@ -83,7 +83,7 @@ class DriftGroup:
         self._look.disabled, self._look.label = True, "Looking …"
         self._take.visible, self._cancel.visible = False, True
         try:
-            self._found = self._brought(bench, given_up)
+            self._found = self._read_change(bench, given_up)
         except JobCancelled:
             self._says.content = line("The look was cancelled.", kind="hint")
         except WorkbenchError as error:
@@ -97,7 +97,7 @@ class DriftGroup:
             self._look.disabled, self._look.label = False, LOOK
             self._admit(bench.state)
 
-    def _brought(
+    def _read_change(
         self, bench: Bench, given_up: threading.Event
     ) -> tuple[str, Callable[[float, str], Cell]] | None:
         # Open3D takes a second to load: the page does not wait for it.
@@ -110,9 +110,12 @@ class DriftGroup:
         scans, sessions = counted(found.scans, "scan"), counted(found.sessions, "session")
         said = [
             line(f"{scans} of {sessions} since the calibration."),
-            *(line(f"{sentence(one)}.") for one in drift_words(cell, found.drift)),
-            *(course_html(one.thing, one.days, one.moved) for one in found.drift.courses),
-            *(line(one, kind="bad") for one in found.problems),
+            *(line(f"{sentence(word)}.") for word in drift_words(cell, found.drift)),
+            *(
+                course_html(course.thing, course.days, course.moved)
+                for course in found.drift.courses
+            ),
+            *(line(problem, kind="bad") for problem in found.problems),
         ]
         self._says.content = "".join(said)
         if found.drift.moved is None:

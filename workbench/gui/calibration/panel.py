@@ -200,7 +200,10 @@ class CalibrationPanel:
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
             if is_solved:
-                key = (*key, *((one.name, one.is_used) for one in observations))
+                key = (
+                    *key,
+                    *((observation.name, observation.is_used) for observation in observations),
+                )
             if known != key or not left:
                 left = self._worked_out(arm, found if is_solved else "")
                 self._suggested = (key, left)
@@ -213,7 +216,7 @@ class CalibrationPanel:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
         q, way = left.pop(0)
         self._way.content = way
-        jog = {one.name: np.asarray(one.home) for one in cell.arms} | {arm.name: q}
+        jog = {arm_plan.name: np.asarray(arm_plan.home) for arm_plan in cell.arms} | {arm.name: q}
         visitor.turn_away()
         visitor.own.change(jog=jog, observation=None)
 
@@ -229,7 +232,7 @@ class CalibrationPanel:
             return [(q, "") for q in qs]
         observations = self._visitor.bench.state.observations
         best = next_poses(cell, observations, found, seed=len(observations))
-        return [(one.q, next_html(one)) for one in best]
+        return [(pose.q, next_html(pose)) for pose in best]
 
     @property
     def _chosen(self) -> tuple[int, tuple[PlateObservation, ...]]:
@@ -243,9 +246,9 @@ class CalibrationPanel:
 
     def _left_out(self) -> Command:
         number, observations = self._chosen
-        one = observations[number]
-        changed = replace(one, is_used=not one.is_used)
-        says = f"{one.name} is {'used again' if changed.is_used else 'left out'}"
+        observation = observations[number]
+        changed = replace(observation, is_used=not observation.is_used)
+        says = f"{observation.name} is {'used again' if changed.is_used else 'left out'}"
         return UseObservations((*observations[:number], changed, *observations[number + 1 :]), says)
 
     def _removed(self) -> Command:

@@ -82,7 +82,7 @@ class CandidatesPanel:
         }
         self._rows = [visitor.unseen(partial(self._choose, place)) for place in range(PAGE)]
         visitor.hide([*self._filters.values(), *self._headings.values(), *self._rows])
-        self._words.on_update(lambda _: self._typed())
+        self._words.on_update(lambda _: self._on_typed())
         self._back.on_click(lambda _: self._turn(-1))
         self._forth.on_click(lambda _: self._turn(1))
         self._clear.on_click(lambda _: visitor.look.change(candidate=None, pose=0))
@@ -150,7 +150,7 @@ class CandidatesPanel:
                 kind="hint",
             )
             return
-        held = [one for one in candidates if holds(one, order.words, words)]
+        held = [candidate for candidate in candidates if holds(candidate, order.words, words)]
         funnel = funnel_html(held, order.only, self._filters, words)
         self._funnel.content = funnel + stages_html(held, words)
         self._table.content = candidates_html(
@@ -165,7 +165,7 @@ class CandidatesPanel:
     def _filter(self, kind: Reason | None) -> None:
         self._reorder(replace(self._order, only=kind, page=0))
 
-    def _typed(self) -> None:
+    def _on_typed(self) -> None:
         self._reorder(replace(self._order, words=self._words.value, page=0))
 
     def _sort(self, column: Column) -> None:

@@ -43,7 +43,7 @@ class JogFinder:
         world.enter(Phase(frozenset(openings), openings))
         whole = world.configuration(q)
         contacts = world.contacts(whole)
-        meets = tuple(one for contact in contacts for one in world.placed(whole, contact.pair))
+        meets = tuple(touch for contact in contacts for touch in world.placed(whole, contact.pair))
         clearance, pair = world.clearance(whole, SHOWN)
         return Jogged(dict(q), contacts, clearance, pair, meets)
 

@@ -94,7 +94,7 @@ class JogControls:
         is_sending = new.state.phase is Phase.SENDING
         is_preparing = new.live.getting_ready is not None
         key = (jog, name, new.state.cell, new.state.control, is_sending, is_preparing)
-        if all(one is other for one, other in zip(key, self._key, strict=True)):
+        if all(cell is other for cell, other in zip(key, self._key, strict=True)):
             return
         self._key = key
         arm = new.state.cell.arm(name)

@@ -64,7 +64,7 @@ class CellPanel:
                 command=ChangeCell,
                 meant=self._move,
                 otherwise=self._otherwise,
-                carried=self._carried,
+                carried=self._poses_carried,
             )
             self._undo = gui.add_button("Undo", icon=viser.Icon.ARROW_BACK_UP, color="gray")
             self._redo = gui.add_button("Redo", icon=viser.Icon.ARROW_FORWARD_UP, color="gray")
@@ -165,18 +165,18 @@ class CellPanel:
 
     def _react(self) -> None:
         visitor, look = self._visitor, self._visitor.look
-        self._thing.on_update(self._chosen)
+        self._thing.on_update(self._on_chosen)
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
         self._save.on_click(lambda _: self._saved())
         for name, dropdown in self._tools.items():
-            dropdown.on_update(lambda event, name=name: self._mounted(event, name))
+            dropdown.on_update(lambda event, name=name: self._on_mount(event, name))
         self._measure.on_click(lambda _: self._turn_measuring())
         visitor.by_hand(self._reach, lambda arm: look.change(reach="" if arm == NOT_SHOWN else arm))
         visitor.by_hand(self._shapes, lambda shown: look.change(shapes=bool(shown)))
         visitor.by_hand(self._frames, lambda shown: look.change(frames=bool(shown)))
 
-    def _chosen(self, event: Any) -> None:
+    def _on_chosen(self, event: Any) -> None:
         """Another thing is in the field: by a person, or since the one before is gone."""
         visitor, thing = self._visitor, self._thing.value
         if event.client is not None:
@@ -224,7 +224,7 @@ class CellPanel:
         if len(own.now.measured) == 2:
             self._end_measuring()
 
-    def _mounted(self, event: Any, arm: str) -> None:
+    def _on_mount(self, event: Any, arm: str) -> None:
         """A person has put another tool on an arm."""
         tool = event.target.value
         if event.client is None or tool == self._visitor.cell.arm(arm).tool.name:
@@ -241,7 +241,7 @@ class CellPanel:
         is_in_none = thing == SCANNER or bool(tool_of(cell, thing))
         return None if is_in_none else {"change": moving(cell, thing, T)}
 
-    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+    def _poses_carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
         """What follows the hand that drags a thing."""
         shapes = self._visitor.look.now.shapes
         return nodes_with(self._visitor.cell, self._thing.value, T, as_checked=shapes)

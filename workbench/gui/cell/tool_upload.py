@@ -28,7 +28,7 @@ class ToolUpload:
         self._visitor = visitor
         self._asked = ""
         gui, arms = visitor.gui, tuple(arm.name for arm in visitor.cell.arms)
-        self._body = CadPick(visitor, "Choose the body", self._chosen)
+        self._body = CadPick(visitor, "Choose the body", self._on_chosen)
         self._name = gui.add_text("Name", "", hint="Letters, digits, - and _.")
         self._arm = gui.add_dropdown("For the arm", arms, visible=len(arms) > 1)
         self._position = gui.add_vector3(
@@ -66,7 +66,7 @@ class ToolUpload:
         )
         self._add = gui.add_button("Add the tool", icon=viser.Icon.TOOL)
         self._way.on_update(lambda _: self._show_way())
-        visitor.on_press(self._add, self._wanted)
+        visitor.on_press(self._add, self._make_command)
         self._show_way()
 
     def show(self, state: State) -> None:
@@ -87,7 +87,7 @@ class ToolUpload:
     def _refresh(self) -> None:
         self.show(self._visitor.bench.state)
 
-    def _chosen(self) -> None:
+    def _on_chosen(self) -> None:
         """A body was chosen, or looked at: it says where it ends, and may say a name."""
         if self._body.look is not None:
             self._begins.value = round(float(self._body.look.high[2]) * 1000, 2)
@@ -97,13 +97,13 @@ class ToolUpload:
 
     def _show_way(self) -> None:
         by_fingers = self._way.value == TWO_FINGERS
-        for one in (self._size, self._stroke):
-            one.visible = by_fingers
+        for control in (self._size, self._stroke):
+            control.visible = by_fingers
         self._finger.show(visible=by_fingers)
-        for one in (self._radius, self._length, self._press):
-            one.visible = not by_fingers
+        for control in (self._radius, self._length, self._press):
+            control.visible = not by_fingers
 
-    def _wanted(self) -> Command:
+    def _make_command(self) -> Command:
         if self._body.drawing is None:
             raise InputError("choose a file for the body first")
         force = self._force.value or None

@@ -51,7 +51,7 @@ def tree_html(cell: Cell) -> str:
     ]
     fixtures = _branch(
         f"{len(cell.fixtures)} fixtures",
-        [f"{one.name}, {len(one.solids)} solids" for one in cell.fixtures],
+        [f"{fixture.name}, {len(fixture.solids)} solids" for fixture in cell.fixtures],
     )
     robot = _branch(
         f"robot {cell.robot.name}",
@@ -61,7 +61,7 @@ def tree_html(cell: Cell) -> str:
         ],
     )
     length, width, height = (mm(float(size), 0) for size in cell.bin.size)
-    regions = [f"region {one.name}" for one in cell.bin.regions]
+    regions = [f"region {region.name}" for region in cell.bin.regions]
     inside = f"{length} x {width} x {height} inside"
     if not cell.bin.has_walls:
         inside = f"{length} x {width} without walls, parts up to {height} high"

@@ -155,7 +155,7 @@ class ApprovalDialog:
 
 def row_of(state: State) -> tuple[str, ...]:
     """The digests of the plans after the plan."""
-    return tuple(one.plan.digest for one in state.row)
+    return tuple(proven_plan.plan.digest for proven_plan in state.row)
 
 
 def _word_of(name: str, manner: Manner) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
 from workbench.app.core.state import Phase, State, counted
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.model.cell import Cell
@@ -84,7 +84,7 @@ def facts_html(
     rows = _plans(state, words) if len(row) > 1 else _plan(plan, words)
     cycle = cycle_words(plan.cycle_seconds, state.bound)
     if len(row) > 1:
-        cycle = f"{sum(one.plan.cycle_seconds for one in row):.1f} s in all"
+        cycle = f"{sum(proven_plan.plan.cycle_seconds for proven_plan in row):.1f} s in all"
     rows += [
         ("Free ways", free_words(state)),
         ("Straight ways", straight_words(state)),
@@ -124,24 +124,26 @@ def _plans(state: State, words: Words) -> list[tuple[str, str]]:
     Each part by its number in the scan.
     """
     rows: list[tuple[str, str]] = []
-    for number, one in enumerate(state.whole_row, 1):
-        plan, first = one.plan, state.plans[0]
+    for number, proven_plan in enumerate(state.whole_row, 1):
+        plan, first = proven_plan.plan, state.plans[0]
         takes = "; ".join(
             f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
             for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
         )
-        remarks = [renumbered(one, first, plan.detections) for one in plan.remarks]
+        remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
         how = _strategy(plan, remarks, words)
-        near = at_least(one.proof.clearance)
-        proven = f"clear by {near}, plan {short(plan.digest)}, proof {short(one.proof.digest)}"
+        near = at_least(proven_plan.proof.clearance)
+        proven = (
+            f"clear by {near}, plan {short(plan.digest)}, proof {short(proven_plan.proof.digest)}"
+        )
         rows.append((f"Plan {number}", f"{takes}; {how}; {plan.cycle_seconds:.1f} s, {proven}"))
     return rows
 
 
 def _proven(state: State) -> str:
     row = state.whole_row
-    covered = _covered(state.cell, [one.plan for one in row])
-    looked = f"{sum(one.proof.checks for one in row):,} positions measured"
+    covered = _coverage_words(state.cell, [proven_plan.plan for proven_plan in row])
+    looked = f"{sum(proven_plan.proof.checks for proven_plan in row):,} positions measured"
     if len(row) != 1:
         return f"{covered}; {looked}"
     took = dict(state.seconds).get("prove")
@@ -169,7 +171,7 @@ def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
     return "; ".join((text, *map(words.render, remarks)))
 
 
-def _covered(cell: Cell, plans: Sequence[Plan]) -> str:
+def _coverage_words(cell: Cell, plans: Sequence[Plan]) -> str:
     """What the proofs have looked at, as somebody says it who sets up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]

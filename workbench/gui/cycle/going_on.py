@@ -47,9 +47,9 @@ class GoOnButton:
         gui = visitor.gui
         self._button = gui.add_button("Go on", icon=viser.Icon.REPEAT, hint=SAYS)
         self._line = gui.add_html("", visible=False)
-        self._button.on_click(lambda _: self._pressed())
+        self._button.on_click(lambda _: self._on_pressed())
 
-    def _pressed(self) -> None:
+    def _on_pressed(self) -> None:
         # The same seed would let the same simulated pile fall again.
         before = whole(self._seed.value)
         if isinstance(before, int):
@@ -62,14 +62,14 @@ class GoOnButton:
         state, visitor = new.state, self._visitor
         self._line.visible = state.ahead is not None
         if state.ahead is not None:
-            self._line.content = line(_said(state, state.ahead), kind="hint")
+            self._line.content = line(_progress_words(state, state.ahead), kind="hint")
         problem = visitor.refusal(state, GoOn(), new.at)
         visitor.allow(self._button, problem)
         if state.phase is Phase.SENDING and not problem:
             visitor.explain(self._button, f"{SAYS} {BESIDE}")
 
 
-def _said(state: State, ahead: Ahead) -> str:
+def _progress_words(state: State, ahead: Ahead) -> str:
     """How far the next cycle is while this one moves."""
     if state.job is not None:
         return f"Beside the motion runs {task_message(state.job.name)}."

@@ -52,7 +52,7 @@ class OutcomeInputs:
         with self._folder:
             for _, arm in parts[len(self._rows) :]:
                 self._rows.append(_PartRow(self._visitor, self._why, arm))
-        said = {} if sent is None else {one.detection: one for one in sent.outcomes}
+        said = {} if sent is None else {outcome.detection: outcome for outcome in sent.outcomes}
         for row in self._rows[len(parts) :]:
             row.hide()
         first = "" if sent is None else sent.plans[0].digest

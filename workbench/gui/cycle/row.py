@@ -101,8 +101,8 @@ def can_have_rows(cell: Cell) -> bool:
 def row_html(state: State, words: Words = IN_ENGLISH) -> str:
     """What each plan of the row takes, how long that is, and how near it comes to anything."""
     rows = "".join(
-        _row(state, number, one, words)
-        for number, one in enumerate((*state.whole_row, *state.left_out))
+        _row(state, number, proven_plan, words)
+        for number, proven_plan in enumerate((*state.whole_row, *state.left_out))
     )
     heads = "".join(f"<th>{title}</th>" for title in ("", "Takes", "Time", "Proof"))
     return (
@@ -124,7 +124,7 @@ def row_words(state: State, words: Words = IN_ENGLISH) -> str:
     return text + (f"; {words.render(state.row_ends)}" if state.row_ends else "")
 
 
-def _row(state: State, number: int, one: Proven, words: Words) -> str:
+def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
     now, count = len(state.sent_before), len(state.plans)
     is_out = number >= count
     mark = str(number + 1)
@@ -132,20 +132,23 @@ def _row(state: State, number: int, one: Proven, words: Words) -> str:
         mark = "✓"
     elif number == now and state.phase is Phase.SENDING:
         mark = "▶"
-    takes = _takes(state, one)
-    proof = clearance_words(one.proof, words) if one.proof.holds else "does not hold"
-    title = f"plan {short(one.plan.digest)}, proof {short(one.proof.digest)}"
+    takes = _takes(state, proven_plan)
+    proof = (
+        clearance_words(proven_plan.proof, words) if proven_plan.proof.holds else "does not hold"
+    )
+    title = f"plan {short(proven_plan.plan.digest)}, proof {short(proven_plan.proof.digest)}"
     style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
     return (
         f'<tr title="{escape(title)}"{style}><td>{mark}</td><td>{escape(takes)}</td>'
-        f'<td class="wb-number">{one.plan.cycle_seconds:.1f} s</td><td>{escape(proof)}</td></tr>'
+        f'<td class="wb-number">{proven_plan.plan.cycle_seconds:.1f} s</td>'
+        f"<td>{escape(proof)}</td></tr>"
     )
 
 
-def _takes(state: State, one: Proven) -> str:
+def _takes(state: State, proven_plan: Proven) -> str:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
-    numbers = parts_taken(state.plans[0], one.plan)
-    pairs = zip(numbers, one.plan.arms, strict=True)
+    numbers = parts_taken(state.plans[0], proven_plan.plan)
+    pairs = zip(numbers, proven_plan.plan.arms, strict=True)
     return ", ".join(
         f"part-{number + 1} {arm.arm}, to station {arm.station}"
         if arm.station

@@ -22,10 +22,10 @@ class StepButton:
         """Add the first button, in `folder`; to be seen only while a plan is sent step by step."""
         self._visitor, self._folder, self._number = visitor, folder, 0
         self._wide = visitor.gui.add_html(WIDE, visible=False)
-        self._button = self._made(0, None)
+        self._button = self._make(0, None)
         self._used: list[viser.GuiButtonHandle] = []
 
-    def _made(self, number: int, order: float | None) -> viser.GuiButtonHandle:
+    def _make(self, number: int, order: float | None) -> viser.GuiButtonHandle:
         button = self._visitor.gui.add_button(
             "Run",
             icon=viser.Icon.PLAYER_TRACK_NEXT,
@@ -47,7 +47,7 @@ class StepButton:
         old.visible = False
         self._used.append(old)
         with self._folder:
-            self._button = self._made(number, old.order)
+            self._button = self._make(number, old.order)
 
     def show(self, new: View) -> bool:
         """Bring it up to date; whether it is there."""

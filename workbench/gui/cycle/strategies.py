@@ -10,8 +10,8 @@ from workbench.model.plan import STRATEGY_WORDS, Strategy
 def strategy_words(cell: Cell) -> Mapping[str, str]:
     """What is offered, words for people -> strategy; an arm alone is `right arm only`."""
     return {
-        one if one in STRATEGY_WORDS else Strategy.single(one).words: one
-        for one in strategies_of(cell)
+        strategy if strategy in STRATEGY_WORDS else Strategy.single(strategy).words: strategy
+        for strategy in strategies_of(cell)
     }
 
 

@@ -130,7 +130,7 @@ def decides_line(state: State, strategy: str, threshold: float, at: float) -> st
         at: [s since the epoch] when it is asked, for the parts that are avoided.
     """
     avoided = {number for number, _ in avoided_parts(state, at)}
-    found = [one for k, one in enumerate(state.detections or ()) if k not in avoided]
+    found = [detection for k, detection in enumerate(state.detections or ()) if k not in avoided]
     distances = sorted(
         math.dist(a.T_world_part.translation, b.T_world_part.translation)
         for a, b in combinations(found, 2)

@@ -67,7 +67,7 @@ class PoseInputs:
         self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)
         self._switch = gui.add_button("Show gizmo", color="gray")
         self._told = gui.add_html("")
-        self._apply.on_click(lambda _: self._end(self._typed()))
+        self._apply.on_click(lambda _: self._end(self._typed_pose()))
         self._switch.on_click(lambda _: self._turn())
         visitor.on_end(self._hide, in_scene=True)
 
@@ -90,8 +90,8 @@ class PoseInputs:
             return
         frame = pin.SE3.Identity() if T_world_frame is None else T_world_frame
         are_same = [
-            np.array_equal(one.homogeneous, other.homogeneous)
-            for one, other in ((T, self._T), (frame, self._T_world_frame))
+            np.array_equal(new.homogeneous, old.homogeneous)
+            for new, old in ((T, self._T), (frame, self._T_world_frame))
         ]
         if not all(are_same):
             self._T_world_frame = frame
@@ -124,7 +124,7 @@ class PoseInputs:
     def _tell_numbers(self, T: pin.SE3) -> None:
         self._position.value, self._angles.value = shown_pose(self._T_world_frame.actInv(T))
 
-    def _typed(self) -> pin.SE3:
+    def _typed_pose(self) -> pin.SE3:
         return self._T_world_frame * typed_pose(self._position.value, self._angles.value)
 
     def _end(self, T: pin.SE3) -> None:
@@ -152,20 +152,20 @@ class PoseInputs:
             gizmo,
             self._visitor,
             stood=lambda: self._T,
-            moved=self._dragged,
+            moved=self._on_dragged,
             began=self._verdicts.begin,
             put_back=self._put_back,
         )
 
-    def _dragged(self, T: pin.SE3, is_over: bool) -> None:
+    def _on_dragged(self, T: pin.SE3, is_over: bool) -> None:
         # From the numbers that are shown: what a person reads is what is meant.
         self._tell_numbers(T)
         visitor = self._visitor
-        held = Held(visitor.person.name, visitor.number, self._typed())
+        held = Held(visitor.person.name, visitor.number, self._typed_pose())
         visitor.look.change(held=None if is_over else held)
         if is_over:
             self._verdicts.end()
-            self._end(self._typed())
+            self._end(self._typed_pose())
             visitor.own.change(carried=None)
             return
         state = visitor.bench.state

@@ -83,7 +83,7 @@ class LiveVerdicts:
                 "change": {},
                 "detections": state.detections,
                 "avoided": self._avoided,
-                "obstacles": self._known(state),
+                "obstacles": self._obstacles_known(state),
                 "around": None,
                 **otherwise,
             }
@@ -108,7 +108,7 @@ class LiveVerdicts:
         is_free = not visitor.obstacle(now, self._command) and not visitor.look.now.is_playing
         return is_free and is_same_scene(state, now)
 
-    def _known(self, state: State) -> tuple[Obstacle, ...] | None:
+    def _obstacles_known(self, state: State) -> tuple[Obstacle, ...] | None:
         """What stands around besides, where planning has said it or an answer has brought it."""
         if state.candidates is not None:
             return state.obstacles
@@ -134,27 +134,27 @@ class LiveVerdicts:
             self._visitor.own.change(dragged=Dragged(result, T_world_words, state))
 
 
-def is_same_view(one: State, other: State) -> bool:
+def is_same_view(first: State, second: State) -> bool:
     """Whether the same parts were found in the same scan, with the same cell around but grasps."""
-    a, b = one.cell, other.cell
+    a, b = first.cell, second.cell
     return (
-        one.scan is other.scan
-        and one.detections is other.detections
-        and one.placed is other.placed
+        first.scan is second.scan
+        and first.detections is second.detections
+        and first.placed is second.placed
         and a.bin is b.bin
         and a.fixtures is b.fixtures
     )
 
 
-def is_same_scene(one: State, other: State) -> bool:
+def is_same_scene(first: State, second: State) -> bool:
     """Whether verdicts about one are true of the other: nothing was changed, found or begun."""
-    return one is other or (
-        one.cell is other.cell
-        and one.scan is other.scan
-        and one.detections is other.detections
-        and one.candidates is other.candidates
-        and one.plan is other.plan
-        and one.placed is other.placed
-        and one.job is other.job
-        and one.phase is other.phase
+    return first is second or (
+        first.cell is second.cell
+        and first.scan is second.scan
+        and first.detections is second.detections
+        and first.candidates is second.candidates
+        and first.plan is second.plan
+        and first.placed is second.placed
+        and first.job is second.job
+        and first.phase is second.phase
     )

@@ -26,8 +26,8 @@ def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words =
     if dragged is None and room is Room.NONE:
         return ""
     if dragged is None:
-        told = line(BEFORE, kind="hint") if room is Room.TOLD else ""
-        return f'<div class="wb-live">{told}</div>'
+        note = line(BEFORE, kind="hint") if room is Room.TOLD else ""
+        return f'<div class="wb-live">{note}</div>'
     counts = Counter(kinds_in(dragged.glance))
     chips = "".join(
         f'<span class="wb-told-kind" style="--wb-own:{verdict_colour(kind)}">'
@@ -35,5 +35,5 @@ def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words =
         for kind in KINDS
         if counts[kind]
     )
-    told = line(live_words(dragged.glance)) + f'<div class="wb-funnel">{chips}</div>'
-    return f'<div class="wb-live">{told}</div>'
+    note = line(live_words(dragged.glance)) + f'<div class="wb-funnel">{chips}</div>'
+    return f'<div class="wb-live">{note}</div>'

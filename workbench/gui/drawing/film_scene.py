@@ -83,7 +83,7 @@ class FilmScene:
         self._nodes[part.number] = self._scene.add_frame(name, show_axes=False)
         points, triangles = with_hard_edges(triangles_of(cell.part(part.part).mesh))
         mesh = self._scene.add_mesh_simple(f"{name}/mesh", points, triangles)
-        mesh.on_click(partial(self._pressed, part.number))
+        mesh.on_click(partial(self._on_pressed, part.number))
         self._meshes[part.number] = mesh
 
     def _tell(self, part: FilmPart, is_chosen: bool) -> None:
@@ -103,7 +103,7 @@ class FilmScene:
                 position=(0.0, 0.0, 0.0),
             )
 
-    def _pressed(self, number: int, _: Any) -> None:
+    def _on_pressed(self, number: int, _: Any) -> None:
         self._visitor.own.show(lambda showing: replace(showing, chosen=number))
 
     def _clear(self) -> None:

@@ -55,7 +55,7 @@ def _end_comparing(look: SharedLook, before: State, state: State) -> None:
     """
     is_planned = before.plans != state.plans or _planning(before) < _planning(state)
     is_let_out = state.phase is not before.phase and state.phase in LET_OUT
-    chosen = next((one for one in state.searches if one.number == look.now.search), None)
+    chosen = next((search for search in state.searches if search.number == look.now.search), None)
     is_other = before.detections is not state.detections
     is_taken = chosen is not None and is_other and chosen.detections == state.detections
     if is_planned or is_let_out:

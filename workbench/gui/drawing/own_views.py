@@ -29,12 +29,12 @@ class OwnViews:
             before: its view before, None when it has had none.
             shared: what all see now.
         """
-        jogged = self._jogged(own, before, shared.state)
+        jogged = self._jog_contacts(own, before, shared.state)
         over = _overlay(own, before, shared)
-        filmed = self._filmed(own, before, shared.state)
+        filmed = self._film_moment(own, before, shared.state)
         return replace(shared, own=own, jogged=jogged, overlay=over, filmed=filmed)
 
-    def _filmed(self, own: Own, before: View | None, state: State) -> FilmMoment | None:
+    def _film_moment(self, own: Own, before: View | None, state: State) -> FilmMoment | None:
         """The moment of a film that is shown, worked out when it is another one."""
         if own.film is None:
             return None
@@ -42,7 +42,7 @@ class OwnViews:
             return before.filmed
         return self._projector.moment(state.cell, own.film)
 
-    def _jogged(self, own: Own, before: View | None, state: State) -> Jogged | None:
+    def _jog_contacts(self, own: Own, before: View | None, state: State) -> Jogged | None:
         """What the jogged robot meets, worked out when it has moved."""
         if own.jog is None:
             return None
@@ -75,7 +75,7 @@ def has_lost_observation(own: Own, before: State | None, state: State) -> bool:
     if number is None or number >= len(state.observations):
         return number is not None
     was = before.observations[number : number + 1] if before is not None else ()
-    return any(one.name != state.observations[number].name for one in was)
+    return any(observation.name != state.observations[number].name for observation in was)
 
 
 def _overlay(own: Own, before: View | None, shared: View) -> Overlay | None:

@@ -63,7 +63,7 @@ def _met_by_arm(world: World, candidate: Candidate, q: Floats) -> tuple[float, t
     least = np.inf
     for phase in phases:
         world.enter(phase)
-        met = {frozenset(one.pair): one.distance for one in world.contacts(whole)}
+        met = {frozenset(contact.pair): contact.distance for contact in world.contacts(whole)}
         distance = met.get(frozenset(verdict.pair), np.inf)
         off = abs(distance - (verdict.distance or 0.0))
         if best is None or off < least:
@@ -90,7 +90,7 @@ def _stands(world: World, candidate: Candidate) -> Stands:
     match candidate.verdict.stage:
         case Stage.EXTRACT:
             way = _way_to_contact(world, candidate)
-            return _moved(T, way), grasp.grip, _moved(T_world_part, way)
+            return _move(T, way), grasp.grip, _move(T_world_part, way)
         case Stage.PLACE:
             T_put = _put(world, candidate)
             return T_put * T_world_part.actInv(T), grasp.grip, T_put
@@ -103,7 +103,7 @@ def _stands(world: World, candidate: Candidate) -> Stands:
             return T, grasp.grip if fit.is_closed else fit.opening, T_world_part
 
 
-def _moved(T: pin.SE3, way: Floats) -> pin.SE3:
+def _move(T: pin.SE3, way: Floats) -> pin.SE3:
     return pin.SE3(T.rotation, T.translation + way)
 
 
@@ -127,7 +127,7 @@ def _put(world: World, candidate: Candidate) -> pin.SE3:
     number, arm = candidate.detection, world.arm(candidate.arm)
     T_world_part = world.detections[number].T_world_part
     T_tcp_part = candidate.T_world_tcp.actInv(T_world_part)
-    ways = [one for one in ways_at_places(world, arm, number) if isinstance(one, pin.SE3)]
+    ways = [place for place in ways_at_places(world, arm, number) if isinstance(place, pin.SE3)]
     turns = hand_turns(arm.tool)
     ways += [T * turn * T_tcp_part for T in arm.Ts_world_place for turn in turns]
     for T_put in ways:
@@ -142,9 +142,9 @@ def _met_by_hand(world: World, candidate: Candidate, stands: Stands) -> tuple[Pl
     arm, (T_world_tcp, opening, T_world_part) = world.arm(candidate.arm), stands
     labels, own = candidate.verdict.pair or (), part_label(candidate.detection)
     found: list[Placed] = [
-        (one.solid.shape, one.at(arm.tool, T_world_tcp, opening))
-        for one in tool_shapes(arm.tool)
-        if f"{arm.name} {one.name}" in labels
+        (shape.solid.shape, shape.at(arm.tool, T_world_tcp, opening))
+        for shape in tool_shapes(arm.tool)
+        if f"{arm.name} {shape.name}" in labels
     ]
     T_moved = T_world_part * world.detections[candidate.detection].T_world_part.inverse()
     for body in world.surroundings.bodies:

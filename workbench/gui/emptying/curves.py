@@ -21,15 +21,15 @@ def taken_plot(piles: Sequence[EmptiedPile]) -> Plot:
     A curve ends with the last pick of its pile.
     """
     shown = piles[:MOST_CURVES]
-    most = max((len(one.outcomes) for one in shown), default=0)
+    most = max((len(pile.outcomes) for pile in shown), default=0)
     curves = tuple(
-        Curve(f"seed {one.task.seed}", JOINTS[number], _taken(one, most))
-        for number, one in enumerate(shown)
+        Curve(f"seed {pile.task.seed}", JOINTS[number], _count_taken(pile, most))
+        for number, pile in enumerate(shown)
     )
     title = "Parts taken over picks"
     if len(piles) > len(shown):
         title += f", of the first {len(shown)} piles"
-    high = float(max((one.parts for one in shown), default=1))
+    high = float(max((pile.parts for pile in shown), default=1))
     return Plot(title, "parts", np.arange(most + 1.0), curves, 0.0, high, "pick")
 
 
@@ -38,7 +38,7 @@ def end_of(plot: Plot) -> float:
     return 1.1 * max(float(plot.times[-1]), FEWEST)
 
 
-def _taken(pile: EmptiedPile, most: int) -> np.ndarray:
+def _count_taken(pile: EmptiedPile, most: int) -> np.ndarray:
     taken = np.full(most + 1, np.nan)
     steps = [not outcome for outcome in pile.outcomes]
     taken[: len(steps) + 1] = np.cumsum([0, *steps])

@@ -181,7 +181,9 @@ class FilmControls:
             return
         visitor.turn_away()
         pile = found.plain[self._pile]
-        kinds = {int(one.part.removeprefix("part-")) - 1: one.kind for one in pile.left}
+        kinds = {
+            int(left_part.part.removeprefix("part-")) - 1: left_part.kind for left_part in pile.left
+        }
         seconds = reel_of(film).seconds
         speed = SPEEDS.get(str(self._speed.value), 1.0)
         showing = Showing(film, seconds, kinds, time, is_playing, speed)

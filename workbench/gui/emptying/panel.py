@@ -113,7 +113,7 @@ class EmptyingPanel:
         visitor.hide(self._headings.values())
         self._rows = visitor.rows(MOST_PILES, self._choose)
         self._left_rows = visitor.rows(MOST_PARTS, self._choose_part)
-        visitor.on_press(self._start, self._wanted)
+        visitor.on_press(self._start, self._make_command)
         for seconds in (self._scan_seconds, self._approval_seconds):
             visitor.by_hand(seconds, lambda _: visitor.own.change())
 
@@ -167,7 +167,7 @@ class EmptyingPanel:
         """What a scan and an approval take; a browser may send any number."""
         typed = (float(self._scan_seconds.value), float(self._approval_seconds.value))
         first, second = (
-            min(max(one, 0.0), LONGEST) if math.isfinite(one) else 0.0 for one in typed
+            min(max(seconds, 0.0), LONGEST) if math.isfinite(seconds) else 0.0 for seconds in typed
         )
         return first, second
 
@@ -192,7 +192,7 @@ class EmptyingPanel:
         if place < len(left):
             self._film.show_part(self._pile, left[place].part)
 
-    def _wanted(self) -> Command:
+    def _make_command(self) -> Command:
         kind, changes = str(self._kind.value), str(self._changes.value)
         wanted = {NO_CHANGE: (), EVERY_CHANGE: CHANGE_KINDS}.get(changes, (changes,))
         return TryEmptying(

@@ -54,11 +54,11 @@ class Reel:
 def reel_of(film: Film) -> Reel:
     """A film laid on one clock."""
     runs = [timeline(shot.plan) for shot in film.shots]
-    lengths = [LOOK + max((run.end for run in one), default=0.0) for one in runs]
+    lengths = [LOOK + max((run.end for run in shot_runs), default=0.0) for shot_runs in runs]
     ends = tuple(accumulate(lengths))
     stretches = tuple(
-        Stretch(shot, one, end - length, end)
-        for shot, one, length, end in zip(film.shots, runs, lengths, ends, strict=True)
+        Stretch(shot, shot_runs, end - length, end)
+        for shot, shot_runs, length, end in zip(film.shots, runs, lengths, ends, strict=True)
     )
     return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK)
 
@@ -93,11 +93,11 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
         showing: which moment, and why parts stay.
     """
     film, time = reel.film, showing.time
-    number = bisect_right([one.start for one in reel.stretches], time) - 1
+    number = bisect_right([known_stretch.start for known_stretch in reel.stretches], time) - 1
     if number < 0 or time >= reel.stretches[-1].end:
         left = tuple(
-            FilmPart(k, one.part, one.T_world_part, showing.kinds.get(k, ""))
-            for k, one in film.left
+            FilmPart(k, detection.part, detection.T_world_part, showing.kinds.get(k, ""))
+            for k, detection in film.left
         )
         return FilmMoment(moments(cell, (), 0.0), left, _end_words(film))
     stretch = reel.stretches[number]
@@ -105,7 +105,9 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
     poses = _parts(cell, kinematics, stretch, now)
     kinds = dict(film.fallen)
     parts = tuple(FilmPart(k, kinds[k].part, T) for k, T in sorted(poses.items()))
-    before = sum(not pick.outcome for one in reel.stretches[:number] for pick in one.shot.picks)
+    before = sum(
+        not pick.outcome for earlier in reel.stretches[:number] for pick in earlier.shot.picks
+    )
     return FilmMoment(
         moments(cell, stretch.runs, now), parts, _words(film, stretch, now, before, number)
     )
@@ -113,7 +115,7 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
 
 def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> dict[int, pin.SE3]:
     """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
-    poses = {k: one.T_world_part for k, one in stretch.shot.before}
+    poses = {k: detection.T_world_part for k, detection in stretch.shot.before}
     for pick in stretch.shot.picks:
         lift = _run(stretch, pick, "extract")
         share = float(np.clip((now - lift.start) / max(lift.end - lift.start, 1e-9), 0.0, 1.0))
@@ -122,7 +124,7 @@ def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> 
         after = dict(pick.after)
         for k in tuple(poses):
             if k == pick.number:
-                poses[k] = _held(cell, kinematics, stretch, pick, now)
+                poses[k] = _pose_in_hand(cell, kinematics, stretch, pick, now)
             elif k in after:
                 poses[k] = pin.SE3.Interpolate(poses[k], after[k].T_world_part, share)
             elif share >= 1.0 and not _was_taken(stretch, k):
@@ -139,7 +141,7 @@ def _run(stretch: Stretch, pick: FilmedPick, leg: LegName) -> Run:
     return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
 
 
-def _held(
+def _pose_in_hand(
     cell: Cell, kinematics: Kinematics, stretch: Stretch, pick: FilmedPick, now: float
 ) -> pin.SE3:
     """Where a part is that an arm has taken: in its hand, or where that has let go of it."""

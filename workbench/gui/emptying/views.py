@@ -95,7 +95,7 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     rows = [
         ("Taken", f"{told['taken']} of {told['parts']} parts, {told['taken_share']:.0%}{knocked}"),
         ("Picks", f"{told['picks']}, {failed}, {_touches(told['touches'])}"),
-        *_warned(told),
+        *_warn(told),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
         (
             "Planning",
@@ -112,7 +112,7 @@ def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> st
     return line(asked_words(found), kind="hint") + warning + table_html(rows) + bar
 
 
-def _warned(told: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _warn(told: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Picks beside something that was not found, in a row where there are any."""
     if not told["warned_picks"]:
         return []
@@ -167,7 +167,7 @@ def piles_html(
 
 
 def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
-    kinds = ", ".join(f"{one.part} {one.kind}" for one in pile.left)
+    kinds = ", ".join(f"{left_part.part} {left_part.kind}" for left_part in pile.left)
     values = (
         f"{pile.task.seed}",
         f"{pile.taken} of {pile.parts}",
@@ -196,13 +196,13 @@ def left_html(
     if not pile.left:
         return line("Nothing stays of this pile.", kind="hint")
     body = "".join(
-        f"<tr{marked(one.part == _name(chosen))} {clickable(rows[place])}>"
-        f"<td>{escape(one.part)}</td>"
-        f'<td><span class="wb-verdict" style="background:{left_colour(one.kind)}">'
-        f"{escape(words.render(one.kind_message))}</span> "
-        f"{escape(sentence(words.render(one.reason)))}."
-        f'<div class="wb-pair">{escape(fix_words(one.nearest_fix))}</div></td></tr>'
-        for place, one in enumerate(pile.left[: len(rows)])
+        f"<tr{marked(left_part.part == _name(chosen))} {clickable(rows[place])}>"
+        f"<td>{escape(left_part.part)}</td>"
+        f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
+        f"{escape(words.render(left_part.kind_message))}</span> "
+        f"{escape(sentence(words.render(left_part.reason)))}."
+        f'<div class="wb-pair">{escape(fix_words(left_part.nearest_fix))}</div></td></tr>'
+        for place, left_part in enumerate(pile.left[: len(rows)])
     )
     return (
         '<div class="wb-list"><table class="wb-table wb-left"><thead><tr><th>Stays</th>'
@@ -226,7 +226,8 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
         f'<tr title="{escape(row["change"])}"><td>{escape(row["change"])}</td>'
         f'<td class="wb-number">{row["taken_share_before"]:.0%}</td>'
         f'<td class="wb-number">{row["taken_share"]:.0%}</td>'
-        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">{_gained(row["parts_gained"])}</td>'
+        f'<td class="wb-number wb-{_sign(row["parts_gained"])}">'
+        f"{_format_gain(row['parts_gained'])}</td>"
         f'<td class="wb-number">{row["failed_picks"] + row["touches"]}</td>'
         f'<td class="wb-number">{row["motion_seconds"]:.1f}</td></tr>'
         for row in rows
@@ -240,7 +241,7 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
-def _gained(parts: int) -> str:
+def _format_gain(parts: int) -> str:
     return f"{parts:+d}" if parts else "0"
 
 

@@ -58,7 +58,7 @@ class GraspCopies:
         self._mirror.on_click(lambda _: self._mirrored())
         self._repeat.on_click(lambda _: self._repeated())
         self._explode.on_click(lambda _: self._exploded())
-        self._single.on_click(lambda _: self._singled())
+        self._single.on_click(lambda _: self._single_out())
 
     def show(self, entry: Entry | None, *, problem: str) -> None:
         """The chosen grasp is `entry` now."""
@@ -123,7 +123,7 @@ class GraspCopies:
             says = f"{entry.name} is {entry.count} single grasps now"
             self._editing.remove(entry, grasps_of(entry), says)
 
-    def _singled(self) -> None:
+    def _single_out(self) -> None:
         entry = self._seen
         if isinstance(entry, GraspPattern):
             self._editing.put(entry, entry.grasp, f"{entry.name} is a single grasp now")

@@ -44,7 +44,7 @@ class CoverageControls:
         )
         self._add = gui.add_button("Add what helps", icon=viser.Icon.PLUS, disabled=True)
         self._look.on_click(lambda _: self._pressed())
-        self._add.on_click(lambda _: self._added())
+        self._add.on_click(lambda _: self._add_missing())
         visitor.on_end(self._cancelled.set)
 
     def show(self, part: Part, *, problem: str) -> None:
@@ -95,7 +95,7 @@ class CoverageControls:
     def _report(self, done: float, note: str) -> None:
         self._line.content = line(f"{done:.0%}: {note}", kind="hint")
 
-    def _added(self) -> None:
+    def _add_missing(self) -> None:
         missing = self._found[1].missing if self._found is not None else None
         if missing is not None and missing.suggestion is not None:
             grasp = missing.suggestion.grasp

@@ -139,7 +139,7 @@ class Editing:
     def moving(self, was: Entry, T_part_tcp: pin.SE3) -> Change:
         """What is other in the cell while the hand of an entry is dragged."""
         now, part = with_grasp(was, self.at(was, T_part_tcp)), self.part
-        entries = tuple(now if one.name == was.name else one for one in part.library.entries)
+        entries = tuple(now if entry.name == was.name else entry for entry in part.library.entries)
         return {"libraries": {part.name: replace(part.library, entries=entries)}}
 
     def move(self, was: Entry, T_part_tcp: pin.SE3, says: str) -> bool:
@@ -162,11 +162,11 @@ class Editing:
 
     def remove(self, entry: Entry, now: Sequence[Entry], says: str) -> bool:
         """Put none or several entries in place of one."""
-        names = [one.name for one in self.part.library.entries]
+        names = [known_entry.name for known_entry in self.part.library.entries]
         place = names.index(entry.name) if entry.name in names else 0
         if not self._ask(EditPart(self.part.name, (entry,), tuple(now), says=says)):
             return False
-        left = [one.name for one in self.part.library.entries]
+        left = [known_entry.name for known_entry in self.part.library.entries]
         self.choose(entry=left[min(place, len(left) - 1)] if left else "")
         return True
 

@@ -104,7 +104,7 @@ class GraspFields:
         if self._seen is None:
             return False
         try:
-            typed = self._typed(self._seen)
+            typed = self._typed_grasp(self._seen)
         except InputError:
             return True
         # The pose has controls of its own, which may have moved it meanwhile.
@@ -132,7 +132,7 @@ class GraspFields:
         self._free.value, self._tilt.value = _deg(grasp.free_rotation), _deg(grasp.tilt)
         self._slide.value = _mm(grasp.slide)
 
-    def _typed(self, entry: Entry) -> Grasp:
+    def _typed_grasp(self, entry: Entry) -> Grasp:
         """The grasp with what stands in the fields; its pose is not among them.
 
         Raises:
@@ -172,7 +172,7 @@ class GraspFields:
         if entry is None:
             return
         try:
-            grasp = self._typed(entry)
+            grasp = self._typed_grasp(entry)
         except InputError as error:
             self._visitor.tell("Refused", str(error))
             return
@@ -197,11 +197,11 @@ class GraspFields:
         self._opening.value, self._grip.value = _mm(fitted.opening), _mm(fitted.grip)
 
 
-def _differ_in_pose(one: Entry, other: Entry) -> bool:
+def _differ_in_pose(entry: Entry, other: Entry) -> bool:
     """Whether two versions of an entry differ in where the hand is, and in nothing else."""
     T = grasp_of(other).T_part_tcp
-    same = with_grasp(one, replace(grasp_of(one), T_part_tcp=T))
-    return keys_of(same) == keys_of(other) and keys_of(one) != keys_of(other)
+    same = with_grasp(entry, replace(grasp_of(entry), T_part_tcp=T))
+    return keys_of(same) == keys_of(other) and keys_of(entry) != keys_of(other)
 
 
 def _mm(length: float) -> float:

@@ -59,7 +59,7 @@ class SymmetryControls:
 
     def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
-        proposed = self._proposed(part)
+        proposed = self._propose(part)
         self._line.content = symmetry_line(part.symmetry, proposed)
         allow, said = self._visitor.allow, ""
         if proposed is None:
@@ -69,7 +69,7 @@ class SymmetryControls:
         allow(self._take, problem or said)
         allow(self._none, problem or ("it has none" if part.symmetry.is_none else ""))
 
-    def _proposed(self, part: Part) -> Symmetry | None:
+    def _propose(self, part: Part) -> Symmetry | None:
         if self._looked is None or self._looked[0] is not part.mesh:
             return None
         return self._looked[1]
@@ -81,7 +81,7 @@ class SymmetryControls:
         self._editing.tell()
 
     def _confirm(self) -> None:
-        proposed = self._proposed(self._editing.part)
+        proposed = self._propose(self._editing.part)
         if proposed is not None:
             self._editing.set_symmetry(proposed)
 
@@ -168,12 +168,12 @@ class Suggestions:
         if not wanted:
             return
         taken, grasps = set(names_in(self._editing.part.library.entries)), list[Grasp]()
-        for one in wanted:
-            grasps.append(replace(one.grasp, name=free_name(taken, one.grasp.name)))
+        for suggestion in wanted:
+            grasps.append(replace(suggestion.grasp, name=free_name(taken, suggestion.grasp.name)))
             taken.add(grasps[-1].name)
         count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
         if self._editing.add(grasps, f"{count} added"):
-            left = tuple(one for one in self._found if one not in wanted)
+            left = tuple(suggestion for suggestion in self._found if suggestion not in wanted)
             if left:
                 self._show(left, min(self._chosen, len(left) - 1))
             else:

@@ -41,7 +41,7 @@ class PairControls:
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._add = gui.add_button("Add pair", icon=viser.Icon.LINK)
         self._clear = gui.add_button("Remove pairs", icon=viser.Icon.TRASH, color="gray")
-        self._add.on_click(lambda _: self._added())
+        self._add.on_click(lambda _: self._add_pair())
 
         @self._clear.on_click
         def _(_: Any) -> None:
@@ -58,7 +58,7 @@ class PairControls:
         allow(self._add, problem or (missing if names == (NONE,) else ""))
         allow(self._clear, problem or ("" if part.library.pairs else "there are no pairs"))
 
-    def _added(self) -> None:
+    def _add_pair(self) -> None:
         pair = GraspPair(self._first.value, self._second.value, bool(self._is_ordered.value))
         known = self._editing.part.library.pairs
         self._editing.set_pairs((*known, pair), f"{pair.first} goes with {pair.second}")
@@ -92,7 +92,7 @@ class LibraryControls:
             self._back = gui.add_button("Go back to it", icon=viser.Icon.ARROW_BACK_UP)
         self._save.on_click(lambda _: self._saved())
         visitor.on_press(self._drop, lambda: DropDraft(editing.part.name))
-        self._take.on_click(lambda _: self._taken())
+        self._take.on_click(lambda _: self._on_take())
         self._back.on_click(lambda _: self._gone_back())
         self._version.on_update(lambda _: self._show_words(editing.part))
 
@@ -124,7 +124,10 @@ class LibraryControls:
         for button in (self._take, self._drop):
             self._visitor.allow(button, problem)
         self._list.content = versions_html(known)
-        options = (NOW, *(f"{one.number}: {one.remark[:30]}" for one in reversed(known)))
+        options = (
+            NOW,
+            *(f"{version.number}: {version.remark[:30]}" for version in reversed(known)),
+        )
         if self._version.options != options:
             self._version.options = options
         self._show_words(part)
@@ -148,22 +151,22 @@ class LibraryControls:
         says = f"An earlier session has left a draft with {count} that nobody saved."
         self._draft.content = line(says)
 
-    def _chosen(self) -> Version | None:
+    def _chosen_version(self) -> Version | None:
         number = self._version.value.partition(":")[0]
-        return next((one for one in self._known if str(one.number) == number), None)
+        return next((version for version in self._known if str(version.number) == number), None)
 
     def _show_words(self, part: Part) -> None:
-        version = self._chosen()
+        version = self._chosen_version()
         says = "The grasps are as in this version."
         self._words.content = "" if version is None else _changes_html(version, part, says)
 
     def _gone_back(self) -> None:
-        version = self._chosen()
+        version = self._chosen_version()
         if version is not None:
             says = f"back to version {version.number} of the grasps"
             self._taken_over(lambda: version.library, says)
 
-    def _taken(self) -> None:
+    def _on_take(self) -> None:
         folder = self._folder
         if folder is not None:
             says = "the draft of an earlier session is taken"

@@ -51,7 +51,9 @@ class GraspOffset:
         """The chosen grasp is `entry` now; the offset is where it is, until one is typed."""
         self._seen = entry
         others = tuple(
-            one.name for one in part.library.entries if entry is None or one.name != entry.name
+            known_entry.name
+            for known_entry in part.library.entries
+            if entry is None or known_entry.name != entry.name
         )
         names = others or (NONE,)
         if self._from.options != names:
@@ -63,7 +65,7 @@ class GraspOffset:
         self._fill()
 
     def _reference(self) -> Entry | None:
-        entries = {one.name: one for one in self._editing.part.library.entries}
+        entries = {entry.name: entry for entry in self._editing.part.library.entries}
         return entries.get(self._from.value)
 
     def _fill(self) -> None:

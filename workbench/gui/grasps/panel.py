@@ -85,7 +85,7 @@ class GraspsPanel:
             visible=False,
             hint="As a copy beside what somebody else made of it.",
         )
-        self._steps = CopySteps(visitor, editing, self._stepped, lambda: self._stage.is_open)
+        self._steps = CopySteps(visitor, editing, self._on_step, lambda: self._stage.is_open)
         with group(gui, "Where the hand is"):
             self._pose = GraspPose(visitor, editing, self._moving)
             self._offset = GraspOffset(visitor, editing)
@@ -129,8 +129,8 @@ class GraspsPanel:
         self._open.on_click(lambda _: self._turn())
         self._add.on_click(lambda _: self._begin_to_add())
         self._duplicate.on_click(lambda _: self._copies.duplicate())
-        self._delete.on_click(lambda _: self._deleted())
-        self._keep.on_click(lambda _: self._kept())
+        self._delete.on_click(lambda _: self._on_delete())
+        self._keep.on_click(lambda _: self._on_keep())
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
         visitor.on_key("G", "Open the part to put grasps on it, or go back", self._turn)
@@ -148,7 +148,7 @@ class GraspsPanel:
         self._editing.choose(part=name, entry=entries[0].name if entries else "")
         if self._stage.is_open:
             self._stage.close()
-            self._stage.open(self._editing.part, self._pressed)
+            self._stage.open(self._editing.part, self._on_click)
             self._draw()
 
     def _draw(self) -> None:
@@ -202,7 +202,7 @@ class GraspsPanel:
         tools = tuple(self._editing.tools)
         if self._tool.options != tools:
             self._tool.options, self._tool.visible = tools, len(tools) > 1
-        names = tuple(one.name for one in self._visitor.cell.parts)
+        names = tuple(part.name for part in self._visitor.cell.parts)
         if self._part.options != names:
             is_made = self._upload.asked in set(names) - set(self._part.options)
             self._part.options = names
@@ -251,12 +251,12 @@ class GraspsPanel:
             self._open.label = "Open part"
         else:
             self._visitor.turn_away()
-            self._stage.open(self._editing.part, self._pressed)
+            self._stage.open(self._editing.part, self._on_click)
             self._open.label = "Back to cell"
         self._label_add()
         self._draw()
 
-    def _stepped(self) -> None:
+    def _on_step(self) -> None:
         """Another copy of the chosen grasp is looked at: with the part alone."""
         if self._stage.is_open:
             self._draw()
@@ -278,7 +278,7 @@ class GraspsPanel:
     def _label_add(self) -> None:
         self._add.label = "Now click" if self._is_adding else "Add grasp"
 
-    def _pressed(self, origin: Floats, direction: Floats) -> None:
+    def _on_click(self, origin: Floats, direction: Floats) -> None:
         """Somebody clicks: a grasp is put there, or the one whose mark is there is chosen."""
         part = self._editing.part
         if not self._is_adding:
@@ -302,12 +302,12 @@ class GraspsPanel:
         grasp = Grasp(self._editing.free_name("grasp"), T, min(opening, high), min(grip, high))
         self._editing.add((grasp,), f"{grasp.name} put on the surface")
 
-    def _deleted(self) -> None:
+    def _on_delete(self) -> None:
         entry = self._editing.entry
         if entry is not None:
             self._editing.remove(entry, (), f"{entry.name} deleted")
 
-    def _kept(self) -> None:
+    def _on_keep(self) -> None:
         self._editing.keep_lost()
 
     def _moving(self, T_part_tcp: pin.SE3) -> None:

@@ -23,7 +23,7 @@ class PartUpload:
         self.asked = ""
         """Name of the part that this browser has asked for last."""
         gui = visitor.gui
-        self._pick = CadPick(visitor, "Choose a CAD file", self._chosen, has_solids=True)
+        self._pick = CadPick(visitor, "Choose a CAD file", self._on_chosen, has_solids=True)
         self._mass = gui.add_html("")
         self._name = gui.add_text("Name", "", hint="Letters, digits, - and _.")
         self._density = gui.add_number(
@@ -39,7 +39,7 @@ class PartUpload:
         )
         self._make = gui.add_button("Make the part", icon=viser.Icon.CUBE_PLUS)
         self._density.on_update(lambda _: self._show_mass())
-        visitor.on_press(self._make, self._wanted)
+        visitor.on_press(self._make, self._make_command)
 
     def show(self, state: State) -> None:
         """Let it be used while a part can be made."""
@@ -47,7 +47,7 @@ class PartUpload:
         self._visitor.admit(self._make, state, ImportPart, otherwise=missing)
         self._pick.admit(state, ImportPart)
 
-    def _chosen(self) -> None:
+    def _on_chosen(self) -> None:
         if not self._name.value:
             self._name.value = self._pick.stem
         self._show_mass()
@@ -61,7 +61,7 @@ class PartUpload:
         mass = look.surface.volume * self._density.value * 1e6
         self._mass.content = line(f"It would weigh {mass:.4g} g.")
 
-    def _wanted(self) -> Command:
+    def _make_command(self) -> Command:
         drawing = self._pick.drawing
         if drawing is None:
             raise InputError("choose a CAD file first")

@@ -23,7 +23,7 @@ from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Entry
 from workbench.model.part_edits import grasp_of
-from workbench.planning.grasps.grasp_frames import snapped
+from workbench.planning.grasps.grasp_frames import snap_to_surface
 
 TOOL_AXES, PART_AXES = "the tool", "the part"
 
@@ -85,8 +85,8 @@ class GraspPose:
             hint="Square to the surface where the tool comes in, as deep as fingers hold well.",
         )
         self._told = gui.add_html("")
-        self._apply.on_click(lambda _: self._end(self._typed(), "moved by numbers"))
-        self._snap.on_click(lambda _: self._snapped())
+        self._apply.on_click(lambda _: self._end(self._read_pose(), "moved by numbers"))
+        self._snap.on_click(lambda _: self._on_snap())
         self._axes.on_update(lambda _: self._place_gizmo())
         for key, (says, step) in NUDGES.items():
             visitor.on_key(key, f"Grasp 1 mm along {says}", lambda step=step: self._nudge(step))
@@ -131,16 +131,16 @@ class GraspPose:
             R = self._T.rotation if is_of_tool else np.eye(3)
             place(self._gizmo, pin.SE3(np.array(R), self._T.translation))
 
-    def _typed(self) -> pin.SE3:
+    def _read_pose(self) -> pin.SE3:
         return typed_pose(self._position.value, self._angles.value)
 
     def _nudge(self, step: tuple[float, float, float]) -> None:
         if self._gizmo is not None:
             self._end(self._T * pose_from_rpy(step), "nudged")
 
-    def _snapped(self) -> None:
+    def _on_snap(self) -> None:
         try:
-            T = self._editing.with_checker(lambda checker: snapped(checker, self._T))
+            T = self._editing.with_checker(lambda checker: snap_to_surface(checker, self._T))
         except WorkbenchError as error:
             self._visitor.tell("Refused", str(error))
             return
@@ -162,24 +162,24 @@ class GraspPose:
             gizmo,
             self._visitor,
             stood=lambda: self._T,
-            moved=self._dragged,
+            moved=self._on_dragged,
             began=self._verdicts.begin,
             put_back=self._put_back,
         )
 
-    def _dragged(self, T_part_gizmo: pin.SE3, is_over: bool) -> None:
+    def _on_dragged(self, T_part_gizmo: pin.SE3, is_over: bool) -> None:
         T = pin.SE3(T_part_gizmo.rotation @ self._R_off, T_part_gizmo.translation)
         if self._steps.value:
             T = in_steps(self._T, T)
         # From the numbers that are shown: what a person reads is what is meant.
         self._position.value, self._angles.value = shown_pose(T)
-        self._moving(self._typed())
+        self._moving(self._read_pose())
         if is_over:
             self._verdicts.end()
-            self._end(self._typed(), "moved by gizmo")
+            self._end(self._read_pose(), "moved by gizmo")
         elif self._seen is not None:
-            change = self._editing.moving(self._seen, self._typed())
-            self._verdicts.ask({"change": change}, T_WORLD_STAGE * self._typed())
+            change = self._editing.moving(self._seen, self._read_pose())
+            self._verdicts.ask({"change": change}, T_WORLD_STAGE * self._read_pose())
 
     def _put_back(self) -> None:
         self._verdicts.end()

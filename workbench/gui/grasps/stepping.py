@@ -73,9 +73,9 @@ def judged(copy: Grasp, part: Part, state: State, words: Words = IN_ENGLISH) -> 
     """
     found = state.detections or ()
     reasons = Counter(
-        one.verdict.reason
-        for one in state.candidates or ()
-        if one.grasp.name == copy.name and found[one.detection].part == part.name
+        candidate.verdict.reason
+        for candidate in state.candidates or ()
+        if candidate.grasp.name == copy.name and found[candidate.detection].part == part.name
     )
     said = ", ".join(
         f"{words.render(reason.message)} {count}" for reason, count in reasons.most_common()
@@ -139,8 +139,10 @@ class CopySteps:
             return None
         copy = self._copies[place]
         says = f"Copy {place + 1} of {count}, {copy.name}: {way_to(copy, entry, part)}"
-        told = judged(copy, part, state, self._visitor.words)
-        self._line.content = line(says, kind="result") + (line(told, kind="hint") if told else "")
+        verdict = judged(copy, part, state, self._visitor.words)
+        self._line.content = line(says, kind="result") + (
+            line(verdict, kind="hint") if verdict else ""
+        )
         return copy
 
     def _go(self, step: int) -> None:

@@ -144,8 +144,8 @@ def symmetry_text(symmetry: Symmetry) -> str:
     if symmetry.is_none:
         return "no symmetry"
     each = " and ".join(
-        f"{f'at {one.fold} turns' if one.fold else 'at any turn'} about {_triple(one.axis)}"
-        for one in symmetry.axes
+        f"{f'at {axis.fold} turns' if axis.fold else 'at any turn'} about {_triple(axis.axis)}"
+        for axis in symmetry.axes
     )
     through = f" through {_triple(1000 * np.array(symmetry.point))} mm"
     return f"alike {each}{through if any(symmetry.point) else ''} ({symmetry})"
@@ -168,12 +168,12 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     head = "".join(f'<th class="{style}">{title}</th>' for title, style in heads)
     body = "".join(
         f"<tr{marked(number == chosen)} {clickable(rows[number])}>"
-        f"<td>{escape(one.grasp.name)}</td>"
-        f'<td class="wb-number">{one.score:.2f}</td>'
-        f'<td class="wb-number">{escape(mm(one.grasp.grip))}</td>'
-        f'<td class="wb-number">{math.degrees(one.angle):.0f}°</td>'
-        f'<td class="wb-number">{escape(mm(one.lever))}</td></tr>'
-        for number, one in enumerate(found[:MOST_SUGGESTIONS])
+        f"<td>{escape(suggestion.grasp.name)}</td>"
+        f'<td class="wb-number">{suggestion.score:.2f}</td>'
+        f'<td class="wb-number">{escape(mm(suggestion.grasp.grip))}</td>'
+        f'<td class="wb-number">{math.degrees(suggestion.angle):.0f}°</td>'
+        f'<td class="wb-number">{escape(mm(suggestion.lever))}</td></tr>'
+        for number, suggestion in enumerate(found[:MOST_SUGGESTIONS])
     )
     return (
         f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
@@ -204,9 +204,9 @@ def versions_html(versions: Sequence[Version]) -> str:
     if not versions:
         return line("Nothing was saved from here yet.", kind="hint")
     body = "".join(
-        f"<tr><td>{one.number}</td><td>{escape(_when(one))}</td>"
-        f"<td>{escape(one.by)}</td><td>{escape(one.remark)}</td></tr>"
-        for one in reversed(versions)
+        f"<tr><td>{version.number}</td><td>{escape(_when(version))}</td>"
+        f"<td>{escape(version.by)}</td><td>{escape(version.remark)}</td></tr>"
+        for version in reversed(versions)
     )
     return (
         '<div class="wb-list"><table class="wb-facts"><thead><tr><th>No</th><th>At</th>'

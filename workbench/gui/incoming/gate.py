@@ -189,7 +189,7 @@ class Gate:
         )
         log.warning(
             "refused value: who=%s what=%s of=%s why=%s",
-            *map(_quoted, (self._name_of(number), type(message).__name__, about, problem)),
+            *map(_quote, (self._name_of(number), type(message).__name__, about, problem)),
         )
 
 
@@ -218,6 +218,6 @@ def _show_again(connection: Any, widget: Any) -> None:
         connection.queue_message(messages.GuiUpdateMessage(widget._impl.uuid, value))
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """As one word on one line, whatever somebody has put into it."""
     return json.dumps(text if len(text) <= LONGEST else text[:LONGEST] + "...")

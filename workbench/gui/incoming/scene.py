@@ -63,7 +63,9 @@ def node_problem(message: messages.SceneNodeClickMessage, *scenes: viser.SceneAp
 def pointer_problem(message: messages.ScenePointerMessage, *scenes: viser.SceneApi) -> str:
     """Why the scene does not offer a click, or a box that is drawn; empty when it does."""
     kind = message.event_type
-    if not any(one.event_type == kind for scene in scenes for one in scene._scene_pointer_cb):
+    if not any(
+        callback.event_type == kind for scene in scenes for callback in scene._scene_pointer_cb
+    ):
         return "nobody listens to it"
     places = message.screen_pos
     if len(places) != (1 if kind == "click" else 2):
@@ -109,7 +111,7 @@ def _is_shown(scene: viser.SceneApi, name: str) -> bool:
     """Whether a node, and all that it is below of in this scene, can be seen."""
     parts = name.split("/")
     above = ("/".join(parts[: k + 1]) for k in range(1, len(parts)))
-    nodes = (scene._handle_from_node_name.get(one) for one in above)
+    nodes = (scene._handle_from_node_name.get(node_name) for node_name in above)
     return all(node is None or node._impl.visible for node in nodes)
 
 
@@ -120,7 +122,7 @@ def _count_of(node: Any) -> int:
 
 
 def _are_within(numbers: Sequence[float], most: float) -> bool:
-    return all(abs(one) <= most for one in numbers)  # no number is never within
+    return all(abs(number) <= most for number in numbers)  # no number is never within
 
 
 def _is_about_one(numbers: Sequence[float]) -> bool:

@@ -72,9 +72,9 @@ def numbers_problem(
     """Why a field for several numbers does not offer a value; see `number_problem`."""
     if not isinstance(value, list | tuple) or len(value) != len(now):
         return f"not {len(now)} numbers"
-    for k, (one, before) in enumerate(zip(value, now, strict=True)):
+    for k, (after, before) in enumerate(zip(value, now, strict=True)):
         problem = number_problem(
-            one,
+            after,
             before,
             low=None if low is None else low[k],
             high=None if high is None else high[k],

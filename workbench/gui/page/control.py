@@ -44,7 +44,7 @@ class ControlStrip:
         visitor.on_press(self._ask, AskForControl)
         visitor.on_press(self._back, ReleaseControl)
         visitor.on_press(self._give, self._handed_over)
-        visitor.on_press(self._keep, self._kept)
+        visitor.on_press(self._keep, self._keep_control)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -75,7 +75,7 @@ class ControlStrip:
     def _handed_over(self) -> Command:
         return GiveControl(self._first())
 
-    def _kept(self) -> Command:
+    def _keep_control(self) -> Command:
         return DenyControl(self._first())
 
     def _first(self) -> str:

@@ -62,13 +62,13 @@ def camera_of(name: str, state: State, look: Look, thing: str = "") -> Camera:
         case "Default view":
             return first_look(cell)
         case "Top":
-            return _framed(whole(cell), _forward(cell) * 0.02, 1.0)
+            return _frame(whole(cell), _forward(cell) * 0.02, 1.0)
         case "Front":
-            return _framed(whole(cell), _forward(cell), 0.12)
+            return _frame(whole(cell), _forward(cell), 0.12)
         case "Bin":
-            return _framed(_bin(cell), _forward(cell) * 0.45, 1.0)
+            return _frame(_bin(cell), _forward(cell) * 0.45, 1.0)
         case _:
-            return _framed(_selected(state, look, thing), _forward(cell) * 0.8, 0.7)
+            return _frame(_corners_of(state, look, thing), _forward(cell) * 0.8, 0.7)
 
 
 def _forward(cell: Cell) -> Floats:
@@ -78,7 +78,7 @@ def _forward(cell: Cell) -> Floats:
     return np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
 
 
-def _framed(points: Floats, level: Floats, upwards: float) -> Camera:
+def _frame(points: Floats, level: Floats, upwards: float) -> Camera:
     direction = level + np.array([0.0, 0.0, upwards])
     return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
 
@@ -93,14 +93,14 @@ def _bin(cell: Cell) -> Floats:
     )
 
 
-def _selected(state: State, look: Look, thing: str) -> Floats:
+def _corners_of(state: State, look: Look, thing: str) -> Floats:
     candidates, found = state.candidates or (), state.detections or ()
     if thing in things(state.cell):
         return _thing(state.cell, thing)
     if look.candidate is not None and look.candidate < len(candidates):
         middles = [candidates[look.candidate].T_world_tcp.translation]
     else:
-        middles = [one.T_world_part.translation for one in found]
+        middles = [detection.T_world_part.translation for detection in found]
     if not middles:
         raise InputError("nothing is selected, and no part is found")
     corners = AROUND * np.array(list(itertools.product((-1, 1), repeat=3)))
@@ -115,7 +115,9 @@ def _thing(cell: Cell, thing: str) -> Floats:
         case "robot":
             return whole(cell)
         case _:
-            solids = [s for one in cell.fixtures if one.name == thing for s in one.solids]
+            solids = [
+                s for fixture in cell.fixtures if fixture.name == thing for s in fixture.solids
+            ]
             around = max([AROUND, *(solid.reach for solid in solids)])
             corners = around * np.array(list(itertools.product((-1, 1), repeat=3)))
             return pose_of(cell, thing).translation + corners

@@ -114,22 +114,22 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
         ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missed(view, mode) if is_preview else ""
-    told = "".join(
+    missed = _missing_words(view, mode) if is_preview else ""
+    rows = "".join(
         f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
     )
     notes = (NOTES.get(mode, ""), missed, ends)
-    told += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
+    rows += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
     if ends_comparing and view.look.search is not None:
-        told += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
+        rows += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
     kind = mode.name.lower().replace("_", "-")
     return (
         f'<div class="wb-mode wb-mode-{kind}" data-mode="{kind}" role="status">'
-        f"<b>{escape(mode)}</b><ul>{told}</ul></div>"
+        f"<b>{escape(mode)}</b><ul>{rows}</ul></div>"
     )
 
 
-def _missed(view: View, mode: Mode) -> str:
+def _missing_words(view: View, mode: Mode) -> str:
     """What has to be played before the plan counts as watched; while it plays, what does not."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
         return ""
@@ -143,8 +143,8 @@ def _of_searches(view: View) -> list[tuple[str, str]]:
     """What searches have found besides, or have rejected, as far as it is drawn."""
     lines: list[tuple[str, str]] = []
     searches = view.state.searches
-    for place, one in enumerate(searches, 1):
-        if one.number == view.look.search:
+    for place, search in enumerate(searches, 1):
+        if search.number == view.look.search:
             style = f"background:rgba({_rgb(COMPARED)},0.55)"
             lines.append((f"Violet: parts of search {place}, to be compared; not taken", style))
     if view.look.rejected and view.rejected:
@@ -188,4 +188,4 @@ def _real(view: View) -> str:
 
 
 def _rgb(colour: Colour) -> str:
-    return ",".join(str(one) for one in colour)
+    return ",".join(str(channel) for channel in colour)

@@ -114,8 +114,8 @@ class Renderer:
         with server.atomic():
             self._scene = Scene(server, bench.cell, most_points=most_points)
         self._unsubscribe = bench.subscribe(lambda old, new: self._woken.set())
-        server.on_client_connect(self._arrived)
-        server.on_client_disconnect(self._left)
+        server.on_client_connect(self._on_arrival)
+        server.on_client_disconnect(self._on_leave)
         self._thread = threading.Thread(target=self._run, name="renderer", daemon=True)
         self._thread.start()
 
@@ -134,11 +134,11 @@ class Renderer:
         self._counted.close()
         return True
 
-    async def _arrived(self, client: viser.ClientHandle) -> None:
+    async def _on_arrival(self, client: viser.ClientHandle) -> None:
         self._arrivals.put((client, True))
         self._woken.set()
 
-    async def _left(self, client: viser.ClientHandle) -> None:
+    async def _on_leave(self, client: viser.ClientHandle) -> None:
         self._arrivals.put((client, False))
         self._woken.set()
 
@@ -150,9 +150,9 @@ class Renderer:
             elapsed = time.monotonic() - last
             self._closed.wait(max(0.0, FRAME - elapsed))
             now = time.monotonic()
-            _shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
-            _shielded(partial(self._run_films, now - last))
-            _shielded(self._draw)
+            _run_shielded(partial(self._player.step, self._drawn, self._visitors, now - last))
+            _run_shielded(partial(self._run_films, now - last))
+            _run_shielded(self._draw)
             last = now
 
     def _run_films(self, elapsed: float) -> None:
@@ -179,18 +179,18 @@ class Renderer:
         self._count_people(waiting)
         for client, is_here in waiting:
             if is_here:
-                _shielded(partial(speak, client, words_of(language_of(client))))
-                _shielded(partial(self._welcome, client, new))
+                _run_shielded(partial(speak, client, words_of(language_of(client))))
+                _run_shielded(partial(self._welcome, client, new))
             else:
                 self._bid_farewell(client)
         if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
             for visitor in tuple(self._visitors.values()):
-                _shielded(partial(self._rebuild, visitor, new))
+                _run_shielded(partial(self._rebuild, visitor, new))
         with self._server.atomic():
-            is_drawn = _shielded(lambda: self._scene.draw(old, new))
+            is_drawn = _run_shielded(lambda: self._scene.draw(old, new))
         self._end_own_views(old, new)
         for visitor in tuple(self._visitors.values()):
-            _shielded(partial(self._show, visitor, new))
+            _run_shielded(partial(self._show, visitor, new))
         self._drawn = new
         if is_drawn:
             self._player.drawn(new)
@@ -226,8 +226,8 @@ class Renderer:
         old = self._shown.get(visitor.number)
         new = self._own_views.of(visitor.own.now, old, shared)
         for panel in self._panels.get(visitor.number, ()):
-            _shielded(lambda panel=panel: panel.show(old, new))
-        _shielded(visitor.show_told)
+            _run_shielded(lambda panel=panel: panel.show(old, new))
+        _run_shielded(visitor.show_told)
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
@@ -240,9 +240,9 @@ class Renderer:
             if not is_here and self._look.now.searcher == client.client_id:
                 self._look.change(search=None, searcher=None)
             if self._presence is not None:
-                _shielded(partial(_count, self._presence, client, now, is_here=is_here))
+                _run_shielded(partial(_count, self._presence, client, now, is_here=is_here))
         if self._presence is not None:
-            _shielded(partial(self._presence.look, now))
+            _run_shielded(partial(self._presence.look, now))
 
     def _view(self) -> View:
         state = self._bench.state
@@ -324,12 +324,12 @@ class Renderer:
         self._shown.pop(client.client_id, None)
         visitor = self._visitors.pop(client.client_id, None)
         if visitor is not None:
-            _shielded(partial(visitor.end, is_gone=True))
+            _run_shielded(partial(visitor.end, is_gone=True))
 
     def _rebuild(self, visitor: Visitor, view: View) -> None:
         """Make the controls of a browser anew, for another cell."""
         self._panels.pop(visitor.number, None)
-        _shielded(partial(visitor.end, is_gone=False))
+        _run_shielded(partial(visitor.end, is_gone=False))
         visitor.gui.reset()
         self._welcome(visitor.client, view, is_dark=visitor.is_dark)
 
@@ -359,7 +359,7 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
     return before is not now and made_for(before) != made_for(now)
 
 
-def _shielded(action: Callable[[], None]) -> bool:
+def _run_shielded(action: Callable[[], None]) -> bool:
     """Draw the scene or the controls of one browser; the others do not suffer if that fails.
 
     Returns:

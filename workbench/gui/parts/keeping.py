@@ -70,12 +70,12 @@ class KeepInputs:
 
     def _pressed(self) -> None:
         kept: list[Path] = []
-        if self._visitor.attempt(lambda: kept.append(self._written())):
+        if self._visitor.attempt(lambda: kept.append(self._write_case())):
             self._comment.value, self._there.value = "", next(iter(THERE))
             self._list()
             self._visitor.tell("Kept", f"kept as {kept[0]}", color="blue")
 
-    def _written(self) -> Path:
+    def _write_case(self) -> Path:
         bench, person = self._visitor.bench, self._visitor.person
         if isinstance(bench, History):
             raise InputError(RECORDED)

@@ -95,7 +95,7 @@ class PartsPanel:
             command=UseDetections,
             meant=self._correct,
             otherwise=self._otherwise,
-            carried=self._carried,
+            carried=self._poses_carried,
         )
         self._kind = gui.add_dropdown(
             "Kind", _kinds(visitor.cell), hint="Of a part that is added, and of poses from HALCON."
@@ -215,7 +215,7 @@ class PartsPanel:
             return None
         return {"detections": self._with_chosen_at(T)}
 
-    def _carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
+    def _poses_carried(self, T: pin.SE3) -> Mapping[str, pin.SE3]:
         """What follows the hand that drags the chosen part."""
         place = _place(self._found, self._chosen)
         return {} if place is None else {f"/parts/part-{place + 1}": T}
@@ -260,8 +260,8 @@ class PartsPanel:
     def _with_one_more(self) -> Command:
         cell = self._visitor.cell
         middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
-        self._chosen = one = Detection(self._kind.value, middle)
-        return UseDetections((*self._found, one), f"a {one.part} was added by hand")
+        self._chosen = detection = Detection(self._kind.value, middle)
+        return UseDetections((*self._found, detection), f"a {detection.part} was added by hand")
 
     def _read_no_more(self) -> None:
         self._sent = None
@@ -298,7 +298,7 @@ class PartsPanel:
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:
     """Where a part stands in a list; None: it does not."""
-    return next((number for number, one in enumerate(found) if one is chosen), None)
+    return next((number for number, detection in enumerate(found) if detection is chosen), None)
 
 
 def _kinds(cell: Cell) -> tuple[str, ...]:

@@ -37,8 +37,8 @@ def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[st
         f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in heads
     )
     body = "".join(
-        _row(number, one, number == chosen, rows[number])
-        for number, one in enumerate(found[:MOST_ROWS])
+        _row(number, detection, number == chosen, rows[number])
+        for number, detection in enumerate(found[:MOST_ROWS])
     )
     return (
         f'<div class="wb-rows"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
@@ -49,15 +49,15 @@ def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[st
 def avoided_html(state: State, at: float) -> str:
     """Where picks have failed, and how much longer parts are left alone there; `at` is now [s]."""
     rows: list[tuple[str, str]] = []
-    for one in state.avoided:
-        minutes = math.ceil((one.until - at) / 60)
+    for entry in state.avoided:
+        minutes = math.ceil((entry.until - at) / 60)
         if minutes <= 0:
             continue
-        x, y, _ = (1000 * value for value in one.p_bin)
-        scans = "the next scan" if one.scans == 1 else f"{one.scans} more scans"
-        ends = f"for {scans}" if one.scans else "in this scan"
-        why = f" ({one.why})" if one.why else ""
-        place = f"{one.part} at {x:.0f}, {y:.0f} mm in the bin"
+        x, y, _ = (1000 * value for value in entry.p_bin)
+        scans = "the next scan" if entry.scans == 1 else f"{entry.scans} more scans"
+        ends = f"for {scans}" if entry.scans else "in this scan"
+        why = f" ({entry.why})" if entry.why else ""
+        place = f"{entry.part} at {x:.0f}, {y:.0f} mm in the bin"
         rows.append((place, f"avoided {ends}, at most {minutes} min{why}"))
     return table_html(rows) if rows else ""
 
@@ -65,8 +65,8 @@ def avoided_html(state: State, at: float) -> str:
 def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
     """Who has changed what was found, the latest first, and which folder is watched for poses."""
     rows = "".join(
-        f"<tr><th>{clock(one.at)}</th><td>{escape(one.by)}</td><td>{escape(one.says)}</td></tr>"
-        for one in reversed(remarks)
+        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td><td>{escape(remark.says)}</td></tr>"
+        for remark in reversed(remarks)
     )
     table = f'<table class="wb-facts wb-remarks">{rows}</table>' if rows else ""
     watched = f"Poses that come into {folder.path} are taken." if folder is not None else ""
@@ -76,7 +76,8 @@ def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
 def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
     """A fold that lists poses which were thought possible, and why they are no parts."""
     rows = "".join(
-        f"<li>{one.score:.2f} {escape(one.part)}: {escape(one.words)}</li>" for one in rejected
+        f"<li>{hypothesis.score:.2f} {escape(hypothesis.part)}: {escape(hypothesis.words)}</li>"
+        for hypothesis in rejected
     )
     return (
         '<div class="wb-tree wb-rejected"><details>'
@@ -84,35 +85,35 @@ def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
     )
 
 
-def _deviations(one: Detection) -> str:
-    if one.deviations is None:
+def _deviations(detection: Detection) -> str:
+    if detection.deviations is None:
         return ""
-    place, turn = one.deviations
+    place, turn = detection.deviations
     # Where it does not fit it goes on below, number and unit together.
     return f"{mm(place, 2)}, {math.degrees(turn):.1f}°".replace(" mm", "\u00a0mm")
 
 
-def _row(number: int, one: Detection, is_chosen: bool, button: str) -> str:
+def _row(number: int, detection: Detection, is_chosen: bool, button: str) -> str:
     values = (
-        f"{one.score:.2f}",
-        f"{one.visible:.0%}",
-        "" if one.gap is None else f"{one.gap:.2f}",
-        "by hand" if one.residual is None else mm(one.residual, 2),
-        "" if one.probability is None else f"{one.probability:.0%}",
-        _deviations(one),
+        f"{detection.score:.2f}",
+        f"{detection.visible:.0%}",
+        "" if detection.gap is None else f"{detection.gap:.2f}",
+        "by hand" if detection.residual is None else mm(detection.residual, 2),
+        "" if detection.probability is None else f"{detection.probability:.0%}",
+        _deviations(detection),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
     return (
         f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
-        f"<td>{escape(one.part)}</td>{numbers}<td>{escape(_roll(one))}</td></tr>"
+        f"<td>{escape(detection.part)}</td>{numbers}<td>{escape(_roll(detection))}</td></tr>"
     )
 
 
-def _roll(one: Detection) -> str:
+def _roll(detection: Detection) -> str:
     """Whether the turn is known, and by what where it was left to colours."""
-    if one.by_colour is None:
-        return "known" if one.roll_known else "unknown"
-    if one.by_colour:
-        return "known, by colour" if one.roll_known else "unknown, kind by colour"
-    return "known, by shape alone" if one.roll_known else "unknown, by shape alone"
+    if detection.by_colour is None:
+        return "known" if detection.roll_known else "unknown"
+    if detection.by_colour:
+        return "known, by colour" if detection.roll_known else "unknown, kind by colour"
+    return "known, by shape alone" if detection.roll_known else "unknown, by shape alone"

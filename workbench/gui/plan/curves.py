@@ -157,7 +157,7 @@ def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Float
     free = tuple(run for run in runs if run.leg.name not in STRAIGHT)
     straight = tuple(run for run in runs if run.leg.name in STRAIGHT)
     near, close, arms = (
-        _spans(runs, *one) for one in ((free, kept), (straight, kept), (runs, apart))
+        _spans(runs, *distances) for distances in ((free, kept), (straight, kept), (runs, apart))
     )
     changes = np.unique(np.concatenate([near[:, :2].ravel(), close[:, :2].ravel()]))
     if not len(changes):
@@ -211,7 +211,9 @@ def plots_of(
             clearance_curves(tuple(run for run in runs if run.plan == place), proof)
             for place, proof in enumerate(proofs)
         ]
-        times, free, straight, arms = (np.concatenate(one) for one in zip(*each, strict=True))
+        times, free, straight, arms = (
+            np.concatenate(columns) for columns in zip(*each, strict=True)
+        )
         ways = (
             Curve("free ways", JOINTS[0], free),
             Curve("straight ways", LEGS["extract"], straight),
@@ -228,6 +230,6 @@ def plots_of(
     found.append(Plot("Fastest axis, of its limit", "%", even, speeds, low=0.0, high=100.0))
     for arm in cell.arms:
         times, *angles = joint_curves(arm, runs, seconds)
-        axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], one) for k, one in enumerate(angles))
+        axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], angle) for k, angle in enumerate(angles))
         found.append(Plot(f"Axes of the {arm.name} arm", "deg", times, tuple(axes)))
     return tuple(found)

@@ -105,7 +105,9 @@ class PlanPanel:
         # To the next step: the end can be reached, whatever comes after its second decimal.
         self._time.max = max(round(math.ceil(round(seconds / STEP, 6)) * STEP, 2), STEP)
         self._nearest.content = proof_html(state, self._links) if state.whole_row else ""
-        self._plots = plots_of(cell, runs, seconds, [one.proof for one in state.whole_row])
+        self._plots = plots_of(
+            cell, runs, seconds, [proven_plan.proof for proven_plan in state.whole_row]
+        )
         slider = element_id(self._time)
         for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):
             drawn.content = plot_html(plot, seconds, slider)
@@ -148,5 +150,7 @@ class PlanPanel:
         if problem := visitor.obstacle(state, MakePlan):
             visitor.tell("Refused", problem)
             return
-        one = state.outlines[number]
-        visitor.ask(lambda: MakePlan(one.asked, one.threshold, one.seed, one.overrides))
+        outline = state.outlines[number]
+        visitor.ask(
+            lambda: MakePlan(outline.asked, outline.threshold, outline.seed, outline.overrides)
+        )

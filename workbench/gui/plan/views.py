@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import Outline, State, counted
-from workbench.app.picking.numbers import renumbered
+from workbench.app.picking.numbers import renumber
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
@@ -29,7 +29,7 @@ def plan_html(state: State, words: Words = IN_ENGLISH) -> str:
     times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
     said = "".join(_plan_html(state, number, words) for number in range(len(row)))
     if len(row) > 1:
-        seconds = sum(one.cycle_seconds for one in row)
+        seconds = sum(proven_plan.cycle_seconds for proven_plan in row)
         parts = counted(count_taken(row), "part")
         whole = f"{len(row)} plans in a row, {parts}, {seconds:.1f} s in all"
         said = f"<div><b>{escape(whole)}</b></div>{said}"
@@ -50,7 +50,7 @@ def _plan_html(state: State, number: int, words: Words) -> str:
     how = f"{strategy}, {guarantee}, plan {short(plan.digest)}"
     if len(row) > 1:
         # One line each: many plans leave room for the film.
-        remarks = (renumbered(one, first, plan.detections) for one in plan.remarks)
+        remarks = (renumber(remark, first, plan.detections) for remark in plan.remarks)
         tip = "; ".join(map(words.render, remarks)) or plan.digest
         how = f"Plan {number + 1}: {plan.cycle_seconds:.1f} s, {how}"
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
@@ -63,15 +63,15 @@ def _plan_html(state: State, number: int, words: Words) -> str:
 def _loads_html(state: State, plan: Plan) -> str:
     """What each arm carries, a line each, and one line where a mass is missing."""
     controller, lines = state.cell.controller, ""
-    for one in plan.arms:
-        if one.loads is None:
+    for arm in plan.arms:
+        if arm.loads is None:
             continue
-        tool, both = one.loads.tool.mass, one.loads.carried(True).mass
-        words = f"{one.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
+        tool, both = arm.loads.tool.mass, arm.loads.carried(True).mass
+        words = f"{arm.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
         if not controller.motion.takes_loads:
             words += f", not sent by {controller.link}"
-        lines += f'<div class="wb-small" title="{escape(one.loads.words)}">{escape(words)}</div>'
-    tools = {state.cell.arm(one.arm).tool.name for one in plan.arms if one.loads is None}
+        lines += f'<div class="wb-small" title="{escape(arm.loads.words)}">{escape(words)}</div>'
+    tools = {state.cell.arm(arm.arm).tool.name for arm in plan.arms if arm.loads is None}
     if tools and controller.motion.takes_loads:
         words = f"No load is sent: mass_g of {', '.join(sorted(tools))} is missing"
         lines += f'<div class="wb-small">{escape(words)}</div>'

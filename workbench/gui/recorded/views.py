@@ -56,7 +56,7 @@ def events_of(
 
 def place_of(events: Sequence[Event], number: int) -> int:
     """Which event a moment belongs to."""
-    place = next((k for k, one in enumerate(events) if number <= one.number), len(events) - 1)
+    place = next((k for k, event in enumerate(events) if number <= event.number), len(events) - 1)
     return max(place, 0)
 
 

@@ -94,9 +94,9 @@ def in_short(points: Floats) -> tuple[tuple[float, float, float], np.ndarray]:
 def in_boxes(points: Floats, obstacles: tuple[Obstacle, ...]) -> Bools:
     """Which points (n, 3) [m] of the world lie in one of the boxes, (n,)."""
     inside = np.zeros(len(points), np.bool_)
-    for one in obstacles:
-        T = one.T_world_box.inverse()
-        away = np.abs(points @ T.rotation.T + T.translation) - one.size / 2
+    for obstacle in obstacles:
+        T = obstacle.T_world_box.inverse()
+        away = np.abs(points @ T.rotation.T + T.translation) - obstacle.size / 2
         inside |= np.all(away <= SLACK, axis=1)
     return inside
 

@@ -3,7 +3,7 @@
 import viser
 
 from workbench.app.core.commands import EditPart, UndoCell
-from workbench.app.picking.fixing import applied
+from workbench.app.picking.fixing import make_fix_command
 from workbench.gui.shared.look import NO_HELP, Help, View
 from workbench.gui.shared.visitor import Visitor
 
@@ -47,5 +47,5 @@ class FixInputs:
 
     def _pressed(self) -> None:
         visitor, fix = self._visitor, self._help.fix
-        if fix is not None and visitor.ask(lambda: applied(visitor.bench.state, fix)):
+        if fix is not None and visitor.ask(lambda: make_fix_command(visitor.bench.state, fix)):
             visitor.look.change(fixed=visitor.bench.state.cell.digest)

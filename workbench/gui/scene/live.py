@@ -70,10 +70,10 @@ class DrawnVerdicts:
     def _paint_parts(self, dragged: Dragged) -> None:
         glance, cell = dragged.glance, dragged.state.cell
         able = set(glance.detections[glance.working].tolist())
-        for number, one in enumerate(dragged.state.detections or ()):
+        for number, detection in enumerate(dragged.state.detections or ()):
             colour = rgb_of(GOOD if number in able else BAD)
             if number not in self._meshes:
-                points, triangles = with_hard_edges(triangles_of(cell.part(one.part).mesh))
+                points, triangles = with_hard_edges(triangles_of(cell.part(detection.part).mesh))
                 self._meshes[number] = self._scene.add_mesh_simple(
                     f"/parts/part-{number + 1}/mesh", points, triangles, color=colour, opacity=0.9
                 )
@@ -120,13 +120,15 @@ def _covered(dragged: Dragged) -> Floats:
     """Corners (n, 3) [m] around what words must not lie upon: bin and parts, or one part alone."""
     cell, at = dragged.state.cell, dragged.T_world_words.translation
     unit = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-    reach = {one.name: float(np.linalg.norm(one.mesh.points, axis=1).max()) for one in cell.parts}
+    reach = {
+        part.name: float(np.linalg.norm(part.mesh.points, axis=1).max()) for part in cell.parts
+    }
     if np.linalg.norm(at - T_WORLD_STAGE.translation) < STAGE_SIZE:
         return T_WORLD_STAGE.translation + max(reach.values()) * unit
     half, T = np.asarray(cell.bin.size) / 2, cell.bin.T_world_bin
     corners = [(unit * half + [0.0, 0.0, half[2]]) @ T.rotation.T + T.translation, at[None]]
-    for one in dragged.state.detections or ():
-        corners.append(one.T_world_part.translation + reach[one.part] * unit)
+    for detection in dragged.state.detections or ():
+        corners.append(detection.T_world_part.translation + reach[detection.part] * unit)
     return np.concatenate(corners)
 
 

@@ -46,9 +46,9 @@ def draw_rejected(
 ) -> None:
     """Poses that a search has rejected, red and translucent."""
     scene.remove_by_name("/rejected")
-    for number, one in enumerate(rejected):
-        mesh = cell.part(one.part).mesh
-        add_body(scene, f"/rejected/{number + 1}", mesh, one.T_world_part, rgb_of(BAD), 0.25)
+    for number, hypothesis in enumerate(rejected):
+        mesh = cell.part(hypothesis.part).mesh
+        add_body(scene, f"/rejected/{number + 1}", mesh, hypothesis.T_world_part, rgb_of(BAD), 0.25)
 
 
 def draw_measured(scene: viser.SceneApi, points: tuple[Floats, ...]) -> None:

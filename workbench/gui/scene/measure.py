@@ -78,7 +78,7 @@ def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[So
     links = kinematics.link_poses(cell.joint_values(q))
     owners = [(links[link.name], link.visual or link.collision) for link in cell.robot.links]
     owners += [(links[arm.flange], arm.tool.body) for arm in cell.arms]
-    owners += [(one.T_world_fixture, one.solids) for one in cell.fixtures]
+    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
     return [*owners, (cell.bin.T_world_bin, cell.bin.solids)]
 
 

@@ -40,7 +40,7 @@ def free_words(state: State) -> str:
 def straight_words(state: State) -> str:
     """How near hand and part come on the straight ways of all that is to be carried out."""
     row = state.whole_row
-    bounds = [straight_bound(one.proof) for one in row]
+    bounds = [straight_bound(proven_plan.proof) for proven_plan in row]
     number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
     return _of_plan(row, number, _straight_words(state, row[number].proof))
 
@@ -66,7 +66,7 @@ def _nearest_words(state: State, plan: Plan, proof: Proof) -> str:
         run = _run(runs, place.arm, place.leg)
         words += f" at {run.start + spot.seconds:.2f} s{_others(runs, run, spot)}"
     # Parts by the numbers of the scan, that of the first plan.
-    first, second = (label_in(one, state.plans[0], plan.detections) for one in place.pair)
+    first, second = (label_in(body, state.plans[0], plan.detections) for body in place.pair)
     return f"{words}: {first} and {second}"
 
 
@@ -91,9 +91,11 @@ def go_html(text: str, button: str, tip: str) -> str:
 
 def proof_html(state: State, links: "PlanLinks") -> str:
     """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
-    for number, one in enumerate(state.whole_row):
-        if not one.proof.holds:
-            words = f"The proof does not hold: {links.render(one.proof.violations[0].message)}"
+    for number, proven_plan in enumerate(state.whole_row):
+        if not proven_plan.proof.holds:
+            words = (
+                f"The proof does not hold: {links.render(proven_plan.proof.violations[0].message)}"
+            )
             return line(_of_plan(state.whole_row, number, words), kind="bad")
     rows = [
         ("Free ways", free_words(state)),
@@ -133,17 +135,17 @@ class PlanLinks:
         self._visitor = visitor
         self._before = before
         self._nearest = visitor.unseen(self._go)
-        self._certificates = [visitor.unseen(partial(self._save, one)) for one in range(plans)]
+        self._certificates = [visitor.unseen(partial(self._save, index)) for index in range(plans)]
         visitor.hide((self._nearest, *self._certificates))
 
     def made(self, state: State) -> Mapping[str, str]:
         """HTML of what can be clicked, by the names of the lines that it stands in."""
-        name, told = certificate_row(state)
-        saves = zip(told.split(", "), self._certificates, strict=False)
+        name, value = certificate_row(state)
+        saves = zip(value.split(", "), self._certificates, strict=False)
         tip = "Saves what another machine can check"
         return {
             "Free ways": go_html(free_words(state), self._nearest, "Shows the plan there"),
-            name: ", ".join(go_html(one, button, tip) for one, button in saves),
+            name: ", ".join(go_html(words, button, tip) for words, button in saves),
         }
 
     def render(self, message: Message) -> str:
@@ -191,7 +193,7 @@ class PlanLinks:
 def _runs_of(state: State, plan: Plan) -> tuple[Run, ...]:
     """The legs of one plan of the row, on the clock of the whole row."""
     row = state.plans
-    place = next((place for place, one in enumerate(row) if one is plan), None)
+    place = next((place for place, proven_plan in enumerate(row) if proven_plan is plan), None)
     if place is None:
         return timeline(plan)
     return tuple(run for run in timeline(*row) if run.plan == place)

@@ -127,7 +127,7 @@ class Scene:
             or before.cell.bin is not state.cell.bin
         )
         if is_other_scan:
-            self._cloud = self._painted(state.scan, state.detections)
+            self._cloud = self._paint(state.scan, state.detections)
         are_other_obstacles = before is None or before.obstacles is not state.obstacles
         is_other_plan = before is None or before.plans != state.plans
         are_other_parts = before is None or before.detections is not state.detections
@@ -175,7 +175,7 @@ class Scene:
         self._lost.draw(new, self._kinematics)
         self._candidates.draw(old, new)
 
-    def _painted(
+    def _paint(
         self, scan: Scan | None, detections: tuple[Detection, ...] | None
     ) -> PaintedCloud | None:
         """What is drawn of a scan."""
@@ -304,11 +304,11 @@ class Scene:
         robot.pose(links, {arm: moment.opening for arm, moment in stands.items()})
 
 
-def is_other_robot(one: Cell, other: Cell) -> bool:
+def is_other_robot(first: Cell, second: Cell) -> bool:
     """Whether robot, arms or tools are drawn otherwise."""
 
     def drawn(cell: Cell) -> str:
         arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
         return digest_of((cell.robot, arms))
 
-    return drawn(one) != drawn(other)
+    return drawn(first) != drawn(second)

@@ -151,7 +151,7 @@ def add_solids(
 def drained(colour: Colour) -> Colour:
     """A grey for a colour of what nobody reports: what is lighter stays a little lighter."""
     lightness = float(np.dot(colour, LIGHTNESS))
-    red, green, blue = (round(one + KEPT * (lightness - one)) for one in NOT_REPORTED)
+    red, green, blue = (round(channel + KEPT * (lightness - channel)) for channel in NOT_REPORTED)
     return red, green, blue
 
 

@@ -68,7 +68,7 @@ class SearchInputs:
         self._asked: int | None = None
         self._rows = visitor.rows(MOST_ROWS, self._chosen)
         self._search.on_click(lambda _: self._search_again())
-        visitor.on_press(self._take, self._taken)
+        visitor.on_press(self._take, self._take_search)
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -100,16 +100,16 @@ class SearchInputs:
         look.change(search=chosen, searcher=visitor.number)
 
     def _search_again(self) -> None:
-        if self._visitor.ask(self._wanted):
+        if self._visitor.ask(self._make_command):
             job = self._visitor.bench.state.job
             self._asked = None if job is None else job.number
 
-    def _wanted(self) -> Command:
+    def _make_command(self) -> Command:
         overrides = SearchOverrides(float(self._detail.value) / 100, float(self._least.value))
         is_compared = bool(self._visitor.bench.state.detections)
         return FindParts(whole(self._seed.value), overrides, is_compared)
 
-    def _taken(self) -> Command:
+    def _take_search(self) -> Command:
         state = self._visitor.bench.state
         search = searched(state, self._visitor.look.now.search)
         if search is None:
@@ -121,7 +121,7 @@ class SearchInputs:
 
 def searched(state: State, number: int | None) -> Search | None:
     """The search with that number, if it is one of this scan."""
-    return next((one for one in state.searches if one.number == number), None)
+    return next((search for search in state.searches if search.number == number), None)
 
 
 def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence[str]) -> str:
@@ -143,18 +143,22 @@ def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence
 
 def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
     found = search.detections
-    gaps = [one.gap for one in found if one.gap is not None]
+    gaps = [detection.gap for detection in found if detection.gap is not None]
     values = (
         str(place + 1),
         f"{search.overrides.detail:.0%}",
         str(search.seed),
         str(len(found)),
-        f"{np.mean([one.score for one in found]):.2f}" if found else "",
+        f"{np.mean([detection.score for detection in found]):.2f}" if found else "",
         f"{np.mean(gaps):.2f}" if gaps else "",
         f"{search.seconds:.2f} s",
     )
     cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    tip = f"scores {', '.join(f'{one.score:.2f}' for one in found)}" if found else "no part"
+    tip = (
+        f"scores {', '.join(f'{detection.score:.2f}' for detection in found)}"
+        if found
+        else "no part"
+    )
     if search.overrides.least_score > 0:
         tip += f"; none below {search.overrides.least_score:.2f}"
     return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
@@ -164,6 +168,6 @@ def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None
     """The parts of a search beside those found, in a colour of their own."""
     scene.remove_by_name("/searched")
     search = searched(state, number)
-    for k, one in enumerate(search.detections if search is not None else ()):
-        mesh = state.cell.part(one.part).mesh
-        add_body(scene, f"/searched/{k}", mesh, one.T_world_part, COMPARED, 0.55)
+    for k, detection in enumerate(search.detections if search is not None else ()):
+        mesh = state.cell.part(detection.part).mesh
+        add_body(scene, f"/searched/{k}", mesh, detection.T_world_part, COMPARED, 0.55)

@@ -99,33 +99,39 @@ class DrawnBeside:
         No part is shown twice: on a station it is the one of the plan that comes and goes there.
         After a fault nobody knows where that is, and it may stand on the station as well.
         """
-        shown = tuple(one for one in view.state.placed if not _is_shown(view, one, Ts_world_part))
+        shown = tuple(
+            detection
+            for detection in view.state.placed
+            if not _is_shown(view, detection, Ts_world_part)
+        )
         if shown == self._drawn:
             return
         self._scene.remove_by_name("/placed")
         known = {part.name: part.mesh for part in view.state.cell.parts}
-        there = [one for one in view.state.placed if one.part in known]
-        for number, (one, T) in enumerate(zip(there, at_rest(view.state.cell, there), strict=True)):
-            if one in shown:
-                add_body(self._scene, f"/placed/{number}", known[one.part], T, BESIDE_BIN)
+        there = [detection for detection in view.state.placed if detection.part in known]
+        for number, (detection, T) in enumerate(
+            zip(there, at_rest(view.state.cell, there), strict=True)
+        ):
+            if detection in shown:
+                add_body(self._scene, f"/placed/{number}", known[detection.part], T, BESIDE_BIN)
         self._drawn = shown
 
 
-def _is_shown(view: View, one: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:
+def _is_shown(view: View, detection: Detection, Ts_world_part: Sequence[pin.SE3]) -> bool:
     """Whether what stands beside the bin is a part that the film of the plan has to show."""
     state = view.state
-    if state.phase is not Phase.FAULT and any(_are_one(T, one) for T in Ts_world_part):
+    if state.phase is not Phase.FAULT and any(_are_one(T, detection) for T in Ts_world_part):
         return True  # where the hand has just let go of it
     stand = [
         T
         for plan in state.plans
         for arm in plan.arms
-        if (T := stands_on_station(state.cell, plan, arm)) is not None and _are_one(T, one)
+        if (T := stands_on_station(state.cell, plan, arm)) is not None and _are_one(T, detection)
     ]
     is_filmed = state.phase is Phase.SENDING or not view.look.follows
-    return bool(stand) and (is_filmed or any(_are_one(T, one) for T in Ts_world_part))
+    return bool(stand) and (is_filmed or any(_are_one(T, detection) for T in Ts_world_part))
 
 
-def _are_one(T_world_part: pin.SE3, one: Detection) -> bool:
-    away = T_world_part.translation - one.T_world_part.translation
+def _are_one(T_world_part: pin.SE3, detection: Detection) -> bool:
+    away = T_world_part.translation - detection.T_world_part.translation
     return float(np.linalg.norm(away)) < SAME

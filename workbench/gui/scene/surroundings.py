@@ -143,7 +143,7 @@ def nodes_with(
     match thing:
         case "bin":
             regions = enumerate(cell.bin.regions)
-            return {"/bin": T} | {f"/regions/{k}": T * one.T_bin_region for k, one in regions}
+            return {"/bin": T} | {f"/regions/{k}": T * region.T_bin_region for k, region in regions}
         case "scanner":
             return {"/scanner": T}
         case "robot":
@@ -151,11 +151,13 @@ def nodes_with(
             root = ROBOT_CHECKED if as_checked else DRAWN_ROBOT
             return {root: T * cell.T_world_robot.inverse()}
         case _:
-            if any(one.name == thing for one in cell.fixtures):
-                on_it = (one for one in cell.stations if one.fixture == thing)
-                stations = {f"/stations/{one.name}": T * one.T_base_station for one in on_it}
+            if any(fixture.name == thing for fixture in cell.fixtures):
+                on_it = (station for station in cell.stations if station.fixture == thing)
+                stations = {
+                    f"/stations/{station.name}": T * station.T_base_station for station in on_it
+                }
                 return {f"/fixtures/{thing}": T} | stations
-            names = [name_of_region(one) for one in cell.bin.regions]
+            names = [name_of_region(region) for region in cell.bin.regions]
             return {f"/regions/{names.index(thing)}": T} if thing in names else {}
 
 
@@ -260,7 +262,7 @@ def interesting_points(cell: Cell) -> Floats:
         for x, y, z in itertools.product((-1, 1), (-1, 1), (0, 1))
     ]
     Ts = [T for arm in cell.arms for T in arm.Ts_world_place]
-    Ts += [one.T_world_part for arm in cell.arms for one in arm.part_places]
+    Ts += [part_place.T_world_part for arm in cell.arms for part_place in arm.part_places]
     places = [T.translation + beside for T in Ts for beside in BESIDE]
     links = [T.translation for T in Kinematics(cell).link_poses({}).values()]
     return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])

@@ -146,7 +146,7 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
         ),
         ("In the bin", f"what is found moves by {mm(shift)}"),
         ("Poses agree to", f"{mm(found.rms, 2)} RMS, {found.used} used"),
-        ("Predicted by the others", _predicted(found)),
+        ("Predicted by the others", _prediction_words(found)),
         (
             "Sure to",
             f"{mm(found.position_error, 2)} and {np.rad2deg(found.angle_error):.3f}° (standard "
@@ -157,7 +157,7 @@ def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
     return table_html(rows) + corners_html(cell, found) + (line(more, kind="hint") if more else "")
 
 
-def _predicted(found: Calibration) -> str:
+def _prediction_words(found: Calibration) -> str:
     """Each pose by those without it."""
     worst, rms = found.worst_predicted, found.predicted_rms
     if worst is None or worst.predicted is None:
@@ -187,15 +187,17 @@ def corners_html(cell: Cell, found: Calibration) -> str:
     )
 
 
-def next_html(one: NextPose) -> str:
+def next_html(pose: NextPose) -> str:
     """How the plate gets to a suggested pose, and what that would bring."""
-    steps = "".join(line(f"{number}. {sentence(step)}") for number, step in enumerate(one.steps, 1))
+    steps = "".join(
+        line(f"{number}. {sentence(step)}") for number, step in enumerate(pose.steps, 1)
+    )
     return (
-        line(f"From {one.after} on, with the plate as it is held:")
+        line(f"From {pose.after} on, with the plate as it is held:")
         + steps
         + line(
-            f"The worst corner of the bin would be seen to {mm(one.error_with, 2)} "
-            f"instead of {mm(one.error, 2)}."
+            f"The worst corner of the bin would be seen to {mm(pose.error_with, 2)} "
+            f"instead of {mm(pose.error, 2)}."
         )
     )
 

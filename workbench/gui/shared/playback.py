@@ -88,9 +88,9 @@ def timeline(*row: Plan) -> tuple[Run, ...]:
     for place, plan in enumerate(row):
         for step in plan.sequence:
             legs = [(plan.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
-            for one, leg in legs:
-                does = _does(row, place, one, leg)
-                runs.append(Run(one.arm, leg, clock, clock + leg.seconds, place, does))
+            for arm_plan, leg in legs:
+                does = _does(row, place, arm_plan, leg)
+                runs.append(Run(arm_plan.arm, leg, clock, clock + leg.seconds, place, does))
             clock += max((leg.seconds for _, leg in legs), default=0.0)
     return tuple(runs)
 
@@ -112,18 +112,20 @@ def sync_points(runs: tuple[Run, ...]) -> tuple[SyncPoint, ...]:
     return tuple(found)
 
 
-def _does(row: Sequence[Plan], place: int, one: ArmPlan, leg: Leg) -> str:
+def _does(row: Sequence[Plan], place: int, arm_plan: ArmPlan, leg: Leg) -> str:
     """What a leg does with a part that goes over a station; empty where that is nothing special.
 
     Straight to the part on the station and straight up with it is one thing for people.
     """
-    if one.station:
+    if arm_plan.station:
         return ON_STATION if leg.name == "place" else ""
-    stands = row[place].detections[one.detection].T_world_found is not None
+    stands = row[place].detections[arm_plan.detection].T_world_found is not None
     if not stands or leg.name not in STRAIGHT:
         return ""
-    before = [other.arm for other in row[place - 1].arms if other.station] if place else [one.arm]
-    return AGAIN if one.arm in before else OVER
+    before = (
+        [other.arm for other in row[place - 1].arms if other.station] if place else [arm_plan.arm]
+    )
+    return AGAIN if arm_plan.arm in before else OVER
 
 
 def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, Moment]:
@@ -246,8 +248,8 @@ def in_hands(
         run = latest(runs, arm.name, time)
         if run is not None and run.leg.holding:
             plan = row[run.plan]
-            one = plan.arm(arm.name)
-            found[arm.name] = plan.detections[one.detection].part, one.T_tcp_part
+            arm_plan = plan.arm(arm.name)
+            found[arm.name] = plan.detections[arm_plan.detection].part, arm_plan.T_tcp_part
     return found
 
 

@@ -85,7 +85,7 @@ def plot_html(plot: Plot, end: float, slider: str = "") -> str:
     """
     low, high = plot.bounds
     begin = min(0.0, float(plot.times[0])) if slider else float(plot.times[0])
-    lines = "".join(_line(plot.times, one, (low, high), (begin, end)) for one in plot.curves)
+    lines = "".join(_line(plot.times, curve, (low, high), (begin, end)) for curve in plot.curves)
     across = "".join(
         f'<i class="wb-grid" style="bottom:{_share(tick, low, high):.2f}%"><b>{tick:g}</b></i>'
         for tick in ticks(low, high)
@@ -105,7 +105,7 @@ def legend_html(plot: Plot, time: float | None = None) -> str:
     """The names of the curves, with their values at a time [s]."""
 
     def value(curve: Curve) -> str:
-        return "" if time is None else f" <b>{_said(_at(plot.times, curve.values, time))}</b>"
+        return "" if time is None else f" <b>{_format(_at(plot.times, curve.values, time))}</b>"
 
     entries = "".join(
         f'<span class="wb-leg"><i style="background:{curve.colour}"></i>{escape(curve.name)}'
@@ -157,7 +157,7 @@ def _at(times: Floats, values: Floats, time: float) -> float:
     return float(values[min(max(place, 0), len(values) - 1)])
 
 
-def _said(value: float) -> str:
+def _format(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else "-"
 
 

@@ -79,15 +79,15 @@ def holds(candidate: Candidate, typed: str, words: Words = IN_ENGLISH) -> bool:
 def stages_html(candidates: Sequence[Candidate], words: Words = IN_ENGLISH) -> str:
     """How many candidates came to each stage, and how many it refused, as `explain` counts them."""
     refused = Counter(c.verdict.stage for c in candidates if not c.verdict.is_ok)
-    left, told = len(candidates), list[str]()
+    left, lines = len(candidates), list[str]()
     for stage in Stage:
         if refused[stage]:
-            told.append(
+            lines.append(
                 f"{escape(words.render(stage.message))} <b>{left}</b> \u2212{refused[stage]}"
             )
         left -= refused[stage]
-    told.append(f"remaining <b>{left}</b>")
-    return f'<div class="wb-stages">{", ".join(told)}</div>'
+    lines.append(f"remaining <b>{left}</b>")
+    return f'<div class="wb-stages">{", ".join(lines)}</div>'
 
 
 def ordered(
@@ -126,15 +126,15 @@ def clickable(button: str) -> str:
     return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
 
 
-def told_css(told: Mapping[str, str]) -> str:
+def told_css(words: Mapping[str, str]) -> str:
     """Rules by which the style sheet shows a text for each button: viser shows none for them.
 
     Args:
-        told: by the id of the button.
+        words: by the id of the button.
     """
     return "".join(
         f'div:has(> [id="{button}"]){{--wb-told:"{css_text(text)}"}}'
-        for button, text in told.items()
+        for button, text in words.items()
         if text
     )
 

@@ -35,7 +35,7 @@ def things(cell: Cell) -> tuple[str, ...]:
         for number in range(1, len(arm.part_places) + 1)
     ]
     tcps = [f"{TCP} {name}" for name in _carriers(cell)]
-    regions = [name_of_region(one) for one in cell.bin.regions]
+    regions = [name_of_region(region) for region in cell.bin.regions]
     fixtures = [fixture.name for fixture in cell.fixtures]
     return (BIN, *regions, SCANNER, ROBOT, *fixtures, *places, *tcps)
 
@@ -65,8 +65,8 @@ def _carriers(cell: Cell) -> dict[str, Arm]:
 @lru_cache(maxsize=8)
 def _flange(cell: Cell, arm: str) -> pin.SE3:
     """`T_world_flange` of an arm at home."""
-    one = cell.arm(arm)
-    return Kinematics(cell).tcp_pose(one, one.home) * one.tool.T_flange_tcp.inverse()
+    arm_plan = cell.arm(arm)
+    return Kinematics(cell).tcp_pose(arm_plan, arm_plan.home) * arm_plan.tool.T_flange_tcp.inverse()
 
 
 def _tool(arm: Arm, name: str) -> Tool:
@@ -120,15 +120,17 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
         case _:
             if any(fixture.name == thing for fixture in cell.fixtures):
                 fixtures = tuple(
-                    replace(one, T_world_fixture=T) if one.name == thing else one
-                    for one in cell.fixtures
+                    replace(fixture, T_world_fixture=T) if fixture.name == thing else fixture
+                    for fixture in cell.fixtures
                 )
                 return {"fixtures": fixtures}
             if any(name_of_region(region) == thing for region in cell.bin.regions):
                 T_bin_region = cell.bin.T_world_bin.inverse() * T
                 regions = tuple(
-                    replace(one, T_bin_region=T_bin_region) if name_of_region(one) == thing else one
-                    for one in cell.bin.regions
+                    replace(region, T_bin_region=T_bin_region)
+                    if name_of_region(region) == thing
+                    else region
+                    for region in cell.bin.regions
                 )
                 return {"bin": replace(cell.bin, regions=regions)}
             if tool := tool_of(cell, thing):
@@ -145,13 +147,13 @@ def moving(cell: Cell, thing: str, T: pin.SE3) -> dict[str, Any]:
 
 def _with_pallet(places: tuple[PartPlace, ...], number: int, T: pin.SE3) -> tuple[PartPlace, ...]:
     """The places with one somewhere else; those of a pallet in layers go along with it."""
-    one = places[number]
-    T_new_old = T * one.T_world_part.inverse()
+    place = places[number]
+    T_new_old = T * place.T_world_part.inverse()
     return tuple(
         replace(other, T_world_part=T)
-        if other is one
+        if other is place
         else replace(other, T_world_part=T_new_old * other.T_world_part)
-        if one.pallet and other.pallet == one.pallet
+        if place.pallet and other.pallet == place.pallet
         else other
         for other in places
     )
@@ -169,7 +171,7 @@ def with_home(cell: Cell, arm: str, home: Floats) -> Cell:
 
 def with_tool(cell: Cell, arm: str, tool: str) -> Cell:
     """The cell with another of an arm's tools mounted."""
-    mounted = next(one for one in cell.arm(arm).tools if one.name == tool)
+    mounted = next(known_tool for known_tool in cell.arm(arm).tools if known_tool.name == tool)
     return _with_arm(cell, arm, tool=mounted)
 
 

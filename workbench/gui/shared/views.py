@@ -64,7 +64,7 @@ def clock(at: float) -> str:
 
 def when(at: float, now: float) -> str:
     """A time, local, with its zone; with its day where that is not today."""
-    day, today = (time.strftime("%Y-%m-%d", time.localtime(one)) for one in (at, now))
+    day, today = (time.strftime("%Y-%m-%d", time.localtime(moment)) for moment in (at, now))
     return clock(at) if day == today else f"{day} {clock(at)}"
 
 
@@ -141,7 +141,9 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         case Phase.SENDING:
             return _box("busy", escape(said(state.message, words)), parts_placed(state))
         case Phase.DONE:
-            is_good = all(one.is_picked for one in state.outcomes) and not is_failure(state.message)
+            is_good = all(outcome.is_picked for outcome in state.outcomes) and not is_failure(
+                state.message
+            )
             return _box("good" if is_good else "fault", escape(said(state.message, words)))
         case _:
             text = said(state.message, words) or "Ready. Take a scan to begin."
@@ -161,7 +163,7 @@ def changes_html(state: State) -> str:
         f"This has changed since {state.changed_since}; "
         "nothing is sent before an engineer acknowledges it:"
     )
-    listed = "".join(f"<li>{escape(one)}</li>" for one in state.changed)
+    listed = "".join(f"<li>{escape(change)}</li>" for change in state.changed)
     head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
@@ -244,7 +246,7 @@ def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | 
     if check is not None:
         parts = parts_in_words(state.cell, check, state.detections)
     found = f"{parts}, score {scores}{more}"
-    warnings = (line(f"{sentence(one)}.", kind="bad", span=2) for one in wrong_sizes)
+    warnings = (line(f"{sentence(size)}.", kind="bad", span=2) for size in wrong_sizes)
     return line(found, span=2, tip=purpose) + "".join(warnings)
 
 
@@ -293,7 +295,7 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
     takes = _takes(state)
     text = f"{takes}, {clearance_words(proof, words)}"
-    unknown = sum(not one.part for one in plan.obstacles)
+    unknown = sum(not obstacle.part for obstacle in plan.obstacles)
     if unknown:
         text += f", clear of {unknown} unknown obstacles"
     text = sentence("; ".join((text, *map(words.render, plan.remarks))))

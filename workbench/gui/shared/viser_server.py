@@ -95,7 +95,7 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
     keep_icons()
     infra: Any = _infra
     infra.AsyncMessageBuffer = Messages
-    with _quiet(), _guarded(secret):
+    with _quiet(), _guard(secret):
         server = viser.ViserServer(host=host, port=port, verbose=False)
     if port not in (0, server.get_port()):
         close_viser(server)
@@ -127,8 +127,8 @@ def language_of(client: viser.ClientHandle) -> str:
     if connection is None or connection.request is None:
         return ENGLISH
     headers = connection.request.headers
-    told = known(headers.get(LANGUAGE, ""))
-    return told or first_guess(", ".join(headers.get_all("Accept-Language")))
+    language = known(headers.get(LANGUAGE, ""))
+    return language or first_guess(", ".join(headers.get_all("Accept-Language")))
 
 
 def person_of(client: viser.ClientHandle) -> Person:
@@ -209,7 +209,7 @@ def is_own_page(origin: str | None, asked_for: str, host: str) -> bool:
 
 
 @contextlib.contextmanager
-def _guarded(secret: str | None) -> Generator[None]:
+def _guard(secret: str | None) -> Generator[None]:
     """Have the server that viser starts in this block look at each request before viser does."""
     module = websockets.asyncio.server
     with _starting:

@@ -234,8 +234,8 @@ class Visitor:
                 self._told.setdefault(element_id(control), control.hint or "")
         # Texts within styles are nothing that a translation of HTML finds.
         say = self.words.say
-        named = {one: (say(x), say(y), say(z)) for one, (x, y, z) in self._named.items()}
-        rules = named_css(named) + told_css({one: say(told) for one, told in self._told.items()})
+        named = {key: (say(x), say(y), say(z)) for key, (x, y, z) in self._named.items()}
+        rules = named_css(named) + told_css({key: say(text) for key, text in self._told.items()})
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)

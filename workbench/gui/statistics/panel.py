@@ -72,7 +72,7 @@ class StatisticsPanel:
 def _stages(cycles: Sequence[CycleRecord]) -> str:
     """How long the stages took, cycle after cycle."""
     curves = tuple(
-        Curve(stage, JOINTS[k], np.array([one.seconds.get(stage, np.nan) for one in cycles]))
+        Curve(stage, JOINTS[k], np.array([cycle.seconds.get(stage, np.nan) for cycle in cycles]))
         for k, stage in enumerate(("find parts", "plan", "send"))
     )
     numbers = np.arange(1.0, len(cycles) + 1)

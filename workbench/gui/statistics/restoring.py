@@ -71,8 +71,8 @@ class RestoreControls:
             hint="What is there now is kept as a backup first.",
         )
         self._pick.on_upload(self._uploaded)
-        self._kept.on_update(self._taken)
-        self._restore.on_click(lambda _: self._wanted())
+        self._kept.on_update(self._on_take)
+        self._restore.on_click(lambda _: self._on_wanted())
         visitor.on_end(self._forget)
 
     def show(self, view: View) -> None:
@@ -103,7 +103,7 @@ class RestoreControls:
             return
         self._look(Chosen(name, lambda: uploaded(name, content)))
 
-    def _taken(self, event: Any) -> None:
+    def _on_take(self, event: Any) -> None:
         if event.client is not None and event.target.value != NONE:
             name = event.target.value
             self._look(Chosen(name, lambda: nullcontext(BACKUPS / name)))
@@ -115,9 +115,9 @@ class RestoreControls:
         self._forget()
         self._wanted_look = chosen
         self._told.content = line(f"{chosen.name}: being read …", kind="hint")
-        self._begin(lambda: self._looked(chosen))
+        self._begin(lambda: self._show_content(chosen))
 
-    def _looked(self, chosen: Chosen) -> None:
+    def _show_content(self, chosen: Chosen) -> None:
         with chosen.opened() as file:
             things = look_apart(file, Path.cwd(), cancelled=lambda: self._wanted_look is not chosen)
         if self._wanted_look is not chosen:
@@ -125,18 +125,18 @@ class RestoreControls:
         self._chosen, self._things = chosen, things
         self._told.content = things_html(chosen.name, things)
 
-    def _wanted(self) -> None:
+    def _on_wanted(self) -> None:
         chosen = self._chosen
         if chosen is not None and self._visitor.attempt(self._check):
             self._told.content = line(f"{chosen.name}: being restored …", kind="hint")
-            self._begin(lambda: self._restored(chosen))
+            self._begin(lambda: self._on_restored(chosen))
 
     def _check(self) -> None:
         # A button that is disabled is only a courtesy.
         if problem := self._problem(self._visitor.bench.state):
             raise CommandRefused(problem)
 
-    def _restored(self, chosen: Chosen) -> None:
+    def _on_restored(self, chosen: Chosen) -> None:
         if not BUSY.acquire(blocking=False):
             raise CommandRefused("somebody restores a backup just now")
         try:
@@ -148,7 +148,7 @@ class RestoreControls:
             self._check()  # that may have taken a while
             with chosen.opened() as file:
                 things = restore_apart(file, Path.cwd())
-            changed = [f"{one.kind}/{one.name}" for one in things if changes_any((one,))]
+            changed = [f"{thing.kind}/{thing.name}" for thing in things if changes_any((thing,))]
             said = {"by": self._visitor.person.name, "restored": chosen.name, "before": before.name}
             add_line(BACKUPS / LOG, {"at": utc(at), **said, "changed": changed})
         finally:

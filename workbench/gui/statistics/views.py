@@ -47,11 +47,11 @@ FATES: Mapping[str, str] = {
 def things_html(name: str, things: Sequence[Thing]) -> str:
     """What a backup would change, thing by thing."""
     return line(f"What {name} would change:") + table_html(
-        [(_named(thing), FATES[thing.fate]) for thing in things]
+        [(_label(thing), FATES[thing.fate]) for thing in things]
     )
 
 
-def _named(thing: Thing) -> str:
+def _label(thing: Thing) -> str:
     match thing.kind:
         case "robots":
             return f"Cell {thing.name}"

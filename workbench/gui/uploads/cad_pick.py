@@ -103,8 +103,8 @@ class CadPick:
 
     def show(self, *, visible: bool) -> None:
         """Show the controls, or hide them."""
-        for one in (self._pick, self._line, self._unit):
-            one.visible = visible
+        for control in (self._pick, self._line, self._unit):
+            control.visible = visible
         # viser 1.1.1 shows a button for files whatever its `visible` says.
         self._style.content = hidden_css([] if visible else [element_id(self._pick)])
 

@@ -78,17 +78,17 @@ def sent_poses(
 
 def look_at_file(file: Path, unit: str, solid: str) -> Answer:
     """As `cad_look`."""
-    return _told(look_at(file, unit, solid))
+    return _make_answer(look_at(file, unit, solid))
 
 
 def scan_in_file(file: Path, mount: Any) -> Answer:
     """As `sent_scan`; the mount is in canonical form."""
-    return _told(read_scan(file, restored(ScannerMount, mount, _nothing)))
+    return _make_answer(read_scan(file, restored(ScannerMount, mount, _nothing)))
 
 
 def poses_in_file(file: Path, part: str) -> Answer:
     """As `sent_poses`."""
-    return _told(read_poses(file, part))
+    return _make_answer(read_poses(file, part))
 
 
 def _read(
@@ -99,10 +99,12 @@ def _read(
     return restored(kind, answer.told, lambda digest: answer.arrays[digest].data)
 
 
-def _told(value: Any) -> Answer:
+def _make_answer(value: Any) -> Answer:
     """A value as what comes back: its canonical form, and its large arrays by their digests."""
     arrays = large_arrays(value)
-    return Answer(canonical(value), {one: np.frombuffer(arrays[one], np.uint8) for one in arrays})
+    return Answer(
+        canonical(value), {array: np.frombuffer(arrays[array], np.uint8) for array in arrays}
+    )
 
 
 def _nothing(digest: str) -> bytes:

@@ -10,8 +10,8 @@ from workbench.formats.meshes.cad_look import CadLook
 
 def size_words(name: str, size: int) -> str:
     """A file with its size [bytes]; a small one has no 0.00 MB."""
-    told = f"{size / MB:.1f} MB" if size >= MB else f"{math.ceil(size / 1000)} kB"
-    return f"{name}, {told}"
+    words = f"{size / MB:.1f} MB" if size >= MB else f"{math.ceil(size / 1000)} kB"
+    return f"{name}, {words}"
 
 
 def look_words(look: CadLook) -> str:

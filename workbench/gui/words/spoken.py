@@ -29,7 +29,7 @@ def speak(client: viser.ClientHandle, words: Words) -> None:
     said = _by_field(words)
 
     def queue_said(message: Any) -> None:
-        queue(_said(message, said, words, choices))
+        queue(_translate(message, said, words, choices))
 
     async def heard(client_id: Any, message: Any) -> None:
         english = choices.get(getattr(message, "uuid", ""))
@@ -64,7 +64,7 @@ def _by_field(words: Words) -> Mapping[str, Say]:
     }
 
 
-def _said(
+def _translate(
     message: Any,
     said: Mapping[str, Say],
     words: Words,
@@ -102,12 +102,12 @@ def _fields(fields: Mapping[str, Any], said: Mapping[str, Say]) -> dict[str, Any
     }
 
 
-def _with(one: Any, fields: Mapping[str, Any]) -> Any:
+def _with(message: Any, fields: Mapping[str, Any]) -> Any:
     """A copy with other fields: what is queued is not what the widget holds."""
-    one = copy.copy(one)
+    message = copy.copy(message)
     for name, value in fields.items():
-        setattr(one, name, value)
-    return one
+        setattr(message, name, value)
+    return message
 
 
 def _choices(options: tuple[str, ...], words: Words) -> dict[str, str]:

@@ -88,7 +88,7 @@ def _arg(form: Any, depth: int) -> Any:
         case {"id": _}:
             return message_of(form, depth - 1)
         case list():
-            return tuple(_arg(one, depth - 1) for one in cast(list[Any], form))
+            return tuple(_arg(item, depth - 1) for item in cast(list[Any], form))
         case str() | int() | float():
             return form
         case _:

@@ -153,15 +153,15 @@ class Message:
 
     def renumbered(self, number: "Callable[[int], int | Message]") -> "Message":
         """The message with its parts by the indices in another list, or as another message."""
-        return Message(self.text, {name: _renumbered(a, number) for name, a in self.args.items()})
+        return Message(self.text, {name: _renumber(a, number) for name, a in self.args.items()})
 
     def part(self, text: Text) -> "Message | None":
         """The first message of a text in it, which it may be itself; None where there is none."""
         if self.text is text:
             return self
         for arg in self.args.values():
-            for one in cast(tuple[Any, ...], arg) if isinstance(arg, tuple) else (arg,):
-                found = one.part(text) if isinstance(one, Message) else None
+            for item in cast(tuple[Any, ...], arg) if isinstance(arg, tuple) else (arg,):
+                found = item.part(text) if isinstance(item, Message) else None
                 if found is not None:
                     return found
         return None
@@ -197,9 +197,9 @@ def as_message(said: Message | str) -> Message:
 def all_of(messages: Iterable[Message | None]) -> Message | None:
     """Several messages as one, with semicolons between them; None for none."""
     whole: Message | None = None
-    for one in messages:
-        if one is not None:
-            whole = one if whole is None else Others.ALSO(first=whole, last=one)
+    for message in messages:
+        if message is not None:
+            whole = message if whole is None else Others.ALSO(first=whole, last=message)
     return whole
 
 
@@ -219,25 +219,25 @@ def _english(text: Text) -> str:
 
 def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
     if "|" in how:
-        one, several = how.split("|")
-        return one if arg == 1 else several
+        singular, several = how.split("|")
+        return singular if arg == 1 else several
     if how in UNITS:
         factor, digits, unit = UNITS[how]
         return f"{arg * factor + 0.0:.{digits}f}{unit}"
     if isinstance(arg, tuple):
-        return _listed(cast(tuple[Any, ...], arg), how, template_of)
+        return _join_list(cast(tuple[Any, ...], arg), how, template_of)
     return arg.rendered(template_of) if isinstance(arg, Message) else str(arg)
 
 
-def _listed(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
-    shown = [_shown(one, "", template_of) for one in args]
+def _join_list(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
+    shown = [_shown(arg, "", template_of) for arg in args]
     joint = {"and": Others.AND, "or": Others.OR}.get(how)
     if joint is None or len(shown) < 2:
         return ", ".join(shown)
     return joint(first=", ".join(shown[:-1]), last=shown[-1]).rendered(template_of)
 
 
-def _renumbered(arg: Any, number: Callable[[int], int | Message]) -> Any:
+def _renumber(arg: Any, number: Callable[[int], int | Message]) -> Any:
     match arg:
         case FoundPart():
             new = number(arg.index)
@@ -245,7 +245,7 @@ def _renumbered(arg: Any, number: Callable[[int], int | Message]) -> Any:
         case Message():
             return arg.renumbered(number)
         case tuple():
-            return tuple(_renumbered(one, number) for one in cast(tuple[Any, ...], arg))
+            return tuple(_renumber(item, number) for item in cast(tuple[Any, ...], arg))
         case _:
             return arg
 
@@ -257,7 +257,7 @@ def _form(arg: Any) -> Any:
         case Message():
             return arg.form
         case tuple():
-            return [_form(one) for one in cast(tuple[Any, ...], arg)]
+            return [_form(item) for item in cast(tuple[Any, ...], arg)]
         case str():
             return arg
         case float():

@@ -147,6 +147,6 @@ def violation_message(
     elif arm:
         said = ViolationText.BY_ARM(arm=arm, problem=problem)
     if pair is not None:
-        one, other = map(found_part, pair)
-        said = ViolationText.PAIR(violation=said, one=one, other=other)
+        first, second = map(found_part, pair)
+        said = ViolationText.PAIR(violation=said, one=first, other=second)
     return said if distance is None else ViolationText.CLEARANCE(violation=said, far=distance)

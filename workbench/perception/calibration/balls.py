@@ -77,7 +77,7 @@ def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
         start = np.median(votes[votes_tree.query_ball_point(votes[number], NEAR * radius)], axis=0)
         if any(np.linalg.norm(start - centre) < radius for centre in centres):
             continue
-        fit = _fitted(tree, normals, start, radius)
+        fit = _fit(tree, normals, start, radius)
         if fit is not None and all(np.linalg.norm(fit[0] - c) > radius for c in centres):
             centres.append(fit[0])
             spreads.append(fit[1])
@@ -86,7 +86,7 @@ def find_balls(points: Floats, radius: float) -> tuple[Floats, Floats]:
     return np.array(centres).reshape(-1, 3)[order], np.array(spreads)[order]
 
 
-def _fitted(
+def _fit(
     tree: Any, normals: Floats, centre: Floats, radius: float
 ) -> tuple[Floats, float, int] | None:
     """The centre by least squares, the spread [m] and the number of its points, if it is a ball."""

@@ -107,7 +107,7 @@ def _check(poses: Sequence[PlatePose]) -> None:
     distinct: list[PlatePose] = []
     same: list[str] = []
     for pose in poses:
-        twin = next((one for one in distinct if _is_same(one, pose)), None)
+        twin = next((plate_pose for plate_pose in distinct if _is_same(plate_pose, pose)), None)
         if twin is None:
             distinct.append(pose)
         else:
@@ -136,8 +136,8 @@ def _check(poses: Sequence[PlatePose]) -> None:
         )
 
 
-def _is_same(one: PlatePose, other: PlatePose) -> bool:
-    distance, angle = shift_and_turn(one.T_world_flange.actInv(other.T_world_flange))
+def _is_same(plate_pose: PlatePose, other: PlatePose) -> bool:
+    distance, angle = shift_and_turn(plate_pose.T_world_flange.actInv(other.T_world_flange))
     return distance < SAME[0] and angle < SAME[1]
 
 

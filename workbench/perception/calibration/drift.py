@@ -111,18 +111,18 @@ def estimated(sightings: Sequence[Sighting]) -> Estimate:
     what they leave over, where there are enough of them.
     """
     sums, pulls = np.zeros((6, 6)), np.zeros(6)
-    for one in sightings:
-        pull = one.slopes.T @ one.information
-        sums, pulls = sums + pull @ one.slopes, pulls + pull @ one.off
+    for sighting in sightings:
+        pull = sighting.slopes.T @ sighting.information
+        sums, pulls = sums + pull @ sighting.slopes, pulls + pull @ sighting.off
     values, axes = np.linalg.eigh(sums * np.outer(SCALE, SCALE))
     is_held = values > UNSEEN * max(values[-1], 1e-300)
     axes = axes[:, is_held] * SCALE[:, None]
     moved = axes @ ((axes.T @ pulls) / values[is_held])
     left = numbers = 0.0
-    for one in sightings:
-        off = one.off - one.slopes @ moved
-        left += off @ one.information @ off
-        numbers += np.linalg.matrix_rank(one.information, hermitian=True)
+    for sighting in sightings:
+        off = sighting.off - sighting.slopes @ moved
+        left += off @ sighting.information @ off
+        numbers += np.linalg.matrix_rank(sighting.information, hermitian=True)
     freedom = numbers - np.count_nonzero(is_held)
     spread = max(1.0, left / freedom) if freedom > 0 else 1.0
     back = axes / SCALE[:, None] ** 2
@@ -136,17 +136,21 @@ def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
         sightings: since the calibration, of one place of bin and fixtures.
     """
     by_thing: defaultdict[tuple[str, Kind], list[Sighting]] = defaultdict(list)
-    for one in sightings:
-        by_thing[(PARTS if one.kind == "part" else one.thing, one.kind)].append(one)
+    for sighting in sightings:
+        by_thing[(PARTS if sighting.kind == "part" else sighting.thing, sighting.kind)].append(
+            sighting
+        )
     tests = 6 * max(1, sum(kind != "part" for _, kind in by_thing))
-    order = sorted(by_thing, key=lambda one: (("bin", "fixture", "part").index(one[1]), one[0]))
+    order = sorted(
+        by_thing, key=lambda thing: (("bin", "fixture", "part").index(thing[1]), thing[0])
+    )
     return tuple(_course(*key, by_thing[key], CHANCE / tests) for key in order)
 
 
 def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float) -> Course:
     by_day: defaultdict[int, list[Sighting]] = defaultdict(list)
-    for one in sightings:
-        by_day[int(one.at // DAY)].append(one)
+    for sighting in sightings:
+        by_day[int(sighting.at // DAY)].append(sighting)
     days = np.array(sorted(by_day))
     moved = np.full((len(days), 6), np.nan)
     for row, day in enumerate(days.tolist()):

@@ -67,40 +67,42 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
             middle.
         distance: [m] from there to the scanner.
     """
-    told = courses(sightings)
-    fixed = [one for one in told if one.kind == "fixture"]
-    steady = [one for one in fixed if not any(_disagree(one, other).any() for other in fixed)]
-    has_drifted = any(one.is_told.any() for one in steady)
-    put_down = _recent([one for one in sightings if one.kind == "part"], has_drifted)
+    drifts = courses(sightings)
+    fixed = [course for course in drifts if course.kind == "fixture"]
+    steady = [
+        course for course in fixed if not any(_disagree(course, other).any() for other in fixed)
+    ]
+    has_drifted = any(course.is_told.any() for course in steady)
+    put_down = _recent([sighting for sighting in sightings if sighting.kind == "part"], has_drifted)
     by_parts = told_by_parts(put_down) if len(put_down) >= FEWEST_PARTS else None
-    drifted = [one.thing for one in steady if one.is_told.any()]
+    drifted = [course.thing for course in steady if course.is_told.any()]
     others = list(steady)
     if by_parts is not None:
-        others += [_as_change(by_parts, one) for one in told if one.kind == "part"]
+        others += [_as_change(by_parts, course) for course in drifts if course.kind == "part"]
         if _is_off(by_parts, prior).any():
             drifted.append(PARTS)
     seen = np.zeros(6, bool)
-    for one in others:
-        seen |= np.isfinite(one.change)
+    for course in others:
+        seen |= np.isfinite(course.change)
     is_bin_off = any(
-        (one.is_told & (~seen | _disagree(one, other))).any()
-        for one in told
-        if one.kind == "bin"
-        for other in others or [one]
+        (course.is_told & (~seen | _disagree(course, other))).any()
+        for course in drifts
+        if course.kind == "bin"
+        for other in others or [course]
     )
     left = tuple(name for name, is_seen in zip(DIRECTIONS, seen, strict=True) if not is_seen)
     moved = covariance = None
     if has_drifted or by_parts is not None:
         moved, covariance = _together(prior, steady if has_drifted else [], by_parts, distance)
-    return Drift(told, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
+    return Drift(drifts, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
 def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
     """Those of the last days, where what was before is of a scanner that hung elsewhere."""
     if not has_drifted or not put_down:
         return put_down
-    days = sorted({one.at // DAY for one in put_down})[-MOST:]
-    return [one for one in put_down if one.at // DAY >= days[0]]
+    days = sorted({sighting.at // DAY for sighting in put_down})[-MOST:]
+    return [sighting for sighting in put_down if sighting.at // DAY >= days[0]]
 
 
 def told_by_parts(put_down: Sequence[Sighting]) -> Estimate:
@@ -145,12 +147,12 @@ def _as_change(found: Estimate, course: Course) -> Course:
     )
 
 
-def _disagree(one: Course, other: Course) -> Bools:
+def _disagree(course: Course, other: Course) -> Bools:
     """Where (6,) two things say of the scanner what cannot both be so (Welch 1947)."""
-    spread = np.hypot(one.deviation, other.deviation)
+    spread = np.hypot(course.deviation, other.deviation)
     odds = 2 * stdtr(
-        np.fmin(one.freedom, other.freedom),
-        -np.abs(one.change - other.change) / np.maximum(spread, 1e-12),
+        np.fmin(course.freedom, other.freedom),
+        -np.abs(course.change - other.change) / np.maximum(spread, 1e-12),
     )
     return np.asarray(odds < CHANCE / 6)
 
@@ -166,12 +168,12 @@ def _together(
     start, variance = np.zeros(6), np.zeros(6)
     if changes:
         weights = np.zeros(6)
-        for one in changes:
+        for change in changes:
             # Of few days the deviation is not known well: that of Student's distribution is larger.
-            wider = one.freedom / np.maximum(one.freedom - 2, 0.5)
-            weight = np.nan_to_num(1 / np.maximum(wider * one.deviation**2, 1e-16))
+            wider = change.freedom / np.maximum(change.freedom - 2, 0.5)
+            weight = np.nan_to_num(1 / np.maximum(wider * change.deviation**2, 1e-16))
             weights += weight
-            start += weight * np.nan_to_num(one.change)
+            start += weight * np.nan_to_num(change.change)
         is_seen = weights > 0
         start = np.where(is_seen, start / np.maximum(weights, 1e-300), 0.0)
         turn = np.abs(start[3:]).max()

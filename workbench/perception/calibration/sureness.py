@@ -95,7 +95,7 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Fit:
 def _fit_weighed(poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float) -> Fit:
     """The best answer by one ratio of the weights, and what it leaves over."""
     for _ in range(STEPS):
-        rows, off = _weighed(poses, answer, centres, ratio)
+        rows, off = _weigh(poses, answer, centres, ratio)
         bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
         answer = moved(answer, -bread @ np.einsum("nik,ni->k", rows, off))
     return Fit(answer, *_deviations(poses, answer, centres, ratio))
@@ -123,7 +123,7 @@ def predicted_offsets(
         RMS over the balls [m] and the plate's turn [rad]; None of a pose that the others alone
         leave open.
     """
-    rows, off = _weighed(poses, fit.answer, centres, fit.ratio)
+    rows, off = _weigh(poses, fit.answer, centres, fit.ratio)
     bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
     _, seen, to_turns = _rigid(poses, fit.answer, centres)
     all_off = (offsets(poses, fit.answer, centres) ** 2).sum(axis=(1, 2))
@@ -185,7 +185,7 @@ def _rigid(
     return rows, seen, np.linalg.inv(triangle)
 
 
-def _weighed(
+def _weigh(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
 ) -> tuple[Floats, Floats]:
     rows, off, _ = _rigid(poses, answer, centres)
@@ -203,14 +203,17 @@ def _deviations(
     was measured by few numbers is taken as larger by some (n + 2) / (n - 2), as the 95 % quantile
     of Fisher's distribution is than that of the chi-square.
     """
-    rows, off = _weighed(poses, answer, centres, ratio)
+    rows, off = _weigh(poses, answer, centres, ratio)
     parts = [np.einsum("nik,nil->kl", half, half) for half in (rows[:, :3], rows[:, 3:])]
     bread = _inverse(parts[0] + parts[1])
     taken = [bread @ part for part in parts]
     # Traces of P_a M P_b M, where M takes from the noise what the fit follows of it.
     whole = 3.0 * len(poses)
     mixed = float(np.trace(taken[0] @ taken[1]))
-    left = [whole - 2 * float(np.trace(one)) + float(np.trace(one @ one)) for one in taken]
+    left = [
+        whole - 2 * float(np.trace(projection)) + float(np.trace(projection @ projection))
+        for projection in taken
+    ]
     sums = [float((half**2).sum()) for half in (off[:, :3], off[:, 3:])]
     found = np.linalg.lstsq(
         np.array([[left[0], mixed], [mixed, left[1]]]), np.array(sums), rcond=1e-9

@@ -159,9 +159,9 @@ def _looked_at(cell: Cell, scan: Scan, put_down: Sequence[PutPart]) -> Floats:
     points = scan.points_world
     is_near = np.zeros(len(points), bool)
     is_near[:: -(-len(points) // ENOUGH)] = True
-    for one in put_down:
-        reach = np.linalg.norm(cell.part(one.detection.part).mesh.points, axis=1).max() + REACH
-        off = points - one.detection.T_world_part.translation
+    for put_part in put_down:
+        reach = np.linalg.norm(cell.part(put_part.detection.part).mesh.points, axis=1).max() + REACH
+        off = points - put_part.detection.T_world_part.translation
         is_near |= np.einsum("ij,ij->i", off, off) < reach**2
     return points[is_near]
 
@@ -203,11 +203,11 @@ class _Surfaces:
             add_solids(self._scene, fixture.solids, fixture.T_world_fixture)
             owners += [len(self.things)] * len(fixture.solids)
             self.things.append((fixture.name, "fixture", -np.eye(6)))
-        for one in put_down:
-            mesh = cell.part(one.detection.part).mesh
-            add_surface(self._scene, triangles_of(mesh), one.detection.T_world_part)
+        for put_part in put_down:
+            mesh = cell.part(put_part.detection.part).mesh
+            add_surface(self._scene, triangles_of(mesh), put_part.detection.T_world_part)
             owners.append(len(self.things))
-            self.things.append((one.detection.part, "part", one.slopes))
+            self.things.append((put_part.detection.part, "part", put_part.slopes))
         self._owners = np.array(owners)
 
     def owners(self, points: Floats, view: Floats) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
-from workbench.perception.localization.assessment import FAR_BEHIND, is_better, rested
+from workbench.perception.localization.assessment import FAR_BEHIND, bring_to_rest, is_better
 from workbench.perception.localization.judging import Sought
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
@@ -59,7 +59,7 @@ class Shape:
     def allows(self, guess: Guess) -> Floats | None:
         """The pose (4, 4) [m] of a guess, brought to rest; None where shape speaks against it."""
         if guess not in self.known:
-            self.known[guess] = self._rested(guess)
+            self.known[guess] = self._bring_to_rest(guess)
         return self.known[guess]
 
     def _are_near(self, surface: PartSurface, poses: Floats) -> Bools:
@@ -69,7 +69,7 @@ class Shape:
         seen = closeness(tally(maps, surface, poses, tolerance))
         return np.asarray(seen >= (1.0 - FAR_BEHIND) * own)
 
-    def _rested(self, guess: Guess) -> Floats | None:
+    def _bring_to_rest(self, guess: Guess) -> Floats | None:
         surface = self.surfaces[guess.kind]
         if surface is self.one.surface and np.array_equal(guess.pose, self.found):
             return self.found
@@ -77,5 +77,5 @@ class Shape:
             return None
         maps, tolerance = self.one.maps, self.one.tolerance
         own = tally(maps, self.one.surface, self.found[None], tolerance)[0]
-        pose = rested(maps, surface, guess.pose[None], tolerance)
+        pose = bring_to_rest(maps, surface, guess.pose[None], tolerance)
         return None if is_better(own, tally(maps, surface, pose, tolerance)) else pose[0]

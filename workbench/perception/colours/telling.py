@@ -68,8 +68,10 @@ class Seen:
         differ = are_unlike(self.paints[better], self.paints[worse], deviation)
         if np.count_nonzero(differ) < max(FEWEST, LEAST * len(differ)):
             return False
-        one, other = (self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse))
-        return bool((one <= FITS).all() and (other - one >= UNLIKE).all())
+        better_fit, worse_fit = (
+            self.table[g][differ][:, lights].mean(axis=0) for g in (better, worse)
+        )
+        return bool((better_fit <= FITS).all() and (worse_fit - better_fit >= UNLIKE).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,21 +91,23 @@ def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
         scan: with or without colours.
         brought: what was found by shape, of all kinds.
     """
-    kinds = [painted(one.part, one.surface) for one in brought]
+    kinds = [painted(search.part, search.surface) for search in brought]
     if all(kind is None for kind in kinds):
         return list(brought)
     on = {
-        (k, i): points_on(scan, one.surface, chosen.pose, one.tolerance)
-        for k, one in enumerate(brought)
+        (k, i): points_on(scan, search.surface, chosen.pose, search.tolerance)
+        for k, search in enumerate(brought)
         if kinds[k] is not None
-        for i, chosen in enumerate(one.choice.chosen)
+        for i, chosen in enumerate(search.choice.chosen)
     }
     deviation = _deviation(scan, list(on.values()))
-    seen = [_seen(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
+    seen = [_look(scan, brought, kinds, k, i, points, deviation) for (k, i), points in on.items()]
     total = sum((each.misses().min(axis=0) for each in seen if each.table is not None), np.zeros(1))
     lights = total <= total.min() + AS_GOOD
-    told = [_told(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen]
-    return _chosen_anew(brought, told)
+    decisions = [
+        _decide(brought, kinds, each, lights, int(total.argmin()), deviation) for each in seen
+    ]
+    return _chosen_anew(brought, decisions)
 
 
 def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
@@ -113,7 +117,7 @@ def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
     return spread(scan.points[points], scan.colours[points])
 
 
-def _seen(
+def _look(
     scan: Scan,
     brought: Sequence[Sought],
     kinds: Sequence[Painted | None],
@@ -125,7 +129,7 @@ def _seen(
     surfaces = [each.surface for each in brought]
     shape = Shape(brought[k], surfaces, brought[k].choice.chosen[i].pose)
     points, some = scan.points[on], shape.guesses(kinds)
-    each = [kinds[one.kind].at(points, one.pose) for one in some]  # type: ignore[union-attr]
+    each = [kinds[guess.kind].at(points, guess.pose) for guess in some]  # type: ignore[union-attr]
     paints = np.array(each)
     if scan.colours is None or not len(on):
         return Seen(k, i, shape, some, paints, None)
@@ -136,7 +140,7 @@ def _seen(
     return Seen(k, i, shape, some, paints, np.array(found))
 
 
-def _told(
+def _decide(
     brought: Sequence[Sought],
     kinds: Sequence[Painted | None],
     seen: Seen,
@@ -145,8 +149,8 @@ def _told(
     deviation: Floats,
 ) -> Told:
     """What stands of the guesses at a part; `light` is the likeliest."""
-    one = brought[seen.kind]
-    own = one.choice.chosen[seen.number]
+    search = brought[seen.kind]
+    own = search.choice.chosen[seen.number]
     shape = seen.shape
     every = range(len(seen.guesses))
     # The pose found comes first, so it stays where nothing is nearer.
@@ -191,25 +195,33 @@ def _flips_show(kind: Painted) -> bool:
     return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
 
 
-def _chosen_anew(brought: Sequence[Sought], told: Sequence[Told]) -> list[Sought]:
+def _chosen_anew(brought: Sequence[Sought], decisions: Sequence[Told]) -> list[Sought]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
-        Choice(one.choice.claimed.copy(), list(one.choice.chosen), list(one.choice.rejected))
-        for one in brought
+        Choice(
+            search.choice.claimed.copy(),
+            list(search.choice.chosen),
+            list(search.choice.rejected),
+        )
+        for search in brought
     ]
-    for one in told:
-        if one.guess.kind == one.kind:
-            choices[one.kind].chosen[one.number] = one.assessed
+    for decision in decisions:
+        if decision.guess.kind == decision.kind:
+            choices[decision.kind].chosen[decision.number] = decision.assessed
     lost = [
-        {one.number: Objection.COLOURS for one in told if k == one.kind != one.guess.kind}
+        {
+            decision.number: Objection.COLOURS
+            for decision in decisions
+            if k == decision.kind != decision.guess.kind
+        }
         for k in range(len(brought))
     ]
     choices = [without(*each) for each in zip(choices, lost, strict=True)]
-    for one in told:
-        if one.guess.kind != one.kind:
-            choice, explained = choices[one.guess.kind], one.assessed.sighting.explained
+    for decision in decisions:
+        if decision.guess.kind != decision.kind:
+            choice, explained = choices[decision.guess.kind], decision.assessed.sighting.explained
             # Mostly that kind was found there too.
             if np.count_nonzero(choice.claimed[explained] >= 0) < len(explained) / 2:
                 choice.claimed[explained] = len(choice.chosen)
-                choice.chosen.append(one.assessed)
-    return [replace(one, choice=choice) for one, choice in zip(brought, choices, strict=True)]
+                choice.chosen.append(decision.assessed)
+    return [replace(search, choice=choice) for search, choice in zip(brought, choices, strict=True)]

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats, frozen, put
-from workbench.perception.localization.certainty import shared
+from workbench.perception.localization.certainty import count_shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.settling import is_held, roll_error, settled
+from workbench.perception.localization.settling import is_held, roll_error, settle
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
@@ -153,16 +153,16 @@ def _is_told(
     seen = closeness(tally(maps, surface, rival, tolerance))[0]
     if seen < (1.0 - FAR_BEHIND) * closeness(own[None])[0]:
         return True
-    rival = rested(maps, surface, rival, tolerance)
+    rival = bring_to_rest(maps, surface, rival, tolerance)
     both = np.concatenate([pose[None], rival])
     is_another = len(_apart(surface, both, np.arange(2))) == 2
     return not is_another or is_better(own, tally(maps, surface, rival, tolerance))
 
 
-def rested(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
-    """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `settled`."""
+def bring_to_rest(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `settle`."""
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
-    return settled(maps, surface, poses, tolerance, steps)
+    return settle(maps, surface, poses, tolerance, steps)
 
 
 def is_better(own: Floats, others: Floats) -> bool:
@@ -183,7 +183,7 @@ def _is_roll_known(
     """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
     if len(sighting.explained) == 0 or not is_better(own, turned):
         return False
-    alike = shared(sighting, maps.depth.shape[1])
+    alike = count_shared(sighting, maps.depth.shape[1])
     deviation = float(np.sqrt(alike * np.mean(sighting.off**2)))
     return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR
 
@@ -203,8 +203,8 @@ def _best_of(
         most=RIVALS,
     )
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
-    rough = settled(glance, surface, poses[kept], tolerance, steps[:3])
+    rough = settle(glance, surface, poses[kept], tolerance, steps[:3])
     values = closeness(tally(maps, surface, rough, tolerance))
     close = values >= values.max() - CLOSE * abs(values.max())
-    polished = settled(maps, surface, rough[close], tolerance, steps)
+    polished = settle(maps, surface, rough[close], tolerance, steps)
     return polished[int(np.argmax(closeness(tally(maps, surface, polished, tolerance))))]

@@ -70,8 +70,8 @@ def scale_check(
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    told = [_fitted(maps, surface, pose, tolerance) for pose in poses]
-    sure = [one for one in told if one is not None and np.hypot(*one[1:]) <= TELLING]
+    fits = [_fit(maps, surface, pose, tolerance) for pose in poses]
+    sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
     if len(sure) < FEWEST:
         return None
     scales, deviations, shared = np.array(sure).T
@@ -95,7 +95,7 @@ class _Pairs:
     off: Floats
 
 
-def _fitted(
+def _fit(
     maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> tuple[float, float, float] | None:
     """By which share one part is larger than its CAD file, and the standard deviations of that.
@@ -105,7 +105,7 @@ def _fitted(
     T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
     deviation = shared = np.inf
     for step in range(STEPS):
-        pairs = _paired(maps, surface, T, 1.0 + scale, tolerance)
+        pairs = _pair(maps, surface, T, 1.0 + scale, tolerance)
         if len(pairs.off) < FEWEST_POINTS:
             return None
         centre = transformed(T, surface.middle)
@@ -137,7 +137,7 @@ def _fitted(
     return scale, deviation, shared
 
 
-def _paired(
+def _pair(
     maps: DepthMap, surface: PartSurface, T: Floats, scale: float, tolerance: float
 ) -> _Pairs:
     """The pixels that a part of another size explains at `T` (4, 4), but those at its rim."""

@@ -65,7 +65,7 @@ def loose_probability_of(ratio: float, visible: float) -> float:
     return TURNED_RIGHT / (1.0 + float(np.exp(-odds)))
 
 
-def shared(sighting: Sighting, columns: int) -> float:
+def count_shared(sighting: Sighting, columns: int) -> float:
     """How many explained points count as one, since errors of neighbours are alike; at least 1.
 
     Cameras average over neighbours, and a shape that is not quite right is off by whole faces.

@@ -138,22 +138,22 @@ def take(
     """
     rejected = _objection(choice, surface, hypothesis)
     if rejected is None:
-        one = assess(hypothesis)
-        rejected = _objection(choice, surface, one) or _overlap(choice, surface, one)
-        if rejected is None and not one.is_held:
-            rejected = Rejection(one.pose, one.sighting, Objection.NOT_HELD)
+        assessment = assess(hypothesis)
+        rejected = _objection(choice, surface, assessment) or _overlap(choice, surface, assessment)
+        if rejected is None and not assessment.is_held:
+            rejected = Rejection(assessment.pose, assessment.sighting, Objection.NOT_HELD)
         if (
             rejected is None
             and log_likelihood_ratio(
-                one.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
+                assessment.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
             )
             < 0.0
         ):
-            rejected = Rejection(one.pose, one.sighting, Objection.UNKNOWN)
+            rejected = Rejection(assessment.pose, assessment.sighting, Objection.UNKNOWN)
         if rejected is None:
-            choice.claimed[one.sighting.explained] = len(choice.chosen)
-            choice.chosen.append(one)
-            return one
+            choice.claimed[assessment.sighting.explained] = len(choice.chosen)
+            choice.chosen.append(assessment)
+            return assessment
     choice.rejected.append(rejected)
     return None
 
@@ -169,30 +169,32 @@ def enough(seen: Sighting) -> float:
 
 
 def _objection(
-    choice: Choice, surface: PartSurface, one: Hypothesis | Assessment
+    choice: Choice, surface: PartSurface, hypothesis: Hypothesis | Assessment
 ) -> Rejection | None:
     """Why too little is explained that is not claimed, if so."""
-    seen = one.sighting
+    seen = hypothesis.sighting
     owners = choice.claimed[seen.explained]
     explained = int(np.count_nonzero(owners < 0))
     least = enough(seen)
     if len(seen.explained) < least:
-        return Rejection(one.pose, seen, Objection.TOO_LITTLE)
+        return Rejection(hypothesis.pose, seen, Objection.TOO_LITTLE)
     if len(seen.explained) < PLAUSIBLE * (len(seen.explained) + len(seen.violated)):
-        return Rejection(one.pose, seen, Objection.FREE_SPACE)
+        return Rejection(hypothesis.pose, seen, Objection.FREE_SPACE)
     if explained < least or explained < PLAUSIBLE * (explained + len(seen.violated)):
         rival = int(np.bincount(owners[owners >= 0]).argmax())
-        apart = _between(choice.chosen[rival].pose, one.pose) @ [*surface.middle, 1.0]
+        apart = _between(choice.chosen[rival].pose, hypothesis.pose) @ [*surface.middle, 1.0]
         is_same = np.linalg.norm(apart[:3] - surface.middle) < SAME_PLACE * surface.diameter
-        return Rejection(one.pose, seen, Objection.TWIN if is_same else Objection.CLAIMED, rival)
+        return Rejection(
+            hypothesis.pose, seen, Objection.TWIN if is_same else Objection.CLAIMED, rival
+        )
     return None
 
 
-def _overlap(choice: Choice, surface: PartSurface, one: Assessment) -> Rejection | None:
+def _overlap(choice: Choice, surface: PartSurface, assessment: Assessment) -> Rejection | None:
     """The first of the chosen parts that this one reaches into, if any."""
     for rival, other in enumerate(choice.chosen):
-        if reaches_into(surface, surface, _between(other.pose, one.pose)):
-            return Rejection(one.pose, one.sighting, Objection.REACHES_INTO, rival)
+        if reaches_into(surface, surface, _between(other.pose, assessment.pose)):
+            return Rejection(assessment.pose, assessment.sighting, Objection.REACHES_INTO, rival)
     return None
 
 

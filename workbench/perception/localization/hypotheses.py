@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.perception.localization.settling import settled
+from workbench.perception.localization.settling import settle
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.registration import quick_scores, refine
@@ -71,8 +71,8 @@ def at_a_glance(
     seed: int,
 ) -> Floats:
     """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
-    voted = _voted(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
-    return _fitted(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
+    voted = _vote(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
+    return _fit(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 
 
 def hypotheses(
@@ -99,14 +99,14 @@ def hypotheses(
     Returns:
         Poses (k, 4, 4) brought to rest, and (m, 4, 4).
     """
-    voted = _voted(maps, surface, tolerance, is_possible, effort, seed)
-    fitted = _fitted(maps, surface, voted, tolerance)
+    voted = _vote(maps, surface, tolerance, is_possible, effort, seed)
+    fitted = _fit(maps, surface, voted, tolerance)
     poses = np.concatenate([fitted, voted[:MOST_UNFITTED]])
     possible = is_possible(poses)
     return _at_rest(glance, surface, poses[possible], tolerance), poses[~possible]
 
 
-def _voted(
+def _vote(
     maps: DepthMap,
     surface: PartSurface,
     tolerance: float,
@@ -131,7 +131,7 @@ def _voted(
     return _best(surface, poses, values, most=MOST_VOTED, most_nearby=MOST_NEARBY)
 
 
-def _fitted(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _fit(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The poses (k, 4, 4) after a first fit, best first; where several became one, the best."""
     poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
@@ -169,7 +169,7 @@ def _at_rest(glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: f
     values = closeness(tally(glance, surface, variants, 2 * tolerance))
     best = values.reshape(len(poses), len(motions)).argmax(axis=1)
     steps = tuple(step * surface.diameter for step in WIDE_STEPS)
-    return settled(glance, surface, poses @ motions[best], 2 * tolerance, steps)
+    return settle(glance, surface, poses @ motions[best], 2 * tolerance, steps)
 
 
 def _values(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:

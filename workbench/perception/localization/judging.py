@@ -57,7 +57,7 @@ class Judged:
     ratios: tuple[float, ...]
 
 
-def judged(brought: Sequence[Sought]) -> list[Judged]:
+def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
     """The choices of all kinds without what does not stand beside the others."""
     objections: dict[tuple[int, int], Objection] = {}
     areas = _areas(brought)
@@ -106,27 +106,27 @@ def judged(brought: Sequence[Sought]) -> list[Judged]:
         objections |= ending
     return [
         Judged(
-            without(one.choice, {i: why for (j, i), why in objections.items() if j == k}),
+            without(search.choice, {i: why for (j, i), why in objections.items() if j == k}),
             tuple(ratio for (j, _), ratio in ratios.items() if j == k),
         )
-        for k, one in enumerate(brought)
+        for k, search in enumerate(brought)
     ]
 
 
-def doubted_apart(one: Sought) -> tuple[Sought, list[Hypothesis]]:
+def doubted_apart(search: Sought) -> tuple[Sought, list[Hypothesis]]:
     """The search without the parts that are in doubt, and their poses.
 
     A vote that looks at few points may miss the pose that is right; a part that took its place
     would hide it from all later votes.
     """
-    chosen = one.choice.chosen
+    chosen = search.choice.chosen
     kept = [looked_through(p.sighting) <= DOUBTED * len(p.sighting.explained) for p in chosen]
     doubted = [
         Hypothesis(part.pose, part.sighting)
         for part, is_kept in zip(chosen, kept, strict=True)
         if not is_kept
     ]
-    return replace(one, choice=_only(one.choice, kept)), doubted
+    return replace(search, choice=_only(search.choice, kept)), doubted
 
 
 def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
@@ -135,17 +135,17 @@ def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
     Returns:
         For each kind (pixels,), no unit.
     """
-    taken = [np.zeros(one.maps.depth.size, np.bool_) for one in brought]
+    taken = [np.zeros(search.maps.depth.size, np.bool_) for search in brought]
     if len(brought) == 1:
         return taken
-    there = [one for one in brought if one.choice.chosen]
-    for other, standing in zip(there, judged(there), strict=True):
-        for one, pixels in zip(brought, taken, strict=True):
-            if one is not other:
+    there = [search for search in brought if search.choice.chosen]
+    for other, standing in zip(there, judge_choices(there), strict=True):
+        for search, pixels in zip(brought, taken, strict=True):
+            if search is not other:
                 for part in standing.choice.chosen:
-                    pixels[look(one.maps, other.surface, part.pose, other.tolerance).explained] = (
-                        True
-                    )
+                    pixels[
+                        look(search.maps, other.surface, part.pose, other.tolerance).explained
+                    ] = True
     return taken
 
 
@@ -155,11 +155,11 @@ def _areas(brought: Sequence[Sought]) -> dict[tuple[int, int], list[np.ndarray]]
         (k, i): [
             chosen.sighting.explained
             if j == k
-            else look(other.maps, one.surface, chosen.pose, one.tolerance).explained
+            else look(other.maps, search.surface, chosen.pose, search.tolerance).explained
             for j, other in enumerate(brought)
         ]
-        for k, one in enumerate(brought)
-        for i, chosen in enumerate(one.choice.chosen)
+        for k, search in enumerate(brought)
+        for i, chosen in enumerate(search.choice.chosen)
     }
 
 
@@ -177,13 +177,15 @@ def _only(choice: Choice, kept: Sequence[bool]) -> Choice:
     """The choice with those of its parts that are kept."""
     place = np.where(kept, np.cumsum(kept, dtype=np.int64) - 1, -1)
     rejected = [
-        one
-        if one.rival is None
-        else replace(one, rival=int(place[one.rival]))
-        if kept[one.rival]
-        else replace(one, reason=Objection.RIVAL_FELL, rival=None)
-        for one in choice.rejected
+        rejection
+        if rejection.rival is None
+        else replace(rejection, rival=int(place[rejection.rival]))
+        if kept[rejection.rival]
+        else replace(rejection, reason=Objection.RIVAL_FELL, rival=None)
+        for rejection in choice.rejected
     ]
-    chosen = [one for one, is_kept in zip(choice.chosen, kept, strict=True) if is_kept]
+    chosen = [
+        assessment for assessment, is_kept in zip(choice.chosen, kept, strict=True) if is_kept
+    ]
     claimed = np.where(choice.claimed >= 0, np.append(place, -1)[choice.claimed], -1)
     return Choice(claimed, chosen, rejected)

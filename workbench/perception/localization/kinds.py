@@ -37,11 +37,11 @@ from workbench.perception.localization.judging import (
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
     Searched,
-    mapped,
+    begin_search,
     proposals,
     together,
 )
-from workbench.perception.localization.loosening import loosened
+from workbench.perception.localization.loosening import loosen
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.scene_model import scene_model
@@ -100,28 +100,31 @@ def all_kinds(
     brought: list[Sought | PartSurface] = []
     for part in cell.parts:
         step(f"prepare {part.name} and map the scan")
-        brought.append(mapped(scan, part, cell, detail=detail, scene=scene))
-    found = [one for one in brought if isinstance(one, Sought)]
+        brought.append(begin_search(scan, part, cell, detail=detail, scene=scene))
+    found = [search for search in brought if isinstance(search, Sought)]
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1:
-            found = loosened(found, partial(compete, closely=closely))
-        elif number > 1 and any(one.is_loose for one in found):
+            found = loosen(found, partial(compete, closely=closely))
+        elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break
         # What is in doubt competes once more with what a greater effort finds in its place.
-        apart = [doubted_apart(one) for one in found]
-        found = [one for one, _ in apart]
+        apart = [doubted_apart(search) for search in found]
+        found = [search for search, _ in apart]
         # At first nothing is taken, and each kind looks everywhere.
         taken = taken_by_others(found)
         proposed = [
-            doubted + (proposals(one, number, pixels, seed=seed, step=step) if is_its_turn else [])
-            for (one, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
+            doubted
+            + (proposals(search, number, pixels, seed=seed, step=step) if is_its_turn else [])
+            for (search, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
         compete(found, proposed, closely)
-    told = iter(tell(scan, found))
+    searches = iter(tell(scan, found))
     return merged(
-        together(scan, [next(told) if isinstance(one, Sought) else one for one in brought])
+        together(
+            scan, [next(searches) if isinstance(search, Sought) else search for search in brought]
+        )
     )
 
 
@@ -137,7 +140,7 @@ def _rounds(
     rounds = [(number, everyone) for number in range(len(EFFORTS))]
     if len(found) > FEW_KINDS:
         likely = _likely(found, seed, step)
-        rounds[:1] = [(0, likely), (0, [not one for one in likely])]
+        rounds[:1] = [(0, likely), (0, [not is_likely for is_likely in likely])]
     yield from rounds
 
 
@@ -148,36 +151,38 @@ def _likely(found: Sequence[Sought], seed: int, step: Callable[[str], None]) -> 
     """
     glances = [
         replace(
-            one,
-            maps=one.glance,
-            tolerance=2 * one.tolerance,
-            spread=2 * one.spread,
-            choice=Choice(np.full(one.glance.depth.size, -1), [], []),
+            search,
+            maps=search.glance,
+            tolerance=2 * search.tolerance,
+            spread=2 * search.spread,
+            choice=Choice(np.full(search.glance.depth.size, -1), [], []),
         )
-        for one in found
+        for search in found
     ]
     proposed: list[list[Hypothesis]] = []
-    for one, glance in zip(found, glances, strict=True):
+    for search, glance in zip(found, glances, strict=True):
         step("glance")
-        poses = at_a_glance(one.glance, one.surface, one.tolerance, one.are_possible, seed=seed)
+        poses = at_a_glance(
+            search.glance, search.surface, search.tolerance, search.are_possible, seed=seed
+        )
         proposed.append(
-            [Hypothesis(p, look(glance.maps, one.surface, p, glance.tolerance)) for p in poses]
+            [Hypothesis(p, look(glance.maps, search.surface, p, glance.tolerance)) for p in poses]
         )
     compete(glances, proposed, _as_it_is)
-    return [bool(one.choice.chosen) for one in glances]
+    return [bool(part_glance.choice.chosen) for part_glance in glances]
 
 
 Closely = Callable[[Sought, Hypothesis], Assessment]
 """Looks closely at a hypothesis of a kind, and returns a better pose."""
 
 
-def look_closely(step: Callable[[str], None], one: Sought, hypothesis: Hypothesis) -> Assessment:
+def look_closely(step: Callable[[str], None], search: Sought, hypothesis: Hypothesis) -> Assessment:
     """The best pose near one that was fitted roughly."""
     step("look closely")
-    return assess(one.maps, one.glance, one.surface, hypothesis.pose, one.tolerance)
+    return assess(search.maps, search.glance, search.surface, hypothesis.pose, search.tolerance)
 
 
-def _as_it_is(one: Sought, hypothesis: Hypothesis) -> Assessment:
+def _as_it_is(search: Sought, hypothesis: Hypothesis) -> Assessment:
     """What is not looked at closely passes for what it seems to be."""
     return Assessment(
         hypothesis.pose, hypothesis.sighting, None, roll_known=True, is_held=True, is_told=True
@@ -193,8 +198,8 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
         closely: see there.
     """
     entries = [
-        Entry(one, list(poses), np.empty(0), np.zeros(one.maps.depth.size))
-        for one, poses in zip(brought, found, strict=True)
+        Entry(search, list(poses), np.empty(0), np.zeros(search.maps.depth.size))
+        for search, poses in zip(brought, found, strict=True)
         if poses
     ]
     for entry in entries:
@@ -204,7 +209,7 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
         best = int(entry.gains.argmax())
         hypothesis = entry.left.pop(best)
         entry.gains = np.delete(entry.gains, best)
-        taken = _taken(entry, hypothesis, closely)
+        taken = _try_to_take(entry, hypothesis, closely)
         if taken is None:
             continue
         entry.weigh()
@@ -213,15 +218,20 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
                 _cover(other, entry.one, taken)
 
 
-def _taken(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
-    one = entry.one
+def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
+    search = entry.one
     if _is_outdone(entry, hypothesis):
-        one.choice.rejected.append(
+        search.choice.rejected.append(
             Rejection(hypothesis.pose, hypothesis.sighting, Objection.OUTDONE)
         )
         return None
     return take(
-        one.choice, one.surface, hypothesis, partial(closely, one), one.spread, one.tolerance
+        search.choice,
+        search.surface,
+        hypothesis,
+        partial(closely, search),
+        search.spread,
+        search.tolerance,
     )
 
 
@@ -251,35 +261,46 @@ def merged(brought: Sequence[Searched]) -> LocalizationResult:
         All detections that stand, best score first, and the best of all that was rejected.
     """
     claims = [
-        (gain, k, one)
+        (gain, k, detection)
         for k, each in enumerate(brought)
-        for gain, one in zip(each.gains, each.findings.detections, strict=True)
+        for gain, detection in zip(each.gains, each.findings.detections, strict=True)
     ]
     claims.sort(key=lambda claim: -claim[0])
     standing: list[tuple[int, Detection]] = []
     lost: list[tuple[Detection, Detection]] = []
-    for _, k, one in claims:
-        rival = next((r for j, r in standing if j != k and _overlap(brought, j, r, k, one)), None)
+    for _, k, detection in claims:
+        rival = next(
+            (r for j, r in standing if j != k and _overlap(brought, j, r, k, detection)), None
+        )
         if rival is None:
-            standing.append((k, one))
+            standing.append((k, detection))
         else:
-            lost.append((one, rival))
-    found = sorted((one for _, one in standing), key=lambda one: -one.score)
-    place = {id(one): number for number, one in enumerate(found)}
-    place |= {id(one): place[id(rival)] for one, rival in lost}
+            lost.append((detection, rival))
+    found = sorted((part for _, part in standing), key=lambda part: -part.score)
+    place = {id(detection): number for number, detection in enumerate(found)}
+    place |= {id(detection): place[id(rival)] for detection, rival in lost}
     rejected = [
-        replace(one, rival=None if one.rival is None else place[id(each.detections[one.rival])])
-        for each in (one.findings for one in brought)
-        for one in each.rejected
+        replace(
+            hypothesis,
+            rival=None
+            if hypothesis.rival is None
+            else place[id(each.detections[hypothesis.rival])],
+        )
+        for each in (result.findings for result in brought)
+        for hypothesis in each.rejected
     ]
     rejected += [
         RejectedHypothesis(
-            one.part, one.T_world_part, one.score, Objection.REACHES_INTO, place[id(one)]
+            detection.part,
+            detection.T_world_part,
+            detection.score,
+            Objection.REACHES_INTO,
+            place[id(detection)],
         )
-        for one, _ in lost
+        for detection, _ in lost
     ]
-    rejected.sort(key=lambda one: -one.score)
-    scales = tuple(scale for one in brought for scale in one.findings.scales)
+    rejected.sort(key=lambda hypothesis: -hypothesis.score)
+    scales = tuple(scale for result in brought for scale in result.findings.scales)
     return LocalizationResult(tuple(found), tuple(rejected[:MOST_REJECTED]), scales)
 
 
@@ -288,8 +309,8 @@ def _overlap(
 ) -> bool:
     """Whether a part of kind `j` and one of kind `k` would share room."""
 
-    def is_in(one: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
-        return reaches_into(one, host, T_host.actInv(T_one).homogeneous)
+    def is_in(surface: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
+        return reaches_into(surface, host, T_host.actInv(T_one).homogeneous)
 
     one, other = brought[j].surface, brought[k].surface
     T_one, T_other = first.T_world_part, second.T_world_part

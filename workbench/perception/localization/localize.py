@@ -38,7 +38,7 @@ from workbench.perception.localization.hypotheses import (
     SAME_DISTANCE,
     hypotheses,
 )
-from workbench.perception.localization.judging import Judged, Sought, judged
+from workbench.perception.localization.judging import Judged, Sought, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.matching.maps import DepthMap, make_map
 from workbench.perception.matching.poses import distinct
@@ -82,29 +82,31 @@ class Searched:
 
 def together(scan: Scan, brought: Sequence[Sought | PartSurface]) -> list[Searched]:
     """The searches for several parts in one scan, without what does not stand beside the others."""
-    found = [one for one in brought if isinstance(one, Sought)]
-    standing = iter(judged(found))
+    found = [search for search in brought if isinstance(search, Sought)]
+    standing = iter(judge_choices(found))
     return [
-        _searched(scan, one, next(standing))
-        if isinstance(one, Sought)
-        else Searched(LocalizationResult(()), one, ())
-        for one in brought
+        _conclude(scan, search, next(standing))
+        if isinstance(search, Sought)
+        else Searched(LocalizationResult(()), search, ())
+        for search in brought
     ]
 
 
-def _searched(scan: Scan, one: Sought, standing: Judged) -> Searched:
+def _conclude(scan: Scan, search: Sought, standing: Judged) -> Searched:
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
-    gains = tuple(choice.chosen[k].sighting.gain * one.maps.pitch**2 for k in order)
-    detections = tuple(_detection(scan, one, choice.chosen[k], standing.ratios[k]) for k in order)
-    rejected = _rejected(scan, one, choice, order)
+    gains = tuple(choice.chosen[k].sighting.gain * search.maps.pitch**2 for k in order)
+    detections = tuple(
+        _detection(scan, search, choice.chosen[k], standing.ratios[k]) for k in order
+    )
+    rejected = _list_rejected(scan, search, choice, order)
     poses = [chosen.pose for chosen in choice.chosen]
-    scale = scale_check(one.part.name, one.maps, one.surface, poses, one.tolerance)
+    scale = scale_check(search.part.name, search.maps, search.surface, poses, search.tolerance)
     scales = () if scale is None else (scale,)
-    return Searched(LocalizationResult(detections, rejected, scales), one.surface, gains)
+    return Searched(LocalizationResult(detections, rejected, scales), search.surface, gains)
 
 
-def mapped(
+def begin_search(
     scan: Scan, part: Part, cell: Cell, *, detail: float, scene: SceneModel
 ) -> Sought | PartSurface:
     """The search for a part before anything is found; see `proposals`.
@@ -141,7 +143,7 @@ def mapped(
 
 
 def proposals(
-    one: Sought, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
+    search: Sought, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
 ) -> list[Hypothesis]:
     """Where a part may lie in what is left of the scan, looked at with an effort of that number.
 
@@ -150,7 +152,7 @@ def proposals(
     it, and the scan must not look through the part.
 
     Args:
-        one: what was taken before; what is outside the bin is added to what was rejected.
+        search: what was taken before; what is outside the bin is added to what was rejected.
         number: from 0, of the effort in `hypotheses.EFFORTS`.
         taken: (pixels,) no unit, those of its maps in which parts of other kinds are known to lie.
         seed: of the choice of points that vote.
@@ -161,22 +163,22 @@ def proposals(
     """
 
     def seen(pose: Floats) -> Hypothesis:
-        return Hypothesis(pose, look(one.maps, one.surface, pose, one.tolerance))
+        return Hypothesis(pose, look(search.maps, search.surface, pose, search.tolerance))
 
     step("vote")
-    free = _without(one.maps, (one.choice.claimed >= 0) | taken)
+    free = _without(search.maps, (search.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
         return []
     poses, outside = hypotheses(
         free,
-        _coarser(free, one.surface),
-        one.surface,
-        one.tolerance,
-        one.are_possible,
+        _coarser(free, search.surface),
+        search.surface,
+        search.tolerance,
+        search.are_possible,
         EFFORTS[number],
         seed=(seed, number),
     )
-    one.choice.rejected += [
+    search.choice.rejected += [
         Rejection(each.pose, each.sighting, Objection.OUTSIDE) for each in map(seen, outside)
     ]
     return [seen(pose) for pose in poses]
@@ -201,27 +203,29 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
     return scene.sensor.deviation(float(distance), otherwise=cell.scanner.depth_noise)
 
 
-def _rejected(
-    scan: Scan, one: Sought, choice: Choice, order: Sequence[int]
+def _list_rejected(
+    scan: Scan, search: Sought, choice: Choice, order: Sequence[int]
 ) -> tuple[RejectedHypothesis, ...]:
     """The best of those rejected; `order` is that of the chosen ones as detections."""
     rank = {k: place for place, k in enumerate(order)}
     return tuple(
         RejectedHypothesis(
-            part=one.part.name,
+            part=search.part.name,
             T_world_part=scan.T_world_scanner * pin.SE3(rejected.pose),
             score=rejected.sighting.score,
             reason=rejected.reason,
             rival=None if rejected.rival is None else rank[rejected.rival],
         )
-        for rejected in _different(one.surface, choice)[:MOST_REJECTED]
+        for rejected in _different(search.surface, choice)[:MOST_REJECTED]
     )
 
 
 def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
     """What was rejected, best score first, without what is the same as better ones or chosen."""
-    ranked = sorted(choice.rejected, key=lambda one: -one.sighting.score)
-    poses = [one.pose for one in choice.chosen] + [one.pose for one in ranked]
+    ranked = sorted(choice.rejected, key=lambda rejection: -rejection.sighting.score)
+    poses = [assessment.pose for assessment in choice.chosen] + [
+        rejection.pose for rejection in ranked
+    ]
     if not poses:
         return []
     kept = distinct(

@@ -14,8 +14,8 @@ import numpy as np
 
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.judging import Sought, judged
-from workbench.perception.localization.settling import settled
+from workbench.perception.localization.judging import Sought, judge_choices
+from workbench.perception.localization.settling import settle
 from workbench.perception.matching.sightings import look
 
 DOUBTFUL = 0.5
@@ -41,58 +41,61 @@ Compete = Callable[[Sequence[Sought], Sequence[list[Hypothesis]]], None]
 """Takes the hypotheses of each kind that hold together."""
 
 
-def loosened(found: list[Sought], compete: Compete) -> list[Sought]:
+def loosen(found: list[Sought], compete: Compete) -> list[Sought]:
     """The searches with what they need to explain what lies in the bin; as they are if they do.
 
     Args:
         found: the searches of all kinds, after the first vote.
         compete: see there.
     """
-    strict = explained(found)
+    strict = measure_explained(found)
     if strict >= DOUBTFUL:
         return found
-    loose = [_loose(one) for one in found]
-    compete(loose, [_again(one, before) for one, before in zip(loose, found, strict=True)])
-    now = explained(loose)
+    loose = [_loose(search) for search in found]
+    compete(
+        loose,
+        [_again(search, before) for search, before in zip(loose, found, strict=True)],
+    )
+    now = measure_explained(loose)
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
 
-def explained(found: Sequence[Sought]) -> float:
+def measure_explained(found: Sequence[Sought]) -> float:
     """Share of what lies in the bin that the parts which stand explain, 0..1."""
     if not found:
         return 1.0
     maps = found[0].maps
     covered: Bools = np.zeros(maps.depth.size, np.bool_)
-    for one, standing in zip(found, judged(found), strict=True):
+    for search, standing in zip(found, judge_choices(found), strict=True):
         for part in standing.choice.chosen:
-            covered[look(maps, one.surface, part.pose, one.tolerance).explained] = True
+            covered[look(maps, search.surface, part.pose, search.tolerance).explained] = True
     lying = maps.foreground.ravel()
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
 
-def _loose(one: Sought) -> Sought:
-    tolerance = LOOSE * one.tolerance
+def _loose(search: Sought) -> Sought:
+    tolerance = LOOSE * search.tolerance
     return replace(
-        one,
+        search,
         tolerance=tolerance,
-        spread=max(one.spread, LOOSE_SPREAD * tolerance),
+        spread=max(search.spread, LOOSE_SPREAD * tolerance),
         least_ends=LOOSE_ENDS,
         most=LOOSE_MOST,
         is_loose=True,
-        choice=_nothing(one),
+        choice=_nothing(search),
     )
 
 
-def _nothing(one: Sought) -> Choice:
-    return Choice(np.full(one.maps.depth.size, -1), [], [])
+def _nothing(search: Sought) -> Choice:
+    return Choice(np.full(search.maps.depth.size, -1), [], [])
 
 
-def _again(one: Sought, before: Sought) -> list[Hypothesis]:
+def _again(search: Sought, before: Sought) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
     poses = [each.pose for each in (*before.choice.chosen, *before.choice.rejected)]
     if not poses:
         return []
-    steps = tuple(step * one.surface.diameter for step in STEPS)
-    rested = settled(one.glance, one.surface, np.array(poses), one.tolerance, steps)
-    rested = rested[one.are_possible(rested)]
-    return [Hypothesis(p, look(one.maps, one.surface, p, one.tolerance)) for p in rested]
+    steps = tuple(step * search.surface.diameter for step in STEPS)
+    rested = settle(search.glance, search.surface, np.array(poses), search.tolerance, steps)
+    rested = rested[search.are_possible(rested)]
+    return [Hypothesis(p, look(search.maps, search.surface, p, search.tolerance)) for p in rested]

@@ -65,7 +65,7 @@ DAMPING = 1e-4
 """Share of the mean information that is added to all directions: nothing may hold one of them."""
 
 
-def settled(
+def settle(
     maps: DepthMap,
     surface: PartSurface,
     poses: Floats,
@@ -84,14 +84,14 @@ def settled(
         tolerance: [m] see `sightings.look`.
         steps: [m] lengths of the search's steps, one after the other.
     """
-    return _settled(
+    return _settle_arrays(
         *drawing(maps, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
         surface.diameter / 2, np.array(steps), 0 if surface.is_ball else WEAK,
     )  # fmt: skip
 
 
 @njit(cache=True, parallel=True)
-def _settled(
+def _settle_arrays(
     seen: Seen,
     vertices: Floats,
     triangles: Ints,
@@ -103,7 +103,7 @@ def _settled(
     steps: Floats,
     searched: int,
 ) -> Floats:  # pragma: no cover (compiled)
-    """See `settled`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
+    """See `settle`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
     rested = poses.copy()
     for k in prange(len(poses)):
         _settle(

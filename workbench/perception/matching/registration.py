@@ -81,7 +81,7 @@ def transformed(T: Floats, p: Floats) -> Triple:  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _turned(T: Floats, n: Floats) -> Triple:  # pragma: no cover (compiled)
+def _rotate(T: Floats, n: Floats) -> Triple:  # pragma: no cover (compiled)
     return (
         T[0, 0] * n[0] + T[0, 1] * n[1] + T[0, 2] * n[2],
         T[1, 0] * n[0] + T[1, 1] * n[1] + T[1, 2] * n[2],
@@ -115,7 +115,7 @@ def _quick_scores(
     for k in range(len(poses)):
         total = 0.0
         for m in range(len(points)):
-            p, n = transformed(poses[k], points[m]), _turned(poses[k], normals[m])
+            p, n = transformed(poses[k], points[m]), _rotate(poses[k], normals[m])
             cosine = -_dot(n, p) / np.sqrt(_dot(p, p))
             if cosine < FACING or p[2] <= 0.0:
                 continue
@@ -161,7 +161,7 @@ def _refine(
             b[:] = 0.0
             pairs, square = 0, 0.0
             for m in range(len(points)):
-                p, n = transformed(T, points[m]), _turned(T, normals[m])
+                p, n = transformed(T, points[m]), _rotate(T, normals[m])
                 if _dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
                     continue
                 v, u = _pixel(p, seen)

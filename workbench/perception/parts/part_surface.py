@@ -122,7 +122,7 @@ def _prepare(part: Part) -> PartSurface:
             "found by it: do its triangles look inwards?"
         )
     voting = outer.thinned(VOTING * diameter)
-    drawn = _simplified(mesh, outer.points, DRAWN_OFF * diameter)
+    drawn = _simplify(mesh, outer.points, DRAWN_OFF * diameter)
     return PartSurface(
         diameter=diameter,
         middle=middle,
@@ -164,7 +164,7 @@ def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
     return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
 
 
-def _simplified(mesh: trimesh.Trimesh, points: Floats, off: float) -> trimesh.Trimesh:
+def _simplify(mesh: trimesh.Trimesh, points: Floats, off: float) -> trimesh.Trimesh:
     """The mesh with fewer triangles, by quadrics, which keeps edges; it passes its points (n, 3).
 
     It does within `off` [m] where so many triangles suffice for that.

@@ -58,12 +58,12 @@ def aligned(views: Sequence[DepthView]) -> Aligned:
 
     Where that brings the views no nearer to each other the poses are those that were given.
     """
-    clouds = [_thinned(view) for view in views]
+    clouds = [_thin(view) for view in views]
     given = [view.T_model_camera for view in views]
     poses = list(given)
     for _ in range(SWEEPS):
         for k in range(len(views)):
-            fitted = _fitted(k, clouds, poses, given[k])
+            fitted = _fit(k, clouds, poses, given[k])
             shift, turn = shift_and_turn(_way(clouds[k], given[k], fitted))
             if shift <= FARTHEST and turn <= MOST_TURNED:
                 poses[k] = fitted
@@ -76,11 +76,11 @@ def aligned(views: Sequence[DepthView]) -> Aligned:
 def as_given(views: Sequence[DepthView]) -> Aligned:
     """The poses as they are, and how far apart the views are with them."""
     given = [view.T_model_camera for view in views]
-    apart, shared = _apart([_thinned(view) for view in views], given)
+    apart, shared = _apart([_thin(view) for view in views], given)
     return Aligned(tuple(given), apart, apart, shared)
 
 
-def _thinned(view: DepthView) -> tuple[Floats, Floats]:
+def _thin(view: DepthView) -> tuple[Floats, Floats]:
     points, normals = view.points()
     every = max(1, len(points) // MOST_POINTS)
     return points[::every], normals[::every]
@@ -111,7 +111,7 @@ def _pairs(
     return points[k][close[same]], target[nearest[same]], facing[nearest[same]]
 
 
-def _fitted(
+def _fit(
     k: int, clouds: Sequence[tuple[Floats, Floats]], poses: Sequence[pin.SE3], given: pin.SE3
 ) -> pin.SE3:
     """The pose of view k that brings its points onto the planes of the others.

@@ -36,12 +36,12 @@ def closed_surface(field: Floats, origin: Floats, voxel: float) -> trimesh.Trime
     """
     smooth = ndimage.gaussian_filter(field, AVERAGED)
     smooth = np.where(np.abs(smooth) < LEAST, np.where(smooth < 0, -LEAST, LEAST), smooth)
-    bodies, count = _labelled(smooth < 0)
+    bodies, count = _label(smooth < 0)
     if count == 0:
         raise InputError("the scans show no part in the region")
     largest = 1 + int(np.argmax(np.bincount(bodies.ravel())[1:]))
     smooth = np.where((smooth < 0) & (bodies != largest), LEAST, smooth)
-    airs, _ = _labelled(smooth > 0)
+    airs, _ = _label(smooth > 0)
     smooth = np.where((smooth > 0) & (airs != airs[0, 0, 0]), -LEAST, smooth)
     # Open3D has z, y, x in this order, and the triangles of what is negative look inward.
     volume = o3d.core.Tensor(np.ascontiguousarray(smooth.transpose(2, 1, 0), dtype=np.float32))
@@ -51,7 +51,7 @@ def closed_surface(field: Floats, origin: Floats, voxel: float) -> trimesh.Trime
     return trimesh.Trimesh(points, triangles, process=False)
 
 
-def _labelled(mask: Bools) -> tuple[Ints, int]:
+def _label(mask: Bools) -> tuple[Ints, int]:
     """The bodies of a mask (x, y, z), from 1 on and 0 elsewhere, and how many there are."""
     bodies = np.zeros(mask.shape, dtype=np.int32)
     count = ndimage.label(mask, output=bodies)

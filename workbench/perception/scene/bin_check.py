@@ -203,7 +203,7 @@ def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
     best = (0.0, np.zeros(3))
     for number, start in enumerate(_starts()):
         # First only near where it should be: a heap pulls at whatever looks further.
-        place = _fitted(rim[:, :2], half, start, SCALES[NARROW:] if number == 0 else SCALES)
+        place = _fit(rim[:, :2], half, start, SCALES[NARROW:] if number == 0 else SCALES)
         share = _share_seen(rim[:, :2], half, place)
         # What is nearest to where it should be is preferred: a heap has edges, too.
         if share > best[0] + (BETTER if best[0] >= SEEN else 0.0):
@@ -218,7 +218,7 @@ def rim_place(p_bin: Floats, bin: Bin) -> pin.SE3 | None:
     # left out.
     level = plane[0] * p_bin[:, 0] + plane[1] * p_bin[:, 1] + plane[2]
     top = p_bin[near & (np.abs(p_bin[:, 2] - level) < ON_RIM)]
-    place = _fitted(top[:, :2], half, place, SCALES[-3:])
+    place = _fit(top[:, :2], half, place, SCALES[-3:])
     dx, dy, yaw = place
     turned = pose_from_rpy((0, 0, 0), (plane[1], -plane[0], 0)).rotation @ _yaw(yaw)
     rim_middle = np.array([dx, dy, plane[0] * dx + plane[1] * dy + plane[2]])
@@ -257,7 +257,7 @@ def _local(points: Floats, place: Floats) -> Floats:
     return (points - place[:2]) @ _yaw(place[2])[:2, :2]
 
 
-def _fitted(points: Floats, half: Floats, start: Floats, scales: tuple[float, ...]) -> Floats:
+def _fit(points: Floats, half: Floats, start: Floats, scales: tuple[float, ...]) -> Floats:
     """The place (dx, dy, turn) at which points (n, 2) lie on the rectangle."""
     place = start.copy()
     if len(points) < 3:

@@ -147,11 +147,11 @@ def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Float
     """Coefficients (6,), share seen, and deviation [m] of what is on it."""
     inner = size[:2] / 2 - CORNER
     there = (np.abs(near[:, :2]) < inner).all(axis=1) & (np.abs(near[:, 2]) < slack)
-    points = _thinned(near[there])
+    points = _thin(near[there])
     u, v = (2 * points[:, :2] / size[:2]).T
     rows = _quadratic(u, v)
     tilts = np.tan(STEEPEST) * size[:2] / 2
-    found = _fitted(rows, points[:, 2], tilts, gate, 3)
+    found = _fit(rows, points[:, 2], tilts, gate, 3)
     if found is None:
         return np.zeros(6), 0.0, 0.0
     off = points[:, 2] - rows @ found
@@ -159,7 +159,7 @@ def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Float
     share = _share(u, v, on)
     if share < SEEN_FLOOR:
         return np.zeros(6), share, 0.0
-    return _rounded(found), share, float(1.4826 * np.median(np.abs(off[on])))
+    return _round(found), share, float(1.4826 * np.median(np.abs(off[on])))
 
 
 def _wall(
@@ -177,27 +177,27 @@ def _wall(
         & (height > CORNER)
         & (height < size[2] - CORNER)
     )
-    values = _thinned(np.column_stack([out, along, height / size[2]])[there])
+    values = _thin(np.column_stack([out, along, height / size[2]])[there])
     rows = np.column_stack([np.ones(len(values)), values[:, 1], values[:, 2]])
     tilts = np.tan(STEEPEST) * np.array([size[1 - across] / 2, size[2]])
     # What lies outside of a wall is behind it: the same as below the floor, upside down.
-    found = _fitted(rows, -values[:, 0], tilts, gate, 3)
+    found = _fit(rows, -values[:, 0], tilts, gate, 3)
     if found is None:
         return np.zeros(3), 0.0
     on = np.abs(-values[:, 0] - rows @ found) < gate
     share = _share(values[:, 1], 2 * values[:, 2] - 1, on)
-    return (_rounded(-found), share) if share >= SEEN_WALL else (np.zeros(3), share)
+    return (_round(-found), share) if share >= SEEN_WALL else (np.zeros(3), share)
 
 
 def _quadratic(u: Floats, v: Floats) -> Floats:
     return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
 
 
-def _thinned(values: Floats) -> Floats:
+def _thin(values: Floats) -> Floats:
     return values[:: max(1, -(-len(values) // MOST_FITTED))]
 
 
-def _rounded(values: Floats) -> Floats:
+def _round(values: Floats) -> Floats:
     return np.round(values / FINEST) * FINEST + 0.0
 
 
@@ -210,7 +210,7 @@ def _share(u: Floats, v: Floats, on: np.ndarray) -> float:
     return float(np.mean((there >= FEWEST) & (2 * there >= total)))
 
 
-def _fitted(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) -> Floats | None:
+def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) -> Floats | None:
     """Coefficients with which rows (n, m) give most of the values (n,) [m], and few lower ones.
 
     The first `linear` columns are searched for (offset and two tilts), then all are fitted.
@@ -221,7 +221,7 @@ def _fitted(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: in
     offsets = np.arange(-FARTHEST, FARTHEST + 1e-9, OFFSET_STEP)
     count = round(STEEPEST / TILT_STEP)
     steps = np.arange(-count, count + 1) / count
-    best = _searched(
+    best = _search(
         np.ascontiguousarray(rows[::step, :linear]), values[::step], offsets,
         steps * tilts[0], steps * tilts[1], gate,
     )  # fmt: skip
@@ -230,7 +230,7 @@ def _fitted(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: in
     hold = np.array([0.0, FLAT, FLAT, BENT, BENT, BENT]) * len(values) + 1e-9
     for number in range(FITS):
         k = linear if number < 2 else rows.shape[1]
-        sums, pulls = _pulled(rows, values, found, k, gate)
+        sums, pulls = _weigh(rows, values, found, k, gate)
         found[:k] = np.linalg.solve(sums + np.diag(hold[:k]), pulls)
     return found
 
@@ -254,7 +254,7 @@ def _near(
 
 
 @njit(cache=True)
-def _pulled(
+def _weigh(
     rows: Floats, values: Floats, found: Floats, k: int, gate: float
 ) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     """Normal equations of the first `k` coefficients; points count less the further they are off.
@@ -278,7 +278,7 @@ def _pulled(
 
 
 @njit(cache=True)
-def _searched(
+def _search(
     rows: Floats,
     values: Floats,
     offsets: Floats,

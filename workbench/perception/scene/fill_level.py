@@ -55,7 +55,7 @@ def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> s
     if check.fill is None or check.is_empty:
         return f"{count} {noun}"
     rooms = {part.name: _room(part) for part in cell.parts}
-    kinds = [one.part for one in found if one.part in rooms] or list(rooms)
+    kinds = [detection.part for detection in found if detection.part in rooms] or list(rooms)
     taken = check.fill * float(np.prod(cell.bin.size))
     about = round(taken / float(np.mean([rooms[kind] for kind in kinds])))
     return f"{count} of about {about} parts" if about > MORE * count else f"{count} {noun}"

@@ -43,7 +43,7 @@ def find_floor(points: Floats) -> tuple[pin.SE3, Floats] | None:
     if len(few) < 3:
         return None
     drawn = np.random.default_rng(0).integers(len(few), size=(ROUNDS, 3))
-    normal, height, value = _searched(few, drawn, GATE, STEEPEST)
+    normal, height, value = _search(few, drawn, GATE, STEEPEST)
     if value < FEWEST * len(few):
         return None
     for _ in range(3):
@@ -61,7 +61,7 @@ def find_floor(points: Floats) -> tuple[pin.SE3, Floats] | None:
 
 
 @njit(cache=True)
-def _searched(
+def _search(
     points: Floats, drawn: Ints, gate: float, steepest: float
 ) -> tuple[Floats, float, float]:  # pragma: no cover (compiled)
     """Normal towards the scanner, offset along it [m], and value of the best plane."""

@@ -58,7 +58,7 @@ def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:
     # Half the floor's sides take the tilt to metres, as its coefficients are.
     tilts = turn[[1, 0]] * (-1.0, 1.0) * bin.size[:2] / 2
     floor = seen.floor if seen.is_floor_seen else np.array([shift[2], *tilts, 0.0, 0.0, 0.0])
-    return replace(seen, floor=_rounded(floor), walls=_rounded(walls))
+    return replace(seen, floor=_round(floor), walls=_round(walls))
 
 
 def _walls(shift: Floats, turn: Floats, bin: Bin) -> Floats:
@@ -69,6 +69,6 @@ def _walls(shift: Floats, turn: Floats, bin: Bin) -> Floats:
     return np.array([x, -x, y, -y])
 
 
-def _rounded(values: Floats) -> Floats:
+def _round(values: Floats) -> Floats:
     """To micrometres, so that they are the same on any machine."""
     return np.round(values, 6) + 0.0

@@ -83,17 +83,17 @@ def _noise(points: Floats, windows: tuple[int, int], stray: float) -> float | No
     if not step > 0:
         return None
     fits = np.zeros((count + 1, count + 1, 7))
-    sums = _fitted(points, low, step, wanted, np.inf, fits)
+    sums = _fit(points, low, step, wanted, np.inf, fits)
     if np.isfinite(stray):
-        sums = _fitted(points, low, step, wanted, stray, fits)
-        sums = _fitted(points, low, step, wanted, stray, fits)
+        sums = _fit(points, low, step, wanted, stray, fits)
+        sums = _fit(points, low, step, wanted, stray, fits)
     deviations = _deviations(fits, sums, low, step)
     known = np.sort(deviations[np.isfinite(deviations)])
     return float(known[int(SMOOTH * (len(known) - 1))]) if len(known) >= FEWEST_WINDOWS else None
 
 
 @njit(cache=True)
-def _fitted(
+def _fit(
     points: Floats, low: Floats, step: float, wanted: int, stray: float, fits: Floats
 ) -> Floats:  # pragma: no cover (compiled)
     """Fit 1/z in each window, to points no more than `stray` [m] at 1 m off the fits before.

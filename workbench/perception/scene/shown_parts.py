@@ -30,9 +30,11 @@ def shown(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Bools:
         For each part (k,), no unit.
     """
     T, near = scan.T_world_scanner, np.zeros(len(scan.points), bool)
-    for one in detections:
-        reach = float(np.linalg.norm(cell.part(one.part).mesh.points, axis=1).max()) + TOLERANCE
-        off = scan.points - T.actInv(one.T_world_part.translation)
+    for detection in detections:
+        reach = (
+            float(np.linalg.norm(cell.part(detection.part).mesh.points, axis=1).max()) + TOLERANCE
+        )
+        off = scan.points - T.actInv(detection.T_world_part.translation)
         near |= np.einsum("ij,ij->i", off, off) <= reach**2
     points = scan.points[near] @ T.rotation.T + T.translation
     scene, owners = known_surfaces(cell, detections)

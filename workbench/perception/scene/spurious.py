@@ -107,11 +107,11 @@ def _may_be_mixed(
     if len(points) == 0:
         return np.zeros(0, np.bool_)
     ahead = points - eye
-    one = np.cross(ahead, np.eye(3)[np.argmin(np.abs(ahead), axis=1)])
-    one /= np.linalg.norm(one, axis=1)[:, None]
-    other = np.cross(ahead, one)  # as long as the way to the point
-    one *= np.linalg.norm(ahead, axis=1)[:, None]
-    spread = np.cos(_CLOCK)[:, None] * one[:, None] + np.sin(_CLOCK)[:, None] * other[:, None]
+    across = np.cross(ahead, np.eye(3)[np.argmin(np.abs(ahead), axis=1)])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    other = np.cross(ahead, across)  # as long as the way to the point
+    across *= np.linalg.norm(ahead, axis=1)[:, None]
+    spread = np.cos(_CLOCK)[:, None] * across[:, None] + np.sin(_CLOCK)[:, None] * other[:, None]
     rays = rays_of(eye, (ahead[:, None] + BESIDE * angle * spread).reshape(-1, 3))
     hits = known.cast_rays(rays, nthreads=1)["t_hit"].numpy().reshape(-1, len(_CLOCK))
     return (hits.min(axis=1) < 1.0) & (hits.max(axis=1) > 1.0)

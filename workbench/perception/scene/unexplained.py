@@ -90,7 +90,7 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     Ts = np.array([T.inverse().homogeneous for T, _ in boxes])
     halves = np.array([size / 2 for _, size in boxes])
     T = T_bin_scanner.homogeneous
-    left, within = _left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
+    left, within = _points_left(scan.points, T, centre, radius, Ts, halves, TOLERANCE)
     if len(left) == 0:
         return Unexplained()
     voxels = counted(left, CUBE)
@@ -104,24 +104,24 @@ def look_around(cell: Cell, scan: Scan, detections: tuple[Detection, ...]) -> Un
     parts = o3d.t.geometry.RaycastingScene(nthreads=1)
     _add_parts(parts, cell, detections, T_bin_world)
     half = cell.bin.size[:2] / 2
-    longest = max(float(np.linalg.norm(np.ptp(one.mesh.points, axis=0))) for one in cell.parts)
+    longest = max(float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) for part in cell.parts)
     eye, top = T_bin_scanner.translation, _top(cell, detections)
     room = Room(parts, eye, half, top, GOES_ON * longest)
-    return Unexplained(*(_placed(cell, some) for some in _boxes_around(voxels, pitch, room)))
+    return Unexplained(*(_place(cell, some) for some in _boxes_around(voxels, pitch, room)))
 
 
-def _placed(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
+def _place(cell: Cell, boxes: Iterable[Obstacle]) -> tuple[Obstacle, ...]:
     """Boxes of the bin's frame in the world."""
-    return tuple(Obstacle(cell.bin.T_world_bin * one.T_world_box, one.size) for one in boxes)
+    return tuple(Obstacle(cell.bin.T_world_bin * box.T_world_box, box.size) for box in boxes)
 
 
 def _top(cell: Cell, detections: tuple[Detection, ...]) -> float:
     """Height [m] of the highest of the parts over the bin's floor, 0 for none."""
     T_bin_world = cell.bin.T_world_bin.inverse()
-    up = (T_bin_world * one.T_world_part for one in detections)
+    up = (T_bin_world * detection.T_world_part for detection in detections)
     heights = (
-        T.translation[2] + cell.part(one.part).mesh.points @ T.rotation[2]
-        for one, T in zip(detections, up, strict=True)
+        T.translation[2] + cell.part(detection.part).mesh.points @ T.rotation[2]
+        for detection, T in zip(detections, up, strict=True)
     )
     return max((float(some.max()) for some in heights), default=0.0)
 
@@ -137,8 +137,8 @@ def _boxes_around(voxels: Voxels, pitch: float, room: Room) -> Iterator[tuple[Ob
     np.maximum.at(tops, place.reshape(-1), (voxels.index[:, 2] + 1) * voxels.edge)
     edge = many * voxels.edge
     grid = Grid(edge, max(int(np.ceil(NARROWEST / edge)), 1))
-    for one in (cells, tops), hidden_columns(cells, tops, edge, room):
-        yield upright_boxes(*one, grid, roofs_over(*one, edge, room.parts))
+    for columns in (cells, tops), hidden_columns(cells, tops, edge, room):
+        yield upright_boxes(*columns, grid, roofs_over(*columns, edge, room.parts))
 
 
 def _add_parts(
@@ -189,7 +189,7 @@ def _owners(scene: o3d.t.geometry.RaycastingScene, owners: Ints, points: Floats)
 
 
 @njit(cache=True)
-def _left(
+def _points_left(
     points: Floats,
     T: Floats,
     centre: Floats,

@@ -100,8 +100,8 @@ def _boxes(cells: Ints, heights: Floats, grid: Grid, roofs: Roofs, most: int) ->
     """A heap of grid cells (n, 2) with heights (n,) [m] as few boxes."""
     centres: Any = (cells + 0.5) * grid.edge
     around = _rectangles(centres, grid.edge)
-    boxes = [_box(*one, heights) for one in around]
-    clear = [k for k, one in enumerate(boxes) if not _reaches_into(one, roofs)]
+    boxes = [_box(*rectangle, heights) for rectangle in around]
+    clear = [k for k, obstacle in enumerate(boxes) if not _reaches_into(obstacle, roofs)]
     chosen = clear[0] if clear else 0
     (yaw, middle, size), box = around[chosen], boxes[chosen]
     along = (centres - middle) @ np.array([np.cos(yaw), np.sin(yaw)])
@@ -116,8 +116,10 @@ def _boxes(cells: Ints, heights: Floats, grid: Grid, roofs: Roofs, most: int) ->
     is_neat = is_small or (is_full and is_level)
     if is_neat and (clear or size[0] <= SMALLEST):
         return [box]
-    one = _boxes(cells[first], heights[first], grid, roofs, most - 1)
-    return one + _boxes(cells[~first], heights[~first], grid, roofs, most - len(one))
+    first_boxes = _boxes(cells[first], heights[first], grid, roofs, most - 1)
+    return first_boxes + _boxes(
+        cells[~first], heights[~first], grid, roofs, most - len(first_boxes)
+    )
 
 
 def _reaches_into(box: Obstacle, roofs: Roofs) -> bool:
@@ -148,8 +150,8 @@ def _rectangles(centres: Floats, edge: float) -> list[tuple[float, Floats, Float
             yaw, size = yaw + np.pi / 2, size[::-1]
         # Areas that are equal but for rounding keep the order of their angles.
         found.append((round(float(np.prod(size)), 12), float(yaw), middle, size))
-    found.sort(key=lambda one: one[0])
-    return [one[1:] for one in found if one[0] <= WIDEST * found[0][0]]
+    found.sort(key=lambda rectangle: rectangle[0])
+    return [rectangle[1:] for rectangle in found if rectangle[0] <= WIDEST * found[0][0]]
 
 
 def _box(yaw: float, middle: Floats, size: Floats, heights: Floats) -> Obstacle:

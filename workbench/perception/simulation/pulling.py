@@ -107,17 +107,17 @@ class Pulling:
         Returns:
             None where the hand holds nothing, or has pushed the part elsewhere as it closed.
         """
-        data = self._closed(width)
+        data = self._close(width)
         if data is None:
             return None
         taken = pose_of(data)
         for pull in pulls:
-            far, turn = shift_and_turn(taken.actInv(pose_of(self._pulled(data, pull))))
+            far, turn = shift_and_turn(taken.actInv(pose_of(self._pull(data, pull))))
             if far > SLIPS or turn > TIPS:
                 return False
         return True
 
-    def _closed(self, width: float) -> mujoco.MjData | None:
+    def _close(self, width: float) -> mujoco.MjData | None:
         """The part in the closed hand, still with nothing that pulls."""
         model, grip = self._model, self._grip
         model.opt.gravity[:] = 0.0
@@ -135,7 +135,7 @@ class Pulling:
         far, turn = shift_and_turn(self._T_tcp_part.actInv(pose_of(data)))
         return data if len(data.contact.geom) and far <= SLIPS and turn <= TIPS else None
 
-    def _pulled(self, data: mujoco.MjData, pull: Floats) -> mujoco.MjData:
+    def _pull(self, data: mujoco.MjData, pull: Floats) -> mujoco.MjData:
         data, steps = copy.copy(data), round(RISES / STEP)
         for k in range(steps):
             self._model.opt.gravity[:] = pull * (k + 1) / steps

@@ -86,11 +86,11 @@ def _colours(
     """Colours (n, 3) of what was hit (n, 2), see `_cast`; None where no part has any."""
     if all(part.colours is None for part in cell.parts):
         return None
-    solids = (*cell.bin.solids, *(solid for one in cell.fixtures for solid in one.solids))
+    solids = (*cell.bin.solids, *(solid for fixture in cell.fixtures for solid in fixture.solids))
     # What is seen across an edge, where nothing is hit, is as grey as parts without colours.
     paints = np.full((len(hits), 3), PLAIN, np.uint8)
-    for number, one in enumerate(truth):
-        colours = cell.part(one.part).colours
+    for number, detection in enumerate(truth):
+        colours = cell.part(detection.part).colours
         if colours is not None:
             of = hits[:, 0] == number
             paints[of] = colours[hits[of, 1]]
@@ -107,9 +107,9 @@ def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
     rays = rays_of(cell.scanner.T_world_scanner.translation, directions)
     hit = _scene(cell, truth).cast_rays(rays)["geometry_ids"].numpy()
     shares: list[float] = []
-    for number, one in enumerate(truth):
+    for number, detection in enumerate(truth):
         alone = o3d.t.geometry.RaycastingScene()
-        add_surface(alone, triangles_of(cell.part(one.part).mesh), one.T_world_part)
+        add_surface(alone, triangles_of(cell.part(detection.part).mesh), detection.T_world_part)
         shown = int(np.count_nonzero(np.isfinite(alone.cast_rays(rays)["t_hit"].numpy())))
         shares.append(np.count_nonzero(hit == number) / shown if shown else 0.0)
     return tuple(shares)
@@ -118,9 +118,11 @@ def visible_shares(cell: Cell, truth: Sequence[Detection]) -> tuple[float, ...]:
 def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingScene:
     """All that stands still, after the parts in their order."""
     scene = o3d.t.geometry.RaycastingScene()
-    surfaces = {name: triangles_of(cell.part(name).mesh) for name in {one.part for one in truth}}
-    for one in truth:
-        add_surface(scene, surfaces[one.part], one.T_world_part)
+    surfaces = {
+        name: triangles_of(cell.part(name).mesh) for name in {detection.part for detection in truth}
+    }
+    for detection in truth:
+        add_surface(scene, surfaces[detection.part], detection.T_world_part)
     add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
     for fixture in cell.fixtures:
         add_solids(scene, fixture.solids, fixture.T_world_fixture)

@@ -41,7 +41,7 @@ def unloaded(
     Returns:
         All but the taken one, in their order.
     """
-    parts = [cell.part(one.part) for one in pile]
+    parts = [cell.part(detection.part) for detection in pile]
     T_bin_world = cell.bin.T_world_bin.inverse()
     others = [number for number in range(len(pile)) if number != taken]
     if not others:

@@ -66,7 +66,7 @@ def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> Over
         parts: the surface of each [m], and its pose (4, 4) in the scanner's frame.
     """
     camera, times = _camera(scan.points)
-    picture = np.repeat(np.repeat(_seen(scan, camera), times, axis=0), times, axis=1)
+    picture = np.repeat(np.repeat(_picture_of(scan, camera), times, axis=0), times, axis=1)
     shape = (picture.shape[0], picture.shape[1])
     large = Pinhole(camera.focal * times, (camera.centre + 0.5) * times - 0.5, shape)
     rays, (column, row) = large.rays(), map(float, large.centre)
@@ -104,7 +104,7 @@ def _camera(points: Floats) -> tuple[Pinhole, int]:
     return camera, max(1, round(WIDE / columns))
 
 
-def _seen(scan: Scan, camera: Pinhole) -> Floats:
+def _picture_of(scan: Scan, camera: Pinhole) -> Floats:
     """The scan's picture (rows, columns, 3), 0..255; black where nothing was measured."""
     rows, columns = camera.shape
     before = scan.points[:, 2] > 0

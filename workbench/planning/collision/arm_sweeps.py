@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import RESOLUTION, halved
+from workbench.planning.collision.motion import RESOLUTION, halve_curve
 from workbench.planning.collision.sweeping.look import IS_CLEAR
 from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
@@ -63,7 +63,7 @@ def first_contact(
     among = world.pairs.between(first.arm, second.arm)
     edges = world.edges(np.concatenate(columns), base, resolution, among)
     if edges is None or not edges.is_all:
-        return _measured(world, base, first, second, resolution)
+        return _measure(world, base, first, second, resolution)
     scratch = edges.scratch._replace(open_pairs=np.empty(MOST_OPEN, np.int64))
     edges = edges._replace(scratch=scratch)
     found, curves, looks = ways_met(first.points, second.points, MOST_LOOKS, edges)
@@ -76,7 +76,7 @@ def first_contact(
     return ArmContact(contact, ends, (int(curves[0]), int(curves[1])))
 
 
-def _measured(
+def _measure(
     world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
 ) -> ArmContact | None:
     """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""
@@ -116,7 +116,7 @@ def _measured(
             half = len(way) // 2
             parts = ((way[:half], start), (way[half:], start + half))
         else:
-            _, _, left, right = halved(way[0])
+            _, _, left, right = halve_curve(way[0])
             parts = ((left[None], start), (right[None], start))
         for part, begin in parts:
             if longer == 0:

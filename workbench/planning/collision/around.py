@@ -273,9 +273,9 @@ def first_contact(
     """
     R_all, c, W = _scratch(around)
     still = len(around.owner)
-    every, one, none = np.arange(still), np.eye(3), np.zeros(3)
+    every, identity, none = np.arange(still), np.eye(3), np.zeros(3)
     for k in range(len(p)):
-        _put(R, p[k], one, none, opening, around, R_all, c)
+        _put(R, p[k], identity, none, opening, around, R_all, c)
         for t in range(len(around.radius)):
             g = _first_near(t, every, own, margin, around, R_all, c, W)
             if g >= 0:

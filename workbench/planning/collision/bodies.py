@@ -76,14 +76,16 @@ def _link_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for link in cell.robot.links:
         joint, T_joint_link = kinematics.frames[link.name]
         for solid in link.collision:
-            carrier, T = _unturned(kinematics, joint, T_joint_link * solid.T_owner_shape, solid)
+            carrier, T = _without_rotation(
+                kinematics, joint, T_joint_link * solid.T_owner_shape, solid
+            )
             bodies.append(
                 Body(link.name, "link", link.name, carriers[joint], carrier, T, solid.shape)
             )
     return bodies
 
 
-def _unturned(
+def _without_rotation(
     kinematics: Kinematics, joint: int, T_joint_body: pin.SE3, solid: Solid
 ) -> tuple[int, pin.SE3]:
     """The joint that really moves a body, and the body's pose in it.
@@ -109,7 +111,9 @@ def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     for index, arm in enumerate(cell.arms):
         joint, T_joint_flange = kinematics.frames[arm.flange]
         for solid in arm.tool.body:
-            carrier, T = _unturned(kinematics, joint, T_joint_flange * solid.T_owner_shape, solid)
+            carrier, T = _without_rotation(
+                kinematics, joint, T_joint_flange * solid.T_owner_shape, solid
+            )
             bodies.append(
                 Body(f"{arm.name} {solid.name}", "tool", arm.name, index, carrier, T, solid.shape)
             )
@@ -146,8 +150,8 @@ def pairs_of(cell: Cell, bodies: list[Body]) -> Bools:
             disabled[a, b] = disabled[b, a] = True
     for pair in cell.robot.disabled_pairs:
         # Where a link has the name of a tool it is the tool, as another program writes it.
-        one, other = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
-        for a, b in product(one, other):
+        first, second = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
+        for a, b in product(first, second):
             if a is not None and b is not None:
                 disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])
@@ -243,7 +247,8 @@ def are_rolled(
     No unit.
     """
     rolled = np.array(
-        [one.kind == "part" and not detections[int(one.owner)].roll_known for one in bodies], bool
+        [body.kind == "part" and not detections[int(body.owner)].roll_known for body in bodies],
+        bool,
     )
     return rolled[first] | rolled[second]
 

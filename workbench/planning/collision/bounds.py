@@ -203,13 +203,13 @@ def nearing(
     `R` (b, 3, 3) and `half` (b, 3) [m] are those of the boxes of all bodies.
     """
     come = abs(x * drift.x + y * drift.y + z * drift.z) + drift.rest
-    come += _turned(a, x, y, z, drift.a_x, drift.a_y, drift.a_z, R, half)
-    come += _turned(b, x, y, z, drift.b_x, drift.b_y, drift.b_z, R, half)
+    come += _swept_by_turn(a, x, y, z, drift.a_x, drift.a_y, drift.a_z, R, half)
+    come += _swept_by_turn(b, x, y, z, drift.b_x, drift.b_y, drift.b_z, R, half)
     return min(come, drift.most)
 
 
 @njit(cache=True)
-def _turned(
+def _swept_by_turn(
     g: int, x: float, y: float, z: float, u: float, v: float, w: float, R: Floats, half: Floats
 ) -> float:
     """How far [m] a body's box comes along (x, y, z) while it turns by (u, v, w) [rad], at most."""

@@ -56,14 +56,14 @@ def hands_of(
         margin: [m] kept to other things; nearer pieces of the part are measured.
     """
     every = [_hands_of_one(tool, pieces, grasp, least_air, margin) for grasp in grasps]
-    first = np.cumsum([0, *(len(one.turn) for one in every)])
+    first = np.cumsum([0, *(len(hands.turn) for hands in every)])
     return Hands(
         first,
-        np.concatenate([_NOBODY.R, *(one.R for one in every)]),
-        np.concatenate([_NOBODY.p, *(one.p for one in every)]),
-        np.concatenate([_NOBODY.opening, *(one.opening for one in every)]),
-        np.concatenate([_NOBODY.turn, *(one.turn for one in every)]),
-        np.concatenate([_NOBODY.cuts, *(one.cuts for one in every)]),
+        np.concatenate([_NOBODY.R, *(hands.R for hands in every)]),
+        np.concatenate([_NOBODY.p, *(hands.p for hands in every)]),
+        np.concatenate([_NOBODY.opening, *(hands.opening for hands in every)]),
+        np.concatenate([_NOBODY.turn, *(hands.turn for hands in every)]),
+        np.concatenate([_NOBODY.cuts, *(hands.cuts for hands in every)]),
     )
 
 
@@ -144,8 +144,8 @@ def cut_of(
     for number in np.flatnonzero(near.any(axis=1)).tolist():
         T = solids[number].at(tool, T_part_tcp, opening)
         for piece in np.flatnonzero(near[number]).tolist():
-            one = pieces[piece]
-            if distance(solids[number].solid.shape, T, one.shape, one.T_owner_shape) < -press:
+            solid = pieces[piece]
+            if distance(solids[number].solid.shape, T, solid.shape, solid.T_owner_shape) < -press:
                 return number * len(pieces) + piece
     return NOTHING
 
@@ -165,9 +165,9 @@ class _Balls(NamedTuple):
 def _balls_of(tool: Tool) -> _Balls:
     solids, T = tool_shapes(tool), tool.T_flange_tcp.inverse()
     return _Balls(
-        np.array([T.act(one.T_flange_body.act(one.centre)) for one in solids]).reshape(-1, 3),
-        np.array([T.rotation @ one.direction / 2 for one in solids]).reshape(-1, 3),
-        np.array([one.radius for one in solids]),
+        np.array([T.act(solid.T_flange_body.act(solid.centre)) for solid in solids]).reshape(-1, 3),
+        np.array([T.rotation @ solid.direction / 2 for solid in solids]).reshape(-1, 3),
+        np.array([solid.radius for solid in solids]),
     )
 
 
@@ -184,8 +184,8 @@ class _Boxes(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _boxes_of(pieces: tuple[Solid, ...]) -> _Boxes:
-    poses = [one.T_owner_shape for one in pieces]
-    extents = [extent(one.shape) for one in pieces]
+    poses = [piece.T_owner_shape for piece in pieces]
+    extents = [extent(piece.shape) for piece in pieces]
     return _Boxes(
         np.array([T.rotation.T for T in poses]).reshape(-1, 3, 3),
         np.array([T.act(centre) for T, (centre, _, _) in zip(poses, extents, strict=True)]).reshape(

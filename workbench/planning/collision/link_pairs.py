@@ -32,8 +32,8 @@ def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str]
     kinematics = Kinematics(cell)
     model = kinematics.model
     bodies = carried_bodies(cell, kinematics)
-    owners = [f"{one.owner}_tool" if one.kind == "tool" else one.owner for one in bodies]
-    joints = np.array([one.joint for one in bodies])
+    owners = [f"{body.owner}_tool" if body.kind == "tool" else body.owner for body in bodies]
+    joints = np.array([body.joint for body in bodies])
     parents = np.array(list(model.parents))
     geometry = geometry_of(bodies)
     geometry.setCollisionPairs(np.triu(joints[:, None] != joints, 1), True)

@@ -71,11 +71,11 @@ def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
         return straight(path)
     wide, pieces = (STREAMED_ZONE, 1) if motion.corners == "streamed" else (zone, CHORDS)
     # A copy can be written to: read-only arrays would be compiled for once more.
-    return Curves(*_walked(np.array(path), wide, pieces))
+    return Curves(*_walk(np.array(path), wide, pieces))
 
 
 @njit(cache=True)
-def _walked(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
+def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
     """Curves of a path (m, n) [rad] and the waypoints before them; every corner in `pieces`."""
     last, n = len(path) - 1, path.shape[1]
     counts = np.zeros(last, np.int64)
@@ -102,10 +102,10 @@ def _walked(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
                 for i in range(n):
                     a, b = path[k, i], path[k + 1, i]
                     enter, leave = b + share * (a - b), b + share * (path[k + 2, i] - b)
-                    one = _rounding(enter, b, leave, piece / pieces)
-                    other = _rounding(enter, b, leave, (piece + 1) / pieces)
-                    points[at, 0, i], points[at, 1, i] = one, (one + other) / 2
-                    points[at, 2, i] = other
+                    start = _rounding(enter, b, leave, piece / pieces)
+                    end = _rounding(enter, b, leave, (piece + 1) / pieces)
+                    points[at, 0, i], points[at, 1, i] = start, (start + end) / 2
+                    points[at, 2, i] = end
                 waypoints[at] = k
                 at += 1
     return points, waypoints
@@ -119,7 +119,7 @@ def _rounding(enter: float, corner: float, leave: float, t: float) -> float:
 
 
 @njit(cache=True)
-def halved(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def halve_curve(points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Middle of a quadratic Bezier curve (3, n) [rad], how far each joint leaves it, its halves."""
     n = points.shape[1]
     middle, span = np.empty(n), np.empty(n)
@@ -199,7 +199,7 @@ def _curve_contact(
     pending: deque[tuple[Floats, Ints | None]] = deque([(points, among)])
     while pending:
         points, left_open = pending.popleft()
-        middle, span, left, right = halved(points)
+        middle, span, left, right = halve_curve(points)
         q[columns], d[columns] = middle, span
         met, unclear, move = world.look(q, d, left_open)
         if met is not None:

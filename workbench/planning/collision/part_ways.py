@@ -109,11 +109,11 @@ class PartWays:
         for way in ways:
             key = (number, way.tobytes())
             if key not in self._known:
-                self._known[key] = self._met(number, way)
+                self._known[key] = self._find_contact(number, way)
             found.append(self._known[key])
         return found
 
-    def _met(self, number: int, way: Floats) -> tuple[str, float] | None:
+    def _find_contact(self, number: int, way: Floats) -> tuple[str, float] | None:
         around = self._of(number)
         if not around.cores.known.all():
             return None
@@ -136,7 +136,7 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world, straight, from where it lies.
         """
-        return self._begun(number, way)[0]
+        return self._measure_begin(number, way)[0]
 
     def is_pushed(self, number: int, way: Floats) -> bool:
         """Whether a part comes nearer than is `kept` to something in the first mm of its way.
@@ -145,9 +145,9 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world, as of `gain`.
         """
-        return self._begun(number, way)[1]
+        return self._measure_begin(number, way)[1]
 
-    def _begun(self, number: int, way: Floats) -> tuple[float, bool]:
+    def _measure_begin(self, number: int, way: Floats) -> tuple[float, bool]:
         """What a part gains [m] on the first mm of a way (3,) [m], and whether it is pushed."""
         key = (number, way.tobytes())
         if key not in self._first:
@@ -157,7 +157,7 @@ class PartWays:
             first = min(FIRST, most)
             step = way * (first / most) if most > 0 else way
             against = self._against[number]
-            begins = np.array([one for _, _, one in against])
+            begins = np.array([begin for _, _, begin in against])
             comes = np.array([_apart(a, b, step) for a, b, _ in against])
             gain = float(np.min(comes - begins, initial=first))
             self._first[key] = gain, bool((comes < kept(begins)).any())
@@ -198,10 +198,10 @@ class PartWays:
             if not _is_near(T.translation, reach, bed):
                 continue
             for piece in pieces:
-                one = (piece.shape, T * piece.T_owner_shape)
-                begins = _apart(one, bed, np.zeros(3))
+                placed_piece = (piece.shape, T * piece.T_owner_shape)
+                begins = _apart(placed_piece, bed, np.zeros(3))
                 if begins < self._near:
-                    found.append((one, bed, begins))
+                    found.append((placed_piece, bed, begins))
         return found
 
     def standing_in(self, number: int, T_world_part: pin.SE3, margin: float) -> str | None:
@@ -228,7 +228,7 @@ class PartWays:
             number: of the detection.
             way: (3,) [m] in the world; its first `release` is looked at.
         """
-        if all(one.roll_known for one in self._detections):
+        if all(detection.roll_known for detection in self._detections):
             return None
         key = (number, way.tobytes())
         if key not in self._caught:
@@ -242,27 +242,29 @@ class PartWays:
         label = part_label(number)
         far = np.append(np.arange(COMES_OFF, self._release, COMES_OFF), self._release)
         steps = far[:, None] * way / float(np.linalg.norm(way))
-        one = self._detections[number]
-        pieces = placed(self._cell.part(one.part), one)
+        detection = self._detections[number]
+        pieces = placed(self._cell.part(detection.part), detection)
         # A turn is possible when its pieces are in nothing whose own place is known.
         possible, deepest = np.ones(max(len(piece) for piece in pieces), bool), (-np.inf, "")
         for piece, (name, bed) in product(pieces, beds):
             if len(bed) == 1:
-                depths = np.array([-_apart(one, bed[0], np.zeros(3)) for one in piece])
+                depths = np.array(
+                    [-_apart(placed_piece, bed[0], np.zeros(3)) for placed_piece in piece]
+                )
                 possible &= np.broadcast_to(depths <= self._sink, possible.shape)
                 deepest = max(deepest, (float(depths.min()), name))
         if not possible.any():
             return Caught(label, deepest[1], -deepest[0], is_sunk=True)
         for piece, (name, bed) in product(pieces, beds):
-            for (turn, one), other in product(enumerate(piece), bed):
+            for (turn, detection), other in product(enumerate(piece), bed):
                 if len(piece) > 1 and not possible[turn]:
                     continue
-                begins = _apart(one, other, np.zeros(3))
+                begins = _apart(detection, other, np.zeros(3))
                 if begins < -self._sink:
                     continue  # the neighbour is not turned so
                 keeps = min(self._near + ASIDE, begins - ASIDE)
                 for step in steps if begins < self._near + self._release + ASIDE else ():
-                    distance = _apart(one, other, step)
+                    distance = _apart(detection, other, step)
                     if distance < keeps:
                         return Caught(label, name, distance, is_sunk=False)
         return None
@@ -274,9 +276,9 @@ class PartWays:
             for body in self._still.bodies
             if body.kind != "part"
         ]
-        for k, one in enumerate(self._detections):
+        for k, detection in enumerate(self._detections):
             if k != number:
-                pieces = placed(self._cell.part(one.part), one)
+                pieces = placed(self._cell.part(detection.part), detection)
                 found += [(part_label(k), piece) for piece in pieces]
         at = self._detections[number].T_world_part
         reach = max(solid.reach for solid in self._still.pieces[number])
@@ -287,7 +289,7 @@ class PartWays:
         if number not in self._around:
             none = np.zeros(3)
             self._around[number] = self._still.around(
-                [(one.shape, one.T_owner_shape, none) for one in self._still.pieces[number]]
+                [(solid.shape, solid.T_owner_shape, none) for solid in self._still.pieces[number]]
             )
         return self._around[number]
 
@@ -296,14 +298,14 @@ class PartWays:
 
     def gap(self, first: int, second: int) -> float:
         """How near two parts lie to each other [m], negative where they reach into each other."""
-        one, other = (
+        mine, theirs = (
             [
                 (solid.shape, self._detections[number].T_world_part * solid.T_owner_shape)
                 for solid in self._still.pieces[number]
             ]
             for number in (first, second)
         )
-        return min(_apart(a, b, np.zeros(3)) for a in one for b in other)
+        return min(_apart(a, b, np.zeros(3)) for a in mine for b in theirs)
 
     @cached_property
     def heaps(self) -> list[int]:
@@ -319,11 +321,13 @@ class PartWays:
         radius = {part.name: float(np.linalg.norm(part.mesh.points, axis=1).max())
                   for part in self._cell.parts}  # fmt: skip
         for first, second in combinations(range(len(heap)), 2):
-            one, other = self._detections[first], self._detections[second]
+            detection, other = self._detections[first], self._detections[second]
             if heap[first] == heap[second]:
                 continue
-            far = np.linalg.norm(one.T_world_part.translation - other.T_world_part.translation)
-            if far - radius[one.part] - radius[other.part] >= gap:
+            far = np.linalg.norm(
+                detection.T_world_part.translation - other.T_world_part.translation
+            )
+            if far - radius[detection.part] - radius[other.part] >= gap:
                 continue
             if self.gap(first, second) < gap:
                 old, new = heap[second], heap[first]
@@ -347,7 +351,7 @@ def _is_near(p: Floats, reach: float, body: tuple[Shape, pin.SE3]) -> bool:
     return float(np.linalg.norm(np.maximum(np.abs(offset) - half, 0.0))) < reach
 
 
-def _apart(one: tuple[Shape, pin.SE3], other: tuple[Shape, pin.SE3], step: Floats) -> float:
+def _apart(first: tuple[Shape, pin.SE3], second: tuple[Shape, pin.SE3], step: Floats) -> float:
     """The distance [m] of two bodies, the first of them moved by a step (3,) [m]."""
-    (shape, T), (bed, U) = one, other
+    (shape, T), (bed, U) = first, second
     return distance(shape, pin.SE3(T.rotation, T.translation + step), bed, U)

@@ -84,12 +84,12 @@ def placed(part: Part, detection: Detection) -> tuple[Placed, ...]:
 
 
 def _is_round(piece: Solid, room: Solid) -> bool:
-    one, other = piece.shape, room.shape
+    mine, theirs = piece.shape, room.shape
     return (
-        isinstance(one, Cylinder)
-        and isinstance(other, Cylinder)
-        and other.radius - one.radius < ROUND
-        and other.length - one.length < ROUND
+        isinstance(mine, Cylinder)
+        and isinstance(theirs, Cylinder)
+        and theirs.radius - mine.radius < ROUND
+        and theirs.length - mine.length < ROUND
     )
 
 

@@ -36,7 +36,9 @@ class Surroundings:
     ) -> None:
         self.cell = cell
         self.detections = detections
-        self.pieces = tuple(room_of(cell.part(one.part), one) for one in detections)
+        self.pieces = tuple(
+            room_of(cell.part(detection.part), detection) for detection in detections
+        )
         # The bin first: where several things are met, that one is named.
         self.bodies = tuple(
             [*_of_cell(cell), *_of_parts(detections, self.pieces), *_of_obstacles(obstacles)]
@@ -84,15 +86,15 @@ def _of_cell(cell: Cell) -> Iterator[Body]:
 
 
 def _of_parts(detections: Sequence[Detection], pieces: Sequence[Sequence[Solid]]) -> Iterator[Body]:
-    for number, (one, solids) in enumerate(zip(detections, pieces, strict=True)):
+    for number, (detection, solids) in enumerate(zip(detections, pieces, strict=True)):
         for solid in solids:
-            yield _still(solid, one.T_world_part, "part", str(number), part_label(number))
+            yield _still(solid, detection.T_world_part, "part", str(number), part_label(number))
 
 
 def _of_obstacles(obstacles: Sequence[Obstacle]) -> Iterator[Body]:
-    for number, one in enumerate(obstacles):
+    for number, obstacle in enumerate(obstacles):
         label = obstacle_label(number)
-        yield Body(label, "fixture", "seen", -1, 0, one.T_world_box, Box(one.size))
+        yield Body(label, "fixture", "seen", -1, 0, obstacle.T_world_box, Box(obstacle.size))
 
 
 def _still(solid: Solid, T_world_owner: pin.SE3, kind: BodyKind, owner: str, label: str) -> Body:

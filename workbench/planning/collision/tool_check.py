@@ -121,8 +121,8 @@ class ToolCheck:
         )
         count = len(self._still.bodies)
         found: list[Fit] = []
-        told = met.tolist()
-        for (_, grasp), way, (phase, code, touches) in zip(rows, ways.tolist(), told, strict=True):
+        pairs = met.tolist()
+        for (_, grasp), way, (phase, code, touches) in zip(rows, ways.tolist(), pairs, strict=True):
             pair = None if way >= 0 else (code // count, code % count)
             w = way if way >= 0 else int(hands.first[grasp])
             opening, turn = float(hands.opening[w, 0]), int(hands.turn[w])

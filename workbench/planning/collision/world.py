@@ -22,7 +22,7 @@ from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
 from workbench.planning.collision.sweeping.look import Model
-from workbench.planning.collision.sweeping.sweep import swept
+from workbench.planning.collision.sweeping.sweep import sweep_chain
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.robot import Kinematics
@@ -223,7 +223,7 @@ class World:
             return Swept(len(points), None, self.pairs.among if among is None else among)
         commons = self.pairs.commons
         easy, others = self._split if among is None else self._split_of(among)
-        clear, pair, middle, looks = swept(
+        clear, pair, middle, looks = sweep_chain(
             points, columns, base, resolution, easy, self._margins, commons, self._model
         )
         self.checks += looks
@@ -259,7 +259,7 @@ class World:
             return 0
         backwards, margins = np.ascontiguousarray(points[::-1]), np.maximum(self._margins, 0.0)
         commons = self.pairs.commons
-        clear, _, _, looks = swept(
+        clear, _, _, looks = sweep_chain(
             backwards, columns, base, resolution, among, margins, commons, self._model
         )
         self.checks += looks
@@ -375,9 +375,9 @@ class World:
 
     def _distance(self, k: int) -> float:
         a, b = int(self._pairing.first[k]), int(self._pairing.second[k])
-        one, other, T = self._bodies[a].shape, self._bodies[b].shape, self._data.oMg
-        if has_pieces(one) or has_pieces(other):
-            return distance(one, T[a], other, T[b])
+        first, second, T = self._bodies[a].shape, self._bodies[b].shape, self._data.oMg
+        if has_pieces(first) or has_pieces(second):
+            return distance(first, T[a], second, T[b])
         return float(pin.computeDistance(self._geometry, self._data, k).min_distance)
 
     def _labels(self, k: int) -> tuple[str, str]:

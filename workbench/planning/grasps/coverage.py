@@ -228,13 +228,14 @@ def _best_suggestion(
                 acceleration=tool_acceleration(trial.cell, arm.tool),
             )
         found = sorted(
-            of_tool[arm.tool.name], key=lambda one: float(one.grasp.T_part_tcp.rotation[:, 2] @ up)
+            of_tool[arm.tool.name],
+            key=lambda suggestion: float(suggestion.grasp.T_part_tcp.rotation[:, 2] @ up),
         )
-        for one in found[:TRIED]:
+        for suggestion in found[:TRIED]:
             if cancelled():
                 return best
             usable = np.arange(len(trial.cell.arms))[None] == a
-            share = float(trial.works(poses, (one.grasp,), usable)[:, 0, a].mean())
+            share = float(trial.works(poses, (suggestion.grasp,), usable)[:, 0, a].mean())
             if share > best[2] + 1e-9:
-                best = (one, arm.name, share)
+                best = (suggestion, arm.name, share)
     return best

@@ -66,10 +66,10 @@ class Grips:
     def grasp(self, number: int) -> Grasp | None:
         """One as a grasp; None where it does not hold the part, or the tool cuts into it."""
         if number not in self._known:
-            self._known[number] = self._checked(number)
+            self._known[number] = self._check(number)
         return self._known[number]
 
-    def _checked(self, number: int) -> Grasp | None:
+    def _check(self, number: int) -> Grasp | None:
         T = pin.SE3(self._R[number], self._p[number])
         if self._checker.pads is not None:
             fingers = fitted_opening(self._checker, T)

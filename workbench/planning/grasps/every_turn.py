@@ -61,12 +61,14 @@ def _uneven(part: Part, axis: bytes, arm: Arm, grasp: Grasp) -> tuple[Uneven | N
             note = VerdictNote.CUTS_INTO(closed=closed, body=at, depth=-depth)
             found.append(Uneven(note, -depth))
             continue
-        key = (np.round(_unturned(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
-        found.append(_held(part, arm.tool, axis, key, grasp.opening, grasp.approach_length))
+        key = (np.round(_without_turn(line, T).homogeneous, DIGITS)[:3] + 0.0).tobytes()
+        found.append(
+            _compare_holds(part, arm.tool, axis, key, grasp.opening, grasp.approach_length)
+        )
     return tuple(found)
 
 
-def _unturned(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
+def _without_turn(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
     """The one of all hands that differ by a turn about the axis that stands for them."""
     point, direction = axis
     R, out = T_part_tcp.rotation, T_part_tcp.translation - point
@@ -89,12 +91,12 @@ def _checker(part: Part, tool: Tool) -> GraspChecker:
 def _room_checker(part: Part, tool: Tool, axis: bytes) -> GraspChecker:
     """Of the room of all turns."""
     line = np.frombuffer(axis).reshape(2, 3)
-    one = Detection(part.name, pin.SE3.Identity(), roll_known=False, roll_axis=line)
-    return GraspChecker(replace(part, pieces=room_of(part, one)), tool)
+    detection = Detection(part.name, pin.SE3.Identity(), roll_known=False, roll_axis=line)
+    return GraspChecker(replace(part, pieces=room_of(part, detection)), tool)
 
 
 @lru_cache(maxsize=16384)
-def _held(
+def _compare_holds(
     part: Part, tool: Tool, axis: bytes, T_part_tcp: bytes, opening: float, approach_length: float
 ) -> Uneven | None:
     """What differs in what a hand holds, over all turns."""
@@ -114,18 +116,18 @@ def _held(
     holds = [checker.hold(hand, opening) for hand in hands]
     if not all(holds):
         return Uneven(VerdictNote.NOTHING_HELD(), 0.0)
-    return _compared([one for one in holds if one is not None], tool.press)
+    return _compare([hold for hold in holds if hold is not None], tool.press)
 
 
-def _compared(holds: list[Hold], press: float) -> Uneven | None:
+def _compare(holds: list[Hold], press: float) -> Uneven | None:
     """What fingers hold at some turns and not at others; pads give way by `press` [m]."""
-    widths, middles = [one.width for one in holds], [one.offset for one in holds]
+    widths, middles = [hold.width for hold in holds], [hold.offset for hold in holds]
     wide, aside = float(np.ptp(widths)), float(np.ptp(middles))
     if wide > press:
         return Uneven(VerdictNote.WIDTH_VARIES(low=min(widths), high=max(widths)), wide)
     if aside > press:
         return Uneven(VerdictNote.OFF_CENTRE(aside=aside), aside)
-    steepest = [max(one.slants) for one in holds]
+    steepest = [max(hold.slants) for hold in holds]
     if max(steepest) > FRICTION >= min(steepest):
         return Uneven(VerdictNote.INCLINED(angle=float(max(steepest))), 0.0)
     return None

@@ -134,18 +134,18 @@ class GraspChecker:
         Distances beyond `within` are not told apart.
         """
         best, at = within, ""
-        for one in self._solids:
+        for solid in self._solids:
             T_tcp = pin.SE3(
-                one.T_tcp_shape.rotation, one.T_tcp_shape.translation + one.travel * opening
+                solid.T_tcp_shape.rotation, solid.T_tcp_shape.translation + solid.travel * opening
             )
             T = T_part_tcp * T_tcp
-            centre = T_part_tcp.act(one.centre + one.travel * opening)
+            centre = T_part_tcp.act(solid.centre + solid.travel * opening)
             for shape, T_part_piece, middle, radius in self._pieces:
-                if np.linalg.norm(centre - middle) - one.radius - radius >= best:
+                if np.linalg.norm(centre - middle) - solid.radius - radius >= best:
                     continue
-                far = distance(one.shape, T, shape, T_part_piece, best)
+                far = distance(solid.shape, T, shape, T_part_piece, best)
                 if far < best:
-                    best, at = far, one.name
+                    best, at = far, solid.name
         return best, at
 
     def way_in(self, grasp: Grasp) -> tuple[float, float, str]:

@@ -75,10 +75,10 @@ def frame_at(checker: GraspChecker, point: Floats, normal: Floats) -> pin.SE3:
         widths.append(np.inf if hold is None else hold.width)
     # The first of those that are as narrow: it lies along an axis of the part.
     narrow = int(np.flatnonzero(np.array(widths) <= min(widths) + ALIKE)[0])
-    return centred(checker, frames[narrow])
+    return centre_on_grip(checker, frames[narrow])
 
 
-def snapped(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
+def snap_to_surface(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
     """A pose moved onto the surface where the tool comes in, and turned square to it.
 
     That is where the tool's way along its z meets the part first, or else the nearest point.  x
@@ -98,10 +98,12 @@ def snapped(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
     x = T_part_tcp.rotation[:, 0]
     if abs(float(x @ inward)) > 0.99:
         x = T_part_tcp.rotation[:, 1]
-    return centred(checker, _frame(point + _depth(checker, point, inward) * inward, inward, x))
+    return centre_on_grip(
+        checker, _frame(point + _depth(checker, point, inward) * inward, inward, x)
+    )
 
 
-def centred(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
+def centre_on_grip(checker: GraspChecker, T_part_tcp: pin.SE3) -> pin.SE3:
     """The pose moved along the fingers' travel until what they close on is in their middle."""
     hold = checker.hold(T_part_tcp)
     if hold is None or checker.pads is None:

@@ -19,7 +19,7 @@ from workbench.model.part import Grasp, Part
 from workbench.planning.grasps.grasp_check import FRICTION, GraspCheck, GraspChecker
 from workbench.planning.grasps.grasp_frames import (
     BEYOND,
-    centred,
+    centre_on_grip,
     fitted_opening,
     palm_distance,
     thickness,
@@ -135,8 +135,8 @@ def suggest(
         if suggestion is not None:
             kept.add(suggestion.grasp.T_part_tcp)
             found.append(suggestion)
-    found.sort(key=lambda one: -one.score)
-    return tuple(_named(found, {grasp.name for grasp in part.library.grasps}, name))
+    found.sort(key=lambda rated: -rated.score)
+    return tuple(_name(found, {grasp.name for grasp in part.library.grasps}, name))
 
 
 def _opposite(checker: GraspChecker, pads: Pads, rng: np.random.Generator) -> list[_Idea]:
@@ -243,7 +243,7 @@ def _looked_at(
 ) -> Suggestion | None:
     """The grasp of an idea with its score; None when something speaks against it."""
     if checker.pads is not None:
-        T_part_tcp = centred(checker, idea.T_part_tcp)
+        T_part_tcp = centre_on_grip(checker, idea.T_part_tcp)
         fingers = fitted_opening(checker, T_part_tcp)
         if fingers is None or fingers.grip > checker.tool.stroke[1]:
             return None
@@ -270,14 +270,14 @@ def _looked_at(
     return Suggestion(grasp, score, angle, idea.lever, check)
 
 
-def _named(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
+def _name(found: list[Suggestion], taken: set[str], name: str) -> list[Suggestion]:
     named: list[Suggestion] = []
     number = 0
-    for one in found:
+    for suggestion in found:
         number += 1
         while f"{name}-{number}" in taken:
             number += 1
-        named.append(replace(one, grasp=replace(one.grasp, name=f"{name}-{number}")))
+        named.append(replace(suggestion, grasp=replace(suggestion.grasp, name=f"{name}-{number}")))
     return named
 
 

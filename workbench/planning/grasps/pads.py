@@ -42,8 +42,8 @@ def has_pads(tool: Tool) -> bool:
     """Whether a tool has two fingers that travel against each other, across its z."""
     if len(tool.fingers) != 2:
         return False
-    one, other = (np.asarray(finger.direction) for finger in tool.fingers)
-    across = np.cross(tool.T_flange_tcp.rotation[:, 2], one - other)
+    first, second = (np.asarray(finger.direction) for finger in tool.fingers)
+    across = np.cross(tool.T_flange_tcp.rotation[:, 2], first - second)
     return float(np.linalg.norm(across)) > 0.1
 
 

@@ -68,10 +68,14 @@ def proposed_symmetry(mesh: Mesh) -> FoundSymmetry | None:
     if not found:
         return None
     symmetry, deviation = found[0]
-    if symmetry.fold != 1 and all(abs(one.axis @ symmetry.axis) > SMALL for one, _ in found[1:]):
+    if symmetry.fold != 1 and all(
+        abs(other_axis.axis @ symmetry.axis) > SMALL for other_axis, _ in found[1:]
+    ):
         found += _across(itself, symmetry)
-    for one, off in found[1:]:
-        larger = replace(symmetry, also=(*symmetry.also, SymmetryAxis(one.axis, one.fold)))
+    for other_axis, off in found[1:]:
+        larger = replace(
+            symmetry, also=(*symmetry.also, SymmetryAxis(other_axis.axis, other_axis.fold))
+        )
         try:
             is_larger = len(larger.turns) > len(symmetry.turns)
         except InputError:
@@ -101,10 +105,10 @@ def _axes_of(itself: "_Itself") -> list[tuple[Symmetry, float]]:
         if fold == 1:
             continue
         found.append((Symmetry(axis, fold, tuple(itself.centre)), deviation))
-        if sum(one.fold == 0 for one, _ in found) == 2:  # a ball
+        if sum(symmetry.fold == 0 for symmetry, _ in found) == 2:  # a ball
             break
     # Rounded, so that equally exact ones keep the order in which the axes were tried.
-    found.sort(key=lambda one: (-(one[0].fold or 1000), round(one[1], 6)))
+    found.sort(key=lambda rated: (-(rated[0].fold or 1000), round(rated[1], 6)))
     return found
 
 
@@ -174,7 +178,7 @@ class _Itself:
             if holds
         ]
         # A small feature may let wrong folds through: exact ones beat them, then the largest.
-        exact = [one for one in found if one[1] <= EXACT * self.tolerance]
+        exact = [rated for rated in found if rated[1] <= EXACT * self.tolerance]
         return (exact or found or [(1, 0.0)])[0]
 
     def holds(self, axis: Floats, angles: tuple[float, ...]) -> tuple[bool, float]:

@@ -79,7 +79,7 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
         T[2, 3] += offset - down @ middle
         found.append((steady, T))
     # The digits behind these depend on the processor.
-    found.sort(key=lambda one: (-round(one[0], 3), np.round(one[1], 3).ravel().tolist()))
+    found.sort(key=lambda pose: (-round(pose[0], 3), np.round(pose[1], 3).ravel().tolist()))
     angles = np.arange(TURNS) * (2 * np.pi / TURNS)
     every = [_turn(angle) @ T for _, T in found for angle in angles]
     return tuple(pin.SE3(T[:3, :3], T[:3, 3]) for T in _each_once(every, part.symmetry))
@@ -129,7 +129,7 @@ def _centre(part: Part) -> Floats:
     import trimesh  # takes half a second, which planning without stations does not wait for
 
     mesh = trimesh.Trimesh(part.mesh.points, part.mesh.triangles, process=False)
-    return np.array([float(one) for one in mesh.center_mass.real])
+    return np.array([float(coordinate) for coordinate in mesh.center_mass.real])
 
 
 def _upright(down: Floats) -> Floats:

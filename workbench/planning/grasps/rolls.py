@@ -42,8 +42,8 @@ def at_every_turn(
     Returns:
         The same where the roll is known.
     """
-    one = detections[number]
-    if one.roll_known:
+    detection = detections[number]
+    if detection.roll_known:
         return with_rolls(detections, verdict)
     if arm.needs_roll:
         count = len(arm.Ts_world_place) + len(arm.part_places)
@@ -56,7 +56,7 @@ def at_every_turn(
             unknown = replace(verdict, reason=Reason.ROLL_UNKNOWN)
             return unknown.noted(VerdictNote.ROLL_UNSEEN())
         return with_rolls(detections, verdict)
-    wrong = uneven(part, one, arm, grasp)
+    wrong = uneven(part, detection, arm, grasp)
     first = wrong[fit.turn]
     if first is None:
         return verdict
@@ -72,7 +72,11 @@ def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
     """A verdict that says so where a part of its pair counts with the room of all its turns."""
     if verdict.pair is None or verdict.reason is Reason.ROLL_UNKNOWN:
         return verdict
-    labels = [part_label(number) for number, one in enumerate(detections) if not one.roll_known]
+    labels = [
+        part_label(number)
+        for number, detection in enumerate(detections)
+        if not detection.roll_known
+    ]
     rolled = [label for label in verdict.pair if label in labels]
     if not rolled:
         return verdict

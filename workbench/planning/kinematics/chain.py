@@ -73,7 +73,7 @@ class Chain:
             Configurations (s, n) and residuals (s, 2) [m, rad]; those within
             `POSITION_TOLERANCE` and `ROTATION_TOLERANCE` are solutions.
         """
-        return solved(
+        return solve_from_starts(
             *self.arrays,
             np.ascontiguousarray(T_world_tcp.rotation),
             np.ascontiguousarray(T_world_tcp.translation),
@@ -228,7 +228,7 @@ def _jacobian(p: Floats, z: Floats, o: Floats, slides: Floats, J: Floats) -> Non
 
 
 @njit(cache=True)
-def solved(
+def solve_from_starts(
     Rs: Floats,
     ps: Floats,
     axes: Floats,

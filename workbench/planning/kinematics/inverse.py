@@ -86,12 +86,12 @@ def configurations(
     if solver is not None:
         return _by_closed_form(chain, solver, T_world_tcp, starts, turns)
     if len(chain.axes) == 6:
-        starts = np.vstack([starts, _stored(_key(chain)).near(T_world_tcp, NEAR_OF_SIX)])
+        starts = np.vstack([starts, _store(_key(chain)).near(T_world_tcp, NEAR_OF_SIX)])
         found = _answers(*chain.solve(T_world_tcp, starts), is_complete=False)
         return replace(found, q=_distinct(found.q, ITERATED_SAME))
     answers, residuals = chain.solve(T_world_tcp, starts)
     if not is_solution(residuals).any():
-        near = _stored(_key(chain)).near(T_world_tcp, NEAR)
+        near = _store(_key(chain)).near(T_world_tcp, NEAR)
         others, off = chain.solve(T_world_tcp, near)
         answers, residuals = np.vstack([answers, others]), np.vstack([residuals, off])
     return _answers(answers, residuals, is_complete=False)
@@ -133,12 +133,12 @@ _Key = tuple[bytes, bytes, bytes, bytes, bytes, bytes]
 
 def _key(chain: Chain) -> _Key:
     """Chains are made for each world: what is known of one is kept by its numbers."""
-    R, p, axes, slides, lower, upper = (one.tobytes() for one in chain.arrays)
+    R, p, axes, slides, lower, upper = (array.tobytes() for array in chain.arrays)
     return R, p, axes, slides, lower, upper
 
 
 def _arrays(key: _Key) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    Rs, ps, axes, slides, lower, upper = (np.frombuffer(one).copy() for one in key)
+    Rs, ps, axes, slides, lower, upper = (np.frombuffer(buffer).copy() for buffer in key)
     return Rs.reshape(-1, 3, 3), ps.reshape(-1, 3), axes.reshape(-1, 3), slides, lower, upper
 
 
@@ -170,7 +170,9 @@ def _by_closed_form(
             known = _answers(answers, residuals, is_complete=True)
             q = _distinct(known.q)
             if (chain.upper - chain.lower).max() >= 2 * np.pi and turns > 1:
-                q = np.vstack([_turned(one, chain, starts[0], turns) for one in q])
+                q = np.vstack(
+                    [_add_turns(configuration, chain, starts[0], turns) for configuration in q]
+                )
             return replace(known, q=q)
     answers, residuals = chain.solve(T_world_tcp, starts)
     return _answers(answers, residuals, is_complete=True)
@@ -189,7 +191,7 @@ def _turned_nearest(q: Floats, lower: Floats, upper: Floats, home: Floats) -> Fl
     return np.clip(q[within], lower, upper)
 
 
-def _turned(q: Floats, chain: Chain, home: Floats, most: int) -> Floats:
+def _add_turns(q: Floats, chain: Chain, home: Floats, most: int) -> Floats:
     """An answer (n,) [rad] with whole turns of its joints, those nearest to `home` first."""
     first = np.ceil((chain.lower - q) / (2 * np.pi))
     last = np.floor((chain.upper - q) / (2 * np.pi))
@@ -223,7 +225,7 @@ class _Stored:
 
 
 @lru_cache(maxsize=16)
-def _stored(key: _Key) -> _Stored:
+def _store(key: _Key) -> _Stored:
     # Most plans never need it, and it takes a while to import.
     from scipy.spatial import KDTree
 

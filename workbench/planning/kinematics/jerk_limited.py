@@ -73,12 +73,12 @@ def jerk_limited(
         low, high = max(ends[0], ends[1]), 1.0
         for _ in range(HALVINGS):
             middle = (low + high) / 2.0
-            if _needed(full[k], along[k], ends[0], ends[1], middle) <= straight:
+            if _needed_share(full[k], along[k], ends[0], ends[1], middle) <= straight:
                 low = middle
             else:
                 high = middle
         ramps = _ramp(low - ends[0], along[k]) + _ramp(low - ends[1], along[k])
-        steady = max(straight - _needed(full[k], along[k], ends[0], ends[1], low), 0.0)
+        steady = max(straight - _needed_share(full[k], along[k], ends[0], ends[1], low), 0.0)
         corners = (_ramp(ends[0], across[k]) + _ramp(ends[1], across[k + 1])) / 2.0
         times[k + 1] = times[k] + corners + ramps + steady / (full[k] * low)
     return times
@@ -103,7 +103,7 @@ def _ramp(change: float, limits: Floats) -> float:
 
 
 @njit(cache=True)
-def _rounded(full: float, across: Floats, share: float) -> float:
+def _blend_share(full: float, across: Floats, share: float) -> float:
     """How much of a way lies in the blend at one of its ends, which is passed at a share."""
     return full * share * _ramp(share, across) / 2.0
 
@@ -111,11 +111,11 @@ def _rounded(full: float, across: Floats, share: float) -> float:
 @njit(cache=True)
 def _straight(full: float, here: Floats, there: Floats, share: float, other: float) -> float:
     """How much of a way lies between the blends at its two ends."""
-    return 1.0 - _rounded(full, here, share) - _rounded(full, there, other)
+    return 1.0 - _blend_share(full, here, share) - _blend_share(full, there, other)
 
 
 @njit(cache=True)
-def _needed(full: float, along: Floats, begin: float, end: float, peak: float) -> float:
+def _needed_share(full: float, along: Floats, begin: float, end: float, peak: float) -> float:
     """How much of a way is needed to get from one share of its full speed by a peak to another."""
     into = (begin + peak) / 2.0 * _ramp(abs(peak - begin), along)
     return full * (into + (end + peak) / 2.0 * _ramp(abs(peak - end), along))
@@ -127,11 +127,11 @@ def _within_zones(full: Floats, across: Floats, zone: float) -> Floats:
     shares = np.zeros(len(across))
     for k in range(1, len(full)):
         quick, low, high = max(full[k - 1], full[k]), 0.0, 1.0
-        if _rounded(quick, across[k], high) <= zone:
+        if _blend_share(quick, across[k], high) <= zone:
             low = high
         for _ in range(HALVINGS):
             middle = (low + high) / 2.0
-            if _rounded(quick, across[k], middle) <= zone:
+            if _blend_share(quick, across[k], middle) <= zone:
                 low = middle
             else:
                 high = middle
@@ -154,7 +154,7 @@ def _fastest(
     for trial in range(HALVINGS):
         middle = high if trial == 0 else (low + high) / 2.0
         straight = _straight(full, here, there, middle, other)
-        if _needed(full, along, other, middle, middle) <= straight:
+        if _needed_share(full, along, other, middle, middle) <= straight:
             low = middle
             if trial == 0:
                 break

@@ -18,7 +18,7 @@ from workbench.planning.kinematics.chain import (
     ROTATION_TOLERANCE,
     Chain,
     chain_of,
-    solved,
+    solve_from_starts,
 )
 from workbench.planning.kinematics.jerk_limited import UNLIMITED
 
@@ -94,8 +94,8 @@ def hand_acceleration(cell: Cell, arm: Arm) -> float:
     chain, home, step = chain_of(cell, arm), np.asarray(arm.home), 1e-5
     here = chain.pose(home).translation
     ways = [
-        np.linalg.norm(chain.pose(home + step * one).translation - here) / step
-        for one in np.eye(len(home))
+        np.linalg.norm(chain.pose(home + step * direction).translation - here) / step
+        for direction in np.eye(len(home))
     ]
     return float(np.max(np.array(ways) * np.asarray(arm.acceleration)))
 
@@ -106,7 +106,7 @@ def tool_acceleration(cell: Cell, tool: Tool) -> float | None:
         (
             hand_acceleration(cell, replace(arm, tool=tool))
             for arm in cell.arms
-            if tool.name in (arm.tool.name, *(one.name for one in arm.tools))
+            if tool.name in (arm.tool.name, *(known_tool.name for known_tool in arm.tools))
         ),
         default=None,
     )
@@ -123,7 +123,9 @@ def legs_seconds(ends: Floats, pace: Pace) -> float:
     return float(pace.seconds(far).sum())
 
 
-def drawn(chain: Chain, T_world_tcp: pin.SE3, q: Floats, stops: Floats, pace: Pace) -> Floats:
+def draw_towards(
+    chain: Chain, T_world_tcp: pin.SE3, q: Floats, stops: Floats, pace: Pace
+) -> Floats:
     """Configurations (k, n) [rad] moved along their families, to be nearer in time to `stops`.
 
     Steps against the slope of the time are brought back to where the tool is as it was, which
@@ -155,7 +157,7 @@ def _draw(
     p_t: Floats,
     chain: tuple[Floats, Floats, Floats, Floats, Floats, Floats],
 ) -> None:
-    """Move configurations `best` (k, n) [rad]; see `drawn`."""
+    """Move configurations `best` (k, n) [rad]; see `draw_towards`."""
     count, n = best.shape
     slopes, starts = np.empty((count, n)), np.empty((count, n))
     steps, least = np.full(count, FIRST_STEP), np.empty(count)
@@ -166,7 +168,7 @@ def _draw(
             _slope(best[k], stops, velocity, slopes[k])
             for i in range(n):
                 starts[k, i] = best[k, i] - steps[k] * slopes[k, i]
-        answers, residuals = solved(*chain, R_t, p_t, starts, BRIEFLY)
+        answers, residuals = solve_from_starts(*chain, R_t, p_t, starts, BRIEFLY)
         for k in range(count):
             seconds = _seconds(answers[k], stops, velocity, acceleration)
             is_there = residuals[k, 0] < POSITION_TOLERANCE and residuals[k, 1] < ROTATION_TOLERANCE

@@ -106,16 +106,16 @@ def _build_model(cell: Cell) -> tuple[pin.Model, dict[str, tuple[int, pin.SE3]]]
         if joint.kind == "fixed":
             frames[joint.child] = (parent, T)
             continue
-        one = np.ones(1)
+        ones = np.ones(1)
         number = model.addJoint(
             parent,
             _joint_model(joint),
             T,
             joint.name,
-            one * 1e3,
-            one * joint.velocity,
-            one * joint.lower,
-            one * joint.upper,
+            ones * 1e3,
+            ones * joint.velocity,
+            ones * joint.lower,
+            ones * joint.upper,
         )
         frames[joint.child] = (number, pin.SE3.Identity())
     return model, frames

@@ -26,12 +26,12 @@ def self_motion(chain: Chain, q: Floats) -> Floats:
     if len(start) <= 6:
         return start[None]
     T = chain.pose(start)
-    forward = _followed(chain, T, start, _null(chain, start))
-    back = _followed(chain, T, start, -_null(chain, start))
+    forward = _follow(chain, T, start, _null(chain, start))
+    back = _follow(chain, T, start, -_null(chain, start))
     return np.array([*back[::-1], start, *forward])
 
 
-def _followed(chain: Chain, T: pin.SE3, q: Floats, direction: Floats) -> list[Floats]:
+def _follow(chain: Chain, T: pin.SE3, q: Floats, direction: Floats) -> list[Floats]:
     found: list[Floats] = []
     while len(found) < MOST:
         wanted = np.clip(q + STEP * direction, chain.lower, chain.upper)

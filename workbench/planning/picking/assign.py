@@ -16,7 +16,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of
 from workbench.planning.picking.route import route
-from workbench.planning.picking.weave import woven
+from workbench.planning.picking.weave import interleave
 
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
@@ -61,7 +61,10 @@ def is_enough(
         return any(strategy == Strategy.single(pick.candidate.arm) for pick in picks)
     if len(world.cell.arms) < 2 or not picks:
         return bool(picks)
-    heap, at = world.part_ways.heaps, [one.T_world_part.translation for one in world.detections]
+    heap, at = (
+        world.part_ways.heaps,
+        [detection.T_world_part.translation for detection in world.detections],
+    )
     apart = [
         (a, b, float(np.linalg.norm(at[a] - at[b])))
         for a, b in combinations(range(len(at)), 2)
@@ -73,7 +76,7 @@ def is_enough(
     for pick in picks:
         arms.setdefault(pick.candidate.detection, set()).add(pick.candidate.arm)
     able = [(arms.get(a, set[str]()), arms.get(b, set[str]())) for a, b in pairs]
-    return not pairs or any(one and other and len(one | other) > 1 for one, other in able)
+    return not pairs or any(first and second and len(first | second) > 1 for first, second in able)
 
 
 def planned(
@@ -112,7 +115,7 @@ def planned(
     for chosen, assigned in islice(_assignments(world, picks, strategy, request.cost), ATTEMPTS):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        result = _made(request, chosen, assigned, cancelled)
+        result = _plan_picks(request, chosen, assigned, cancelled)
         if not isinstance(result, Verdict):
             return result, Verdict(Reason.OK, Stage.ROUTE)
         verdict = result
@@ -146,7 +149,7 @@ class _Request:
         return self.world.cell.moves_both_arms and is_far if is_auto else True
 
 
-def _made(
+def _plan_picks(
     request: _Request, chosen: Strategy, assigned: Sequence[Pick], cancelled: Callable[[], bool]
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for some picks, the quickest first, or why there is none."""
@@ -157,7 +160,7 @@ def _made(
     for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
         if cancelled():
             raise JobCancelled("planning was cancelled")
-        found = _routed(request, chosen, pair, is_free=is_free)
+        found = _route(request, chosen, pair, is_free=is_free)
         if isinstance(found, Verdict):
             refusal = refusal or found
             if found.reason is Reason.OUT_OF_TIME:
@@ -168,7 +171,7 @@ def _made(
         tried += 1
         if not is_free or tried == WOVEN:
             break
-        if best[0].cycle_seconds < ENOUGH * max(one.seconds for one in best[0].arms):
+        if best[0].cycle_seconds < ENOUGH * max(arm.seconds for arm in best[0].arms):
             break
     if request.strategy == Strategy.COORDINATED and len(best) > 1:
         # Whatever runs at once in it.
@@ -182,7 +185,7 @@ def _made(
     return best or refusal or Verdict(Reason.NO_PATH, Stage.ROUTE)
 
 
-def _routed(
+def _route(
     request: _Request, chosen: Strategy, assigned: Sequence[Pick], *, is_free: bool
 ) -> tuple[Plan, ...] | Verdict:
     """Plans for just these picks, the quickest first."""
@@ -201,7 +204,7 @@ def _routed(
         return plan
     if len(assigned) < 2 or not (is_free or world.cell.moves_both_arms):
         return (plan,)
-    return woven(world, plan, freely=is_free)
+    return interleave(world, plan, freely=is_free)
 
 
 def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
@@ -215,10 +218,10 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         return [assigned]
     choices = [
         sorted(
-            (other for other in request.picks if _is_alike(one, other)),
+            (other for other in request.picks if _is_alike(assigned_pick, other)),
             key=lambda pick: pick.seconds,
         )[:ALIKE]
-        for one in assigned
+        for assigned_pick in assigned
     ]
 
     def promise(picks: Sequence[Pick]) -> float:
@@ -228,14 +231,18 @@ def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> lis
         return more + (0.0 if ends_are_clear(world, picks) else WAITING * less)
 
     others: list[Sequence[Pick]] = sorted(product(*choices), key=promise)
-    return others if is_free else [assigned, *(one for one in others if one != tuple(assigned))]
+    return (
+        others
+        if is_free
+        else [assigned, *(choice for choice in others if choice != tuple(assigned))]
+    )
 
 
-def _is_alike(one: Pick, other: Pick) -> bool:
+def _is_alike(pick: Pick, other: Pick) -> bool:
     """Whether two picks are of one part by one arm, preferred alike, and come off alike."""
-    a, b = one.candidate, other.candidate
+    a, b = pick.candidate, other.candidate
     same = (a.arm, a.detection, a.grasp.priority) == (b.arm, b.detection, b.grasp.priority)
-    return same and one.rubs == other.rubs
+    return same and pick.rubs == other.rubs
 
 
 def _assignments(

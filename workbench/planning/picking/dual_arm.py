@@ -3,7 +3,7 @@
 Where arms do the same at the same time, for each of their legs these are tried in turn:
 
 1. both ways as planned for each arm alone, when the arms cannot meet on them whatever their
-   speeds (`met`);
+   speeds (`find_arm_contact`);
 2. the way of one arm searched anew around the whole way of the other, first that of the second
    (the thesis' master and slave);
 3. one after the other;
@@ -85,11 +85,13 @@ def pairs_of(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick
 
 def _may_go_first(world: World, a: Pick, b: Pick, *, is_cheaper: bool) -> bool:
     """Whether two arms may take parts by these grasps with `a` going first."""
-    one, other = (world.cell.part(world.detections[p.candidate.detection].part) for p in (a, b))
-    if one.name != other.name or not one.library.pairs:
+    first_part, second_part = (
+        world.cell.part(world.detections[p.candidate.detection].part) for p in (a, b)
+    )
+    if first_part.name != second_part.name or not first_part.library.pairs:
         return is_cheaper
     first, second = a.candidate.grasp.name, b.candidate.grasp.name
-    allows = one.library.allows
+    allows = first_part.library.allows
     return allows(first, second) and (is_cheaper or not allows(second, first))
 
 
@@ -130,20 +132,20 @@ def coordinate(
     Returns:
         The plan, or the verdict on the legs for which there is no way.
     """
-    one = arm_plan(world, picks[0], seed)
-    if isinstance(one, Verdict):
-        return one
-    other = arm_plan(world, picks[1], seed, (one,), CARRYING)
+    single = arm_plan(world, picks[0], seed)
+    if isinstance(single, Verdict):
+        return single
+    other = arm_plan(world, picks[1], seed, (single,), CARRYING)
     if isinstance(other, Verdict):
         return other
     rng, steps = np.random.default_rng(np.random.SeedSequence([seed, 0])), list[Step]()
     guarantee = Guarantee.TIME_INDEPENDENT
     for name in LEG_NAMES:
-        together = _together(world, (Task(one, name), Task(other, name)), rng)
+        together = _together(world, (Task(single, name), Task(other, name)), rng)
         if isinstance(together, Verdict):
             return together
         (first, second), some, is_in_step = together
-        one, other = first.plan, second.plan
+        single, other = first.plan, second.plan
         steps += some
         if is_in_step:
             guarantee = Guarantee.SYNCHRONISED
@@ -156,7 +158,7 @@ def coordinate(
         guarantee=guarantee,
         detections=world.detections,
         obstacles=world.obstacles,
-        arms=(one, other),
+        arms=(single, other),
         sequence=tuple(steps),
     )
 
@@ -166,7 +168,7 @@ def _together(
 ) -> tuple[Pair, list[Step], bool] | Verdict:
     """Two legs by the first way that works: the tasks, their steps, and whether in step."""
     one_step = [Step(tuple((task.plan.arm, task.name) for task in pair))]
-    touch = met(world, pair)
+    touch = find_arm_contact(world, pair)
     if touch is None:
         return pair, one_step, False
     for around in _around(world, pair, rng):
@@ -198,7 +200,7 @@ def _sweep_of(world: World, task: Task) -> ArmSweep:
     return ArmSweep(task.plan.arm, curves.points)
 
 
-def met(world: World, pair: Pair) -> ArmContact | None:
+def find_arm_contact(world: World, pair: Pair) -> ArmContact | None:
     """Where the arms meet, or one what the other has placed, on the ways that they have."""
     _enter(world, pair)
     for task in pair:
@@ -267,9 +269,9 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
 def _one_after_the_other(world: World, pair: Pair) -> list[Step] | None:
     """Two steps, the waiting arm standing where its leg begins or ended; None when they meet."""
     done = LEG_NAMES.index(pair[0].name)
-    for one, other in (pair, pair[::-1]):
-        if passes(world, one, other.plan, done) and passes(world, other, one.plan, done + 1):
-            return [Step(((task.plan.arm, task.name),)) for task in (one, other)]
+    for first, second in (pair, pair[::-1]):
+        if passes(world, first, second.plan, done) and passes(world, second, first.plan, done + 1):
+            return [Step(((task.plan.arm, task.name),)) for task in (first, second)]
     return None
 
 

@@ -53,7 +53,7 @@ def in_step(
         path = np.hstack([legs[0].q, legs[1].q])
         if check(walked(path, world.motion, policy.zone)) is not None:
             return None
-    return _timed(world, plans, legs, path)
+    return _with_times(world, plans, legs, path)
 
 
 def way_in_step(
@@ -114,7 +114,7 @@ def pace_in_step(world: World, arms: Sequence[str]) -> Pace:
     )
 
 
-def _timed(
+def _with_times(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
     pace = pace_in_step(world, [plan.arm for plan in plans])

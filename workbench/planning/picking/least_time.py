@@ -30,11 +30,11 @@ def least_cycle(world: World, plan: Plan, picks: Sequence[Pick]) -> float:
         plan: whose parts are to be taken.
         picks: ways to take them, with any arm; those of other parts are left out.
     """
-    parts = [one.detection for one in plan.arms]
+    parts = [arm_plan.detection for arm_plan in plan.arms]
     ways: dict[tuple[str, int], list[Floats]] = {}
-    for one in plan.arms:
-        ends = [one.legs[0].q[0], *(leg.q[-1] for leg in one.legs)]
-        ways.setdefault((one.arm, one.detection), []).append(np.stack(ends))
+    for arm_plan in plan.arms:
+        ends = [arm_plan.legs[0].q[0], *(leg.q[-1] for leg in arm_plan.legs)]
+        ways.setdefault((arm_plan.arm, arm_plan.detection), []).append(np.stack(ends))
     for pick in picks:
         if pick.candidate.detection in parts:
             arm = pick.candidate.arm
@@ -47,7 +47,7 @@ def least_cycle(world: World, plan: Plan, picks: Sequence[Pick]) -> float:
         velocity = world.cell.robot.limits(arm.joints)[2] * world.policy.speed
         times = least_seconds(np.stack(some), velocity, arm.acceleration, arm.jerk)
         alone[name, part] = float(times.min())
-    return shared(alone, parts)
+    return share_work(alone, parts)
 
 
 def least_seconds(
@@ -66,7 +66,7 @@ def least_seconds(
     return Pace(velocity, acceleration, jerk).seconds(far).sum(axis=1)
 
 
-def shared(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:
+def share_work(alone: Mapping[tuple[str, int], float], parts: Sequence[int]) -> float:
     """What the busiest arm has to do at least [s], the parts being given to arms as is best.
 
     Args:

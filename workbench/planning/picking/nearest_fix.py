@@ -62,9 +62,10 @@ def fix_words(fix: Fix | None) -> str:
     """A fix as the command line and the page say it: for which candidate, and what was tried."""
     if fix is None:
         return "nearest fix: none of the small changes tried"
-    one = fix.candidate
+    candidate = fix.candidate
     return (
-        f"nearest fix: {one.arm} arm, part-{one.detection + 1} by {one.grasp.name}: {fix.change}; "
+        f"nearest fix: {candidate.arm} arm, part-{candidate.detection + 1} "
+        f"by {candidate.grasp.name}: {fix.change}; "
         "reach and collisions were tried, the grip was not"
     )
 
@@ -94,8 +95,12 @@ def nearest_fix(
     Returns:
         None when no change of those tried admits any of the `MOST_REFUSED` best.
     """
-    refused = [one for one in candidates if not one.verdict.is_ok and one.verdict.pair is not None]
-    refused.sort(key=lambda one: one.verdict.progress, reverse=True)
+    refused = [
+        candidate
+        for candidate in candidates
+        if not candidate.verdict.is_ok and candidate.verdict.pair is not None
+    ]
+    refused.sort(key=lambda candidate: candidate.verdict.progress, reverse=True)
     fixes = Fixes(cell, detections, obstacles, seed=seed)
     for best in refused[:MOST_REFUSED]:
         for change in fixes.of(best):
@@ -103,8 +108,8 @@ def nearest_fix(
                 return fixes.fix(best, change)
     if not may_move_bin:
         return None
-    far = [one for one in candidates if one.verdict.reason is Reason.OUT_OF_REACH]
-    far.sort(key=lambda one: one.verdict.distance or np.inf)
+    far = [candidate for candidate in candidates if candidate.verdict.reason is Reason.OUT_OF_REACH]
+    far.sort(key=lambda candidate: candidate.verdict.distance or np.inf)
     return _moved_bin(cell, detections, far[:MOST_REFUSED], obstacles, seed)
 
 
@@ -122,23 +127,33 @@ def _moved_bin(
         for axis, sign in product("xyz", (1, -1)):
             shift = pin.SE3(np.eye(3), sign * way / 1000 * np.eye(3)["xyz".index(axis)])
             reached = [
-                one
-                for one in far
-                if len(configurations(chains[one.arm], shift * one.T_world_tcp, starts[one.arm]).q)
+                candidate
+                for candidate in far
+                if len(
+                    configurations(
+                        chains[candidate.arm], shift * candidate.T_world_tcp, starts[candidate.arm]
+                    ).q
+                )
             ]
             if not reached:
                 continue
             admits = _trial(
                 replace(cell, bin=replace(cell.bin, T_world_bin=shift * cell.bin.T_world_bin)),
-                tuple(replace(one, T_world_part=shift * one.T_world_part) for one in detections),
-                tuple(replace(one, T_world_box=shift * one.T_world_box) for one in obstacles),
+                tuple(
+                    replace(detection, T_world_part=shift * detection.T_world_part)
+                    for detection in detections
+                ),
+                tuple(
+                    replace(obstacle, T_world_box=shift * obstacle.T_world_box)
+                    for obstacle in obstacles
+                ),
                 seed,
             )
-            for one in reached:
-                if admits(one, one.grasp):
+            for candidate in reached:
+                if admits(candidate, candidate.grasp):
                     by, back = f"{sign * way:+d} mm", f"{-sign * way:+d} mm"
                     change = f"move the bin by {by} along {axis}, or the robot's base by {back}"
-                    return Fix(one, change)
+                    return Fix(candidate, change)
     return None
 
 
@@ -164,9 +179,9 @@ class Fixes:
         policy = cell.policy
         self._policies: dict[str, Policy] = {}
         self._rolls: dict[str, tuple[Detection, ...]] = {}
-        if not all(one.roll_known for one in detections):
+        if not all(detection.roll_known for detection in detections):
             self._rolls[SHOWN] = tuple(
-                replace(one, roll_known=True, roll_axis=None) for one in detections
+                replace(detection, roll_known=True, roll_axis=None) for detection in detections
             )
         self._of_lifts: list[str] = []
         if set(policy.lifts) != set(LIFT_NAMES):

@@ -52,10 +52,10 @@ def propose(
         candidates = _candidates(world, numbers, grasps[part], arm)
         # All take from the same, one part after the other.
         found.update({(number, arm.name): candidates for number in numbers})
-    total = sum(len(grasps[one.part]) for one in detections) * len(world.cell.arms)
+    total = sum(len(grasps[detection.part]) for detection in detections) * len(world.cell.arms)
     every: list[Candidate] = []
-    for number, one in enumerate(detections):
-        for _, arm in product(grasps[one.part], world.cell.arms):
+    for number, detection in enumerate(detections):
+        for _, arm in product(grasps[detection.part], world.cell.arms):
             every.append(next(found[number, arm.name]))
             looked(len(every), total)
     return tuple(sorted(every, key=lambda c: (not c.verdict.is_ok, -c.grasp.priority, c.rank)))
@@ -76,8 +76,8 @@ def groups(world: World, grasps: Mapping[str, Sequence[Grasp]]) -> Iterator[tupl
     for part in world.cell.parts:
         # Parts whose roll is unknown have pieces of their own.
         alike: dict[tuple[Solid, ...], list[int]] = {}
-        for number, one in enumerate(world.detections):
-            if one.part == part.name and grasps[part.name]:
+        for number, detection in enumerate(world.detections):
+            if detection.part == part.name and grasps[part.name]:
                 alike.setdefault(world.surroundings.pieces[number], []).append(number)
         yield from product(alike.values(), world.cell.arms)
 
@@ -102,7 +102,7 @@ class Tried:
     p: Floats
 
 
-def tried(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
+def try_grasps(world: World, numbers: Sequence[int], grasps: tuple[Grasp, ...], arm: Arm) -> Tried:
     """The hand at each of some parts of one kind, by each grasp."""
     detections = world.detections
     refusals = [_unfit(grasp, arm) for grasp in grasps]
@@ -127,7 +127,7 @@ def _candidates(
     """
     check, detections = world.tool_check, world.detections
     part = world.cell.part(detections[numbers[0]].part)
-    hands = tried(world, numbers, grasps, arm)
+    hands = try_grasps(world, numbers, grasps, arm)
     R, p = hands.R, hands.p
     T_home = world.chains[arm.name].pose(np.asarray(arm.home))
     cosine = (np.einsum("ij,nkij->nk", T_home.rotation, R) - 1.0) / 2.0
@@ -140,7 +140,7 @@ def _candidates(
             verdict = outside or hands.refusals[k]
             if verdict is None:
                 fit = hands.fits[number, k]
-                verdict = _told(check, arm, grasp, T_world_tcp, fit)
+                verdict = _judge_fit(check, arm, grasp, T_world_tcp, fit)
                 verdict = at_every_turn(
                     check, part, detections, number, arm=arm, grasp=grasp, fit=fit, verdict=verdict
                 )
@@ -151,24 +151,26 @@ def _candidates(
 
 def is_taken_there(world: World, number: int) -> bool:
     """Whether parts may be taken where one lies; always where a plan has put it on a station."""
-    one = world.detections[number]
-    is_put_down = one.T_world_found is not None
-    return is_put_down or world.cell.bin.gives(world.cell.part(one.part), one.T_world_part)
+    detection = world.detections[number]
+    is_put_down = detection.T_world_found is not None
+    return is_put_down or world.cell.bin.gives(
+        world.cell.part(detection.part), detection.T_world_part
+    )
 
 
 def as_it_fits(arm: Arm, grasp: Grasp, fit: Fit) -> Grasp:
     """The grasp as the hand fits: with its fingers so far open on arrival."""
     is_other = bool(arm.tool.fingers) and fit.opening != grasp.opening
-    return opened(grasp, fit.opening) if is_other else grasp
+    return open_grasp(grasp, fit.opening) if is_other else grasp
 
 
 @lru_cache(maxsize=4096)
-def opened(grasp: Grasp, opening: float) -> Grasp:
+def open_grasp(grasp: Grasp, opening: float) -> Grasp:
     """The grasp with its fingers so far open [m] on arrival, the same object each time."""
     return replace(grasp, opening=opening)
 
 
-def _told(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: Fit) -> Verdict:
+def _judge_fit(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, fit: Fit) -> Verdict:
     """That a hand fits; or else what refuses its first way."""
     if fit.pair is None:
         return _FITS
@@ -188,7 +190,7 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
         note = VerdictNote.ONLY_ARMS(arms=grasp.arms)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)
     if grasp.tool and grasp.tool != arm.tool.name:
-        may_change = grasp.tool in {one.name for one in arm.tools}
+        may_change = grasp.tool in {tool.name for tool in arm.tools}
         text = VerdictNote.CHANGE_TOOL if may_change else VerdictNote.OTHER_TOOL
         note = text(tool=grasp.tool, carried=arm.tool.name)
         return Verdict(Reason.ARM_NOT_ALLOWED, Stage.PROPOSE, note=note)

@@ -22,7 +22,7 @@ from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
-from workbench.planning.kinematics.quickness import between, drawn, pace_of
+from workbench.planning.kinematics.quickness import between, draw_towards, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.leaving import comes_back
 from workbench.planning.placing.pallets import open_places, why_full
@@ -117,9 +117,9 @@ def ways_at_places(world: World, arm: Arm, number: int) -> Iterator[pin.SE3 | Ve
 
 
 def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | Verdict]:
-    one = world.detections[number]
-    part = world.cell.part(one.part)
-    if one.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, one)):
+    detection = world.detections[number]
+    part = world.cell.part(detection.part)
+    if detection.roll_known or suits_any_roll(place, part.symmetry, axis_of(part, detection)):
         yield from ways_to_lie(place, part.symmetry)
     else:
         note = VerdictNote.PLACE_NEEDS_ROLL()
@@ -143,12 +143,12 @@ def _straight(
         found += [
             (s, q, T_world_tcp) for s, q in zip(between(solved, stops, pace), solved, strict=True)
         ]
-    found.sort(key=lambda one: one[0])
+    found.sort(key=lambda found_pose: found_pose[0])
     soonest: list[tuple[float, Floats, pin.SE3]] = []
     for _, q, T_world_tcp in found[:DRAWN]:
-        nearer = drawn(chain, T_world_tcp, q[None], stops, pace)
+        nearer = draw_towards(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
-    for _, q, T_world_tcp in sorted(soonest + found, key=lambda one: one[0]):
+    for _, q, T_world_tcp in sorted(soonest + found, key=lambda found_pose: found_pose[0]):
         T_world_before = _back(T_world_tcp, hands.approach)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
@@ -237,9 +237,9 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
     note = VerdictNote.TARGET_POSES(count=ways, blocked=stands, far=len(far), close=close)
     if met:
         # That which came nearest to being right: where the arm is meant, by how much is known.
-        nearest = max(met, key=lambda one: (one.q is not None, one.distance or 0.0))
+        nearest = max(met, key=lambda verdict: (verdict.q is not None, verdict.distance or 0.0))
         return AtPlaces([], replace(nearest, note=note))
-    away, q = min(far, key=lambda one: one[0])
+    away, q = min(far, key=lambda found_pose: found_pose[0])
     return AtPlaces([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 
@@ -268,7 +268,7 @@ def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
             refusal = refusal or down
             continue
         world.enter(brings)
-        met = _met(world, arm, down)
+        met = _find_contact(world, arm, down)
         if met is None and np.array_equal(down[-1], home_of(world, arm)):
             return PutDown(down, down[-1:])
         if met is None:
@@ -297,7 +297,7 @@ def _back(T_world_tcp: pin.SE3, approach: Floats) -> pin.SE3:
     return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - PLACE_LIFT * approach)
 
 
-def _met(world: World, arm: Arm, path: Floats) -> Verdict | None:
+def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
     """What a way to a place meets of what other arms have placed; the rest is known to be clear."""
     among = world.pairs.to_placed(arm.name)
     if len(among) == 0:

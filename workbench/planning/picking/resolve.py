@@ -22,7 +22,7 @@ from workbench.planning.grasps.every_turn import uneven
 from workbench.planning.grasps.rolls import with_rolls
 from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
-from workbench.planning.kinematics.quickness import drawn, legs_seconds, pace_of
+from workbench.planning.kinematics.quickness import draw_towards, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
 from workbench.planning.picking.put_down import at_places, ways_down
@@ -54,11 +54,11 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
     """
     if not candidate.verdict.is_ok:
         return candidate.verdict
-    result = _resolved(world, candidate, seed)
+    result = _find_best(world, candidate, seed)
     return result if isinstance(result, Pick) else with_rolls(world.detections, result)
 
 
-def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
+def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     arm = world.arm(candidate.arm)
     if candidate.grasp.retreat is None:
         # The part's own way out does not depend on the arm: looked at first, it is cheap.
@@ -76,7 +76,7 @@ def _resolved(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     best = nowhere or refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
         at = near.get(T_world_tcp.homogeneous.tobytes())
-        result = _completed(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
+        result = _complete(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
         if isinstance(result, Pick):
             return replace(result, solutions=tuple(q for q, _, _ in solutions))
         if best is None or _progress(result) >= _progress(best):
@@ -89,11 +89,11 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
 
     Where there is but one lift it is left to the closer look that follows.
     """
-    grasp, one = candidate.grasp, world.detections[candidate.detection]
+    grasp, detection = candidate.grasp, world.detections[candidate.detection]
     every = [candidate.T_world_tcp * T for T in grips(arm.tool, grasp)]
     fits = world.tool_check.free(arm, candidate.detection, turns_of(arm.tool, grasp))
-    if not one.roll_known:
-        wrong = uneven(world.cell.part(one.part), one, arm, grasp)
+    if not detection.roll_known:
+        wrong = uneven(world.cell.part(detection.part), detection, arm, grasp)
         fits = fits & np.array([what is None for what in wrong])
         if not fits.any():
             return Verdict(Reason.ROLL_UNKNOWN, Stage.GRASP, note=VerdictNote.ROLL_UNSEEN())
@@ -130,8 +130,8 @@ def _that_can_be_put(
         Solutions in their order, configurations (k, n) [rad] at a place by the hand's pose, and the
         last refusal when no solution is left.
     """
-    one = world.detections[candidate.detection]
-    if not arm.places_for(one.part):
+    detection = world.detections[candidate.detection]
+    if not arm.places_for(detection.part):
         return solutions, {}, None
     starts, near = starts_of(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
     refusals: dict[bytes, Verdict | None] = {}
@@ -139,17 +139,19 @@ def _that_can_be_put(
         key = T_world_tcp.homogeneous.tobytes()
         if key in near or key in refusals:
             continue
-        T_tcp_part = T_world_tcp.actInv(one.T_world_part)
+        T_tcp_part = T_world_tcp.actInv(detection.T_world_part)
         phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
         found = at_places(world, arm, phase, starts)
         if found.near:
             near[key] = np.array(found.near)
         else:
             refusals[key] = found.refusal
-    able = [one for one in solutions if one[1].homogeneous.tobytes() in near]
+    able = [solution for solution in solutions if solution[1].homogeneous.tobytes() in near]
     if arm.Ts_world_place:
-        able += [one for one in solutions if one[1].homogeneous.tobytes() not in near]
-    nowhere = None if able else next((one for one in refusals.values() if one), None)
+        able += [
+            solution for solution in solutions if solution[1].homogeneous.tobytes() not in near
+        ]
+    nowhere = None if able else next((refusal for refusal in refusals.values() if refusal), None)
     return able, near, nowhere
 
 
@@ -162,10 +164,10 @@ def _grasp_solutions(
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
     every = [configurations(chain, T_world_tcp, starts) for T_world_tcp in hands]
-    known = np.empty((2 * sum(len(one.q) for one in every), starts.shape[1]))
+    known = np.empty((2 * sum(len(hand_answers.q) for hand_answers in every), starts.shape[1]))
     for T_world_tcp, answers in zip(hands, every, strict=True):
         # Those that are reached sooner may be in the way of something: the others stay.
-        for q in (*drawn(chain, T_world_tcp, answers.q, home, pace), *answers.q):
+        for q in (*draw_towards(chain, T_world_tcp, answers.q, home, pace), *answers.q):
             if not (np.abs(known[: len(found)] - q).max(axis=1) < SAME).any():
                 known[len(found)] = q
                 found.append((q, T_world_tcp))
@@ -179,7 +181,7 @@ def _grasp_solutions(
         q, T_world_tcp = found[k]
         contact, room = world.worst(world.configuration({arm.name: q}), reach=CLOSE)
         if contact is not None and room < 0:
-            verdict = _refused(Reason.IN_COLLISION, Stage.GRASP, contact, q)
+            verdict = _refuse(Reason.IN_COLLISION, Stage.GRASP, contact, q)
             if refusal is None or (verdict.distance or 0) > (refusal.distance or 0):
                 refusal = verdict
             continue
@@ -192,10 +194,10 @@ def _grasp_solutions(
 
 def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     """The verdict on hands that no configuration was found for, by that which comes nearest."""
-    nearest = min(every, key=lambda one: float(one.away @ (1.0, 0.1)))
+    nearest = min(every, key=lambda answers: float(answers.away @ (1.0, 0.1)))
     note = None
-    if not all(one.is_complete for one in every):
-        note = VerdictNote.NO_CONFIGURATION(starts=sum(one.starts for one in every))
+    if not all(answers.is_complete for answers in every):
+        note = VerdictNote.NO_CONFIGURATION(starts=sum(answers.starts for answers in every))
     away = float(nearest.away @ (1.0, 0.1))
     return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
 
@@ -220,7 +222,7 @@ def holding_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straig
     )
 
 
-def _refused(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
+def _refuse(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
     return Verdict(reason, stage, pair=contact.pair, distance=contact.distance, q=q)
 
 
@@ -229,7 +231,7 @@ def _broken_off(reason: Reason, stage: Stage, q: Floats, share: float) -> Verdic
     return Verdict(reason, stage, q=q, note=VerdictNote.LINE_ENDS(share=share))
 
 
-def _completed(
+def _complete(
     world: World,
     candidate: Candidate,
     arm: Arm,
@@ -293,7 +295,7 @@ def _approach(
     else:
         contact, q, _ = found
     if contact is not None:
-        return _refused(Reason.APPROACH_BLOCKED, Stage.APPROACH, contact, q)
+        return _refuse(Reason.APPROACH_BLOCKED, Stage.APPROACH, contact, q)
     return path
 
 
@@ -321,7 +323,7 @@ def _extract(
     base = world.configuration({})
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
-        refused = _refused(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
+        refused = _refuse(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
         return refused.noted(VerdictNote.TOO_DEEP())
     found = path_contact(world, columns, base, path)
     if found is None:
@@ -335,7 +337,7 @@ def _extract(
     else:
         contact, q, _ = found
     if contact is not None:
-        return _refused(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
+        return _refuse(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, contact, q)
     return path
 
 

@@ -111,7 +111,11 @@ def arm_plan(
 
     def waiting(name: LegName) -> list[Run]:
         is_placed = LEG_NAMES.index(name) >= since
-        return [(one, "home", one.leg("home").opening) for one in before] if is_placed else []
+        return (
+            [(earlier, "home", earlier.leg("home").opening) for earlier in before]
+            if is_placed
+            else []
+        )
 
     put = put_down(world, pick, phase_of([], waiting("place")))
     if isinstance(put, Verdict):

@@ -17,8 +17,8 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import processor_time
-from workbench.planning.planners.ease import eased
-from workbench.planning.planners.shorten import merged, resampled, shortened, skipped
+from workbench.planning.planners.ease import ease_corners
+from workbench.planning.planners.shorten import merged, resample, shorten_path, skip_waypoints
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
 FINE = 0.0001
@@ -39,7 +39,7 @@ Check = Callable[[Curves], tuple[Contact, Floats] | None]
 """Whether a motion is clear: what is met and where, or None."""
 
 
-def searched(
+def search_path(
     start: Floats,
     goal: Floats,
     limits: tuple[Floats, Floats],
@@ -104,14 +104,14 @@ def onward(
     pace: Pace | None = None,
     planner: Planner | None = None,
 ) -> Floats | Verdict:
-    """A path beginning with `lead` (k, n) [rad], searched from its last waypoint; see `searched`.
+    """A path beginning with `lead` (k, n) [rad], from its last waypoint on; see `search_path`.
 
     All of it has as many waypoints as other paths, or as many as it needs.
     """
     count = len(lead) - 1
     before = lead[-2] if count else None
     fewer = replace(policy, free_points=max(2, policy.free_points - count))
-    path = searched(
+    path = search_path(
         lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before,
         planner, edges, pace,
     )  # fmt: skip
@@ -167,20 +167,20 @@ def _forms(
     """
     if len(path) > 2 and pace is not None:
         limits = pace.velocity, pace.acceleration
-        quick = eased(skipped(path, is_clear), is_clear, *limits, policy.zone)
+        quick = ease_corners(skip_waypoints(path, is_clear), is_clear, *limits, policy.zone)
         if len(quick) > 2 and motion.corners != "streamed":
-            yield _rounded(quick, motion)
+            yield _round(quick, motion)
         yield as_sent(quick, is_clear, policy.free_points, motion)
     yield as_sent(path, is_clear, policy.free_points, motion)
 
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded."""
-    path = merged(shortened(path, is_clear, most=count), is_clear)
-    return _rounded(resampled(path, count), motion)
+    path = merged(shorten_path(path, is_clear, most=count), is_clear)
+    return _round(resample(path, count), motion)
 
 
-def _rounded(path: Floats, motion: MotionModel) -> Floats:
+def _round(path: Floats, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] as the wire carries it.
 
     Waypoints that rounding makes equal become one.  A path that ends where it starts keeps two.

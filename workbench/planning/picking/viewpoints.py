@@ -45,11 +45,11 @@ def poses_in_view(
         Configurations (n,) [rad].
     """
     rng, world = np.random.default_rng(seed), World(cell, ())
-    world.enter(Phase(frozenset(one.name for one in cell.arms)))
+    world.enter(Phase(frozenset(arm_plan.name for arm_plan in cell.arms)))
     chain = world.chains[arm.name]
     found: list[tuple[Floats, Floats]] = []
     for _ in range(count * TRIES):
-        T_world_tcp = _shown(cell, rng, aside) * T_tcp_shown.inverse()
+        T_world_tcp = _draw_pose(cell, rng, aside) * T_tcp_shown.inverse()
         starts = np.vstack(
             [arm.home, rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.home)))]
         )
@@ -64,7 +64,7 @@ def poses_in_view(
     return _spread(found, count)
 
 
-def _shown(cell: Cell, rng: np.random.Generator, aside: float) -> pin.SE3:
+def _draw_pose(cell: Cell, rng: np.random.Generator, aside: float) -> pin.SE3:
     """A pose above the bin for what is shown, z downwards but for the tilt."""
     T, axis = cell.bin.T_world_bin, cell.scanner.T_world_scanner
     height = float(cell.bin.size[2]) + rng.uniform(LOWEST, HIGHEST)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Plan, Step, Strategy
 from workbench.planning.collision.world import World
-from workbench.planning.picking.dual_arm import Task, met, passes
+from workbench.planning.picking.dual_arm import Task, find_arm_contact, passes
 
 COUNT = len(LEG_NAMES)
 
@@ -80,7 +80,7 @@ class Weave:
             refused = next((move for move in moves if not self._is_possible(move)), None)
             if refused is None:
                 return moves
-            left = [one for one in left if one[0] is not refused]
+            left = [option for option in left if option[0] is not refused]
         return None
 
     def seconds(self, moves: Sequence[Move]) -> float:
@@ -97,7 +97,7 @@ class Weave:
                 for arm, done, moves in zip(self.arms, move.done, move.moves, strict=True)
             ]
             if tasks[0] and tasks[1]:
-                self.possible[move] = met(self.world, (tasks[0], tasks[1])) is None
+                self.possible[move] = find_arm_contact(self.world, (tasks[0], tasks[1])) is None
             else:
                 waits = 1 if tasks[0] else 0
                 moving = tasks[1 - waits]
@@ -123,7 +123,7 @@ def _quickest(
     return tuple(moves) or None
 
 
-def woven(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
+def interleave(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
     """Plans in which the arms of a plan wait less for each other, the quickest first.
 
     Args:

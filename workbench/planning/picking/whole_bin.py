@@ -40,16 +40,16 @@ def blockers(cell: Cell, candidates: Sequence[Candidate]) -> tuple[Blocker, ...]
     """
     own = _labels(cell)
     found: dict[str, list[Candidate]] = {}
-    for one in candidates:
-        label = _in_the_way(one, own[one.arm])
+    for candidate in candidates:
+        label = _in_the_way(candidate, own[candidate.arm])
         if label:
-            found.setdefault(label, []).append(one)
+            found.setdefault(label, []).append(candidate)
     rows = [
         Blocker(
             label,
             len(some),
-            tuple(sorted({one.detection for one in some})),
-            tuple(Counter(one.verdict.reason for one in some).most_common()),
+            tuple(sorted({candidate.detection for candidate in some})),
+            tuple(Counter(candidate.verdict.reason for candidate in some).most_common()),
         )
         for label, some in found.items()
     ]
@@ -65,12 +65,12 @@ def _labels(cell: Cell) -> dict[str, frozenset[str]]:
     }
 
 
-def _in_the_way(one: Candidate, own: Container[str]) -> str:
+def _in_the_way(candidate: Candidate, own: Container[str]) -> str:
     """The label of what refuses a candidate, of bodies not its arm's `own`; empty for nothing."""
-    if one.verdict.is_ok or one.verdict.pair is None:
+    if candidate.verdict.is_ok or candidate.verdict.pair is None:
         return ""
-    part = part_label(one.detection)
-    others = [label for label in one.verdict.pair if label != part and label not in own]
+    part = part_label(candidate.detection)
+    others = [label for label in candidate.verdict.pair if label != part and label not in own]
     return others[0] if others else part
 
 
@@ -96,22 +96,26 @@ def common_fixes(
         obstacles: what the scan shows beside the parts.
         report: progress.
     """
-    taken = {one.detection for one in candidates if one.verdict.is_ok}
+    taken = {candidate.detection for candidate in candidates if candidate.verdict.is_ok}
     stay = [number for number in range(len(detections)) if number not in taken]
     fixes = Fixes(cell, detections, obstacles, seed=seed)
     found: dict[str, list[int]] = {}
     for done, number in enumerate(stay):
         report(done / len(stay), f"what would take part-{number + 1}")
         mine = [
-            one for one in candidates if one.detection == number and one.verdict.pair is not None
+            candidate
+            for candidate in candidates
+            if candidate.detection == number and candidate.verdict.pair is not None
         ]
-        best = sorted(mine, key=lambda one: one.verdict.progress, reverse=True)[:MOST_EACH]
+        best = sorted(mine, key=lambda candidate: candidate.verdict.progress, reverse=True)[
+            :MOST_EACH
+        ]
         works: set[str] = set()
-        for one in best:
+        for candidate in best:
             works |= {
                 change
-                for change in fixes.of(one)
-                if change not in works and fixes.admits(one, change)
+                for change in fixes.of(candidate)
+                if change not in works and fixes.admits(candidate, change)
             }
         for change in sorted(works):
             found.setdefault(change, []).append(number)

@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, drawn, within
+from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, draw_errors, within
 from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
 from workbench.planning.placing.sources import calibration_error, localization_error
 
@@ -105,20 +105,24 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
     grip = _grip(checker, tool, T_part_tcp, T_world_part)
     to_tcp = R_part_hand.T @ T_part_tcp.translation
     to_hand = _to_hand(T_world_part, T_part_tcp, R_part_hand)
-    to_part = _shifted(-to_tcp)
+    to_part = _shift(-to_tcp)
     before = {
         CALIBRATION: to_hand @ calibration_error(cell.scanner, detection) @ to_hand.T,
         LOCALIZATION: to_hand @ localization_error(detection) @ to_hand.T,
     }
-    kept = {name: grip.keeps @ one @ grip.keeps.T for name, one in before.items()}
+    kept = {
+        name: grip.keeps @ covariance_of @ grip.keeps.T for name, covariance_of in before.items()
+    }
     kept[GRIP] = grip.covariance(before[CALIBRATION] + before[LOCALIZATION])
-    shares = {name: frozen(to_part @ one @ to_part.T) for name, one in kept.items()}
+    shares = {
+        name: frozen(to_part @ covariance_of @ to_part.T) for name, covariance_of in kept.items()
+    }
     covariance = sum(shares.values(), np.zeros((6, 6)))
     places = arm.places_for(part.name)
     place = places[0] if places else None
     what = counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
-    shift, turn = (float(np.quantile(one, SURE)) for one in off)
+    shift, turn = (float(np.quantile(samples, SURE)) for samples in off)
     return Budget(
         covariance,
         shares,
@@ -158,12 +162,12 @@ def kept_by_grip(
 def _to_hand(T_world_part: pin.SE3, T_part_tcp: pin.SE3, R_part_hand: Floats) -> Floats:
     """From shifts of the origin, along the world's axes, to those at the TCP, along the hand's."""
     to_tcp = R_part_hand.T @ T_part_tcp.translation
-    return _shifted(to_tcp) @ _turned((T_world_part.rotation @ R_part_hand).T)
+    return _shift(to_tcp) @ _turn((T_world_part.rotation @ R_part_hand).T)
 
 
 def off_of(covariance: Floats, R_part_hand: Floats, what: Counted) -> tuple[Floats, Floats]:
     """Shifts (n,) [m] and turns (n,) [rad] of parts, of a covariance as that of `Budget`."""
-    errors = drawn(covariance, DRAWS, 0) @ _turned(R_part_hand).T
+    errors = draw_errors(covariance, DRAWS, 0) @ _turn(R_part_hand).T
     return what.off(errors)
 
 
@@ -191,25 +195,27 @@ def _largest(
     """
     allowed = place or PartPlace(pin.SE3.Identity())
     counts = np.eye(6)
-    counts[:3] = _shifted(R_part_hand.T @ what.point)[:3]
+    counts[:3] = _shift(R_part_hand.T @ what.point)[:3]
     for axis in what.free:
         along = R_part_hand.T @ axis
         counts[3:, 3:] = counts[3:, 3:] - np.outer(along, along @ counts[3:, 3:])
     weights = np.repeat([allowed.tolerance, allowed.turn_tolerance], 3)
-    weighed = {name: np.diag(counts @ one @ counts.T) / weights**2 for name, one in shares.items()}
-    name = max(weighed, key=lambda one: float(weighed[one].sum()))
+    weighed = {
+        name: np.diag(counts @ share @ counts.T) / weights**2 for name, share in shares.items()
+    }
+    name = max(weighed, key=lambda key: float(weighed[key].sum()))
     axis = int(np.argmax(weighed[name]))
     return name, (*ALONG[has_fingers], *ABOUT[has_fingers])[axis]
 
 
-def _turned(R: Floats) -> Floats:
+def _turn(R: Floats) -> Floats:
     """Shifts and turns along other axes, as (6, 6)."""
     found = np.zeros((6, 6))
     found[:3, :3] = found[3:, 3:] = R
     return found
 
 
-def _shifted(to: Floats) -> Floats:
+def _shift(to: Floats) -> Floats:
     """Shifts and turns at a point, as (6, 6), from those at one from which it is at (3,) [m]."""
     x, y, z = to
     found = np.eye(6)

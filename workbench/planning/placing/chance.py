@@ -67,7 +67,7 @@ def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counte
     return Counted(point, np.array(free))
 
 
-def drawn(covariance: Floats, count: int, seed: int) -> Floats:
+def draw_errors(covariance: Floats, count: int, seed: int) -> Floats:
     """Errors (count, 6) [m, rad] of a covariance (6, 6), the same ones each time."""
     normal = np.random.default_rng(seed).standard_normal((count, 6))
     # The root that is symmetric: others depend on how a machine turns the axes.

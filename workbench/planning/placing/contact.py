@@ -94,7 +94,7 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     if felt.width is None:
         return Grip(np.eye(6), np.empty((0, 6)), play=0.0)
     along = felt.along()
-    way = _pushed(checker.part.mesh, T_part_closing, T_world_part, felt.lengths[UPRIGHT])
+    way = _push(checker.part.mesh, T_part_closing, T_world_part, felt.lengths[UPRIGHT])
     way /= along @ way
     keeps = np.eye(6) - np.outer(way, along)
     # About the middle of the faces: what is between the fingers stays in their middle.
@@ -122,16 +122,16 @@ class _Felt:
         """By how much the middle of what is between the fingers is off, for each error (6,)."""
         found = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
         for k in (0, 2):
-            one, other = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
-            if one is not None and other is not None:
-                found[3 + k] = (one[1] - other[1]) / (2 * TRIED)
+            forward, backward = (self._hold(np.eye(3)[k], angle) for angle in (TRIED, -TRIED))
+            if forward is not None and backward is not None:
+                found[3 + k] = (forward[1] - backward[1]) / (2 * TRIED)
         return found
 
     def _length(self, axis: Floats) -> float:
         """How much wider [m/rad] a turn about an axis makes what is between the fingers."""
         assert self.width is not None
         holds = [self._hold(axis, angle) for angle in (TRIED, -TRIED)]
-        return min(0.0 if one is None else (one[0] - self.width) / TRIED for one in holds)
+        return min(0.0 if hold is None else (hold[0] - self.width) / TRIED for hold in holds)
 
     @cached_property
     def lengths(self) -> Floats:
@@ -152,7 +152,7 @@ class _Felt:
         return AXES[[k for k in (shortest, across) if self.lengths[k] > least]]
 
 
-def _pushed(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:
+def _push(mesh: Mesh, T_part_closing: pin.SE3, T_world_part: pin.SE3, length: float) -> Floats:
     """How the part goes as one finger pushes it along the travel (6,), of whatever length.
 
     What it lies on is level, and bears it where the part is lowest.

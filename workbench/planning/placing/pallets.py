@@ -36,28 +36,28 @@ def open_places(
     places = arm.places_for(world.detections[number].part)
     if not any(place.pallet for place in places):
         return places
-    kept = _kept(arm, world.cell.parts, tuple(world.obstacles))
-    now = _filled(arm, () if phase is None else _just_put(world, phase))
+    kept = _find_sure(arm, world.cell.parts, tuple(world.obstacles))
+    now = _find_filled(arm, () if phase is None else _just_put(world, phase))
     return tuple(place for place in places if _is_open(arm, place, kept, now))
 
 
 def why_full(world: World, arm: Arm, number: int) -> Verdict:
     """That no place for a part found is open."""
     places = arm.places_for(world.detections[number].part)
-    count = len(_kept(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
+    count = len(_find_sure(arm, world.cell.parts, tuple(world.obstacles)) & set(places))
     note = VerdictNote.PALLETS_FULL(arm=arm.name, places=len(places))
     if count < len(places):
         note = VerdictNote.PALLETS_CLOSED(arm=arm.name, places=len(places), taken=count)
     return Verdict(Reason.NO_PLACE, Stage.PLACE, note=note)
 
 
-def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPlace]:
+def _find_filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPlace]:
     """The places of pallets in layers of an arm at which some parts lie."""
     found: set[PartPlace] = set()
     pallets = [place for place in arm.part_places if place.pallet]
     for part, T in parts:
         near = [(_off(place, part, T), place) for place in pallets if place.is_for(part.name)]
-        off, nearest = min(near, key=lambda one: one[0], default=(np.inf, None))
+        off, nearest = min(near, key=lambda nearby: nearby[0], default=(np.inf, None))
         if nearest is not None and off <= SLACK:
             found.add(nearest)
     return frozenset(found)
@@ -65,17 +65,17 @@ def _filled(arm: Arm, parts: Iterable[tuple[Part, pin.SE3]]) -> frozenset[PartPl
 
 # It is asked of every candidate.
 @lru_cache(maxsize=8)
-def _kept(
+def _find_sure(
     arm: Arm, parts: tuple[Part, ...], obstacles: tuple[Obstacle, ...]
 ) -> frozenset[PartPlace]:
     """The places at which a part surely lies."""
     kinds = {part.name: part for part in parts}
-    return _filled(
+    return _find_filled(
         arm,
         [
-            (kinds[one.part], one.T_world_put)
-            for one in obstacles
-            if one.part in kinds and one.T_world_put is not None
+            (kinds[obstacle.part], obstacle.T_world_put)
+            for obstacle in obstacles
+            if obstacle.part in kinds and obstacle.T_world_put is not None
         ],
     )
 
@@ -85,11 +85,13 @@ def _is_open(
 ) -> bool:
     if not place.pallet:
         return True
-    others = [one for one in arm.part_places if one.pallet == place.pallet]
+    others = [part_place for part_place in arm.part_places if part_place.pallet == place.pallet]
     return (
         place not in kept | now
-        and not any(one in kept | now for one in others if one.layer > place.layer)
-        and all(one in kept for one in others if one.layer == place.layer - 1)
+        and not any(
+            part_place in kept | now for part_place in others if part_place.layer > place.layer
+        )
+        and all(part_place in kept for part_place in others if part_place.layer == place.layer - 1)
     )
 
 

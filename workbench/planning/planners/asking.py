@@ -58,7 +58,7 @@ class Answers(NamedTuple):
 
 
 @njit(cache=True)
-def answered(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
+def look_up(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
     """`CLEAR`, `BLOCKED` or `ASK` for the next straight motion, from a to b (n,) [rad]."""
     number = answers.asked[0]
     answers.asked[0] += 1

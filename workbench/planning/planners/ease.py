@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import Answers, answered, asking
+from workbench.planning.planners.asking import Answers, asking, look_up
 from workbench.plugins.planner import EdgeCheck
 
 STEPS = (0.3, 0.1)
@@ -24,7 +24,7 @@ LEAST = 0.005
 ROUNDS = 2
 
 
-def eased(
+def ease_corners(
     path: Floats, is_clear: EdgeCheck, velocity: Floats, acceleration: Floats, zone: float
 ) -> Floats:
     """The same path (m, n) [rad] with its corners where it takes less time, some left out.
@@ -42,7 +42,7 @@ def eased(
         return path
     trials = ROUNDS * (len(PULLS) + 2 * joints * len(STEPS)) + 1
     return asking(
-        lambda edges, answers: _eased(path, velocity, acceleration, zone, edges, answers),
+        lambda edges, answers: _ease(path, velocity, acceleration, zone, edges, answers),
         is_clear,
         joints,
         3 * trials * count,
@@ -77,11 +77,11 @@ def _is_open(
         edge = (last[0] + number) % 3
         answer = CLEAR
         if edge == 0:
-            answer = answered(a, c, edges, answers)
+            answer = look_up(a, c, edges, answers)
         elif edge == 1:
-            answer = answered(c, b, edges, answers)
+            answer = look_up(c, b, edges, answers)
         elif zone > 0.0:
-            answer = answered(c + zone * (a - c), c + zone * (b - c), edges, answers)
+            answer = look_up(c + zone * (a - c), c + zone * (b - c), edges, answers)
         if answer != CLEAR:
             last[0] = edge
             return answer
@@ -89,7 +89,7 @@ def _is_open(
 
 
 @njit(cache=True)
-def _eased(
+def _ease(
     path: Floats, v: Floats, acc: Floats, zone: float, edges: Edges, answers: Answers
 ) -> Floats:
     path = path.copy()
@@ -99,7 +99,7 @@ def _eased(
         k = 1
         while k < len(path) - 1:
             a, c, b = path[k - 1], path[k].copy(), path[k + 1]
-            answer = answered(a, b, edges, answers)
+            answer = look_up(a, b, edges, answers)
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:

@@ -15,10 +15,10 @@ from workbench.planning.planners.trees import (
     OPEN,
     PAUSED,
     STEP,
-    grown,
-    joined,
+    grow_trees,
+    join_trees,
     larger,
-    planted,
+    plant_trees,
     question,
     sample_around,
 )
@@ -79,10 +79,10 @@ def rrt_connect(
     """
     if is_clear(start, goal):
         return Search(np.array([start, goal]), 0)
-    trees, edges, answer = planted(start, goal), edges_in(is_clear, len(start)), OPEN
+    trees, edges, answer = plant_trees(start, goal), edges_in(is_clear, len(start)), OPEN
     box = np.array([lower, upper, weights])
     while True:
-        why = grown(trees, box, iterations, rng, edges, answer)
+        why = grow_trees(trees, box, iterations, rng, edges, answer)
         answer = OPEN
         if why == ASK:
             answer = int(is_clear(*question(trees)))
@@ -93,7 +93,7 @@ def rrt_connect(
         elif why == EXHAUSTED:
             return Search(None, iterations)
         else:
-            return Search(joined(trees), int(trees.at[1]) + 1)
+            return Search(join_trees(trees), int(trees.at[1]) + 1)
 
 
 def rrt(

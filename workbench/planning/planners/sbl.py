@@ -113,8 +113,8 @@ def sbl(
     checked: set[tuple[int, int]] = set()
     for iteration in range(iterations):
         tree = int(rng.integers(2))
-        parent = _chosen(roadmap, tree, lower, upper, rng)
-        new = _expanded(roadmap, parent, lower, upper, weights, is_clear, rng)
+        parent = _choose(roadmap, tree, lower, upper, rng)
+        new = _expand(roadmap, parent, lower, upper, weights, is_clear, rng)
         if new is None:
             continue
         other = _nearest(roadmap, new, 1 - tree, weights, rng)
@@ -122,14 +122,14 @@ def sbl(
             continue
         first, second = (new, other) if tree == START else (other, new)
         chain = roadmap.branch(first)[::-1] + roadmap.branch(second)
-        failed = _tested(roadmap, chain, weights, is_clear, checked)
+        failed = _test(roadmap, chain, weights, is_clear, checked)
         if failed is None:
             return Search(np.array([roadmap.q[number] for number in chain]), iteration + 1)
         _take_out(roadmap, chain, failed, len(roadmap.branch(first)) - 1)
     return Search(None, iterations)
 
 
-def _chosen(
+def _choose(
     roadmap: Roadmap, tree: int, lower: Floats, upper: Floats, rng: np.random.Generator
 ) -> int:
     """A milestone, each crowded place of a grid over two joints as likely as a lonely one."""
@@ -145,7 +145,7 @@ def _chosen(
     return crowd[int(rng.integers(len(crowd)))]
 
 
-def _expanded(
+def _expand(
     roadmap: Roadmap,
     parent: int,
     lower: Floats,
@@ -175,7 +175,7 @@ def _nearest(
     return members[picked] if distances[picked] <= JOIN else None
 
 
-def _tested(
+def _test(
     roadmap: Roadmap,
     chain: list[int],
     weights: Floats,

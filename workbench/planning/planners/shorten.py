@@ -5,7 +5,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import Answers, answered, asking
+from workbench.planning.planners.asking import Answers, asking, look_up
 from workbench.plugins.planner import EdgeCheck
 
 CUTS = (0.8, 0.5, 0.25)
@@ -18,7 +18,7 @@ ROUNDS = 2
 """How often all corners are cut: each cut leaves two flatter ones."""
 
 
-def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
+def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
     From each kept waypoint it goes straight on to the furthest one that can be reached; then at
@@ -28,21 +28,21 @@ def shortened(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     count, joints = path.shape
     questions = count * count + ROUNDS * len(CUTS) * max(most, count)
     return asking(
-        lambda edges, answers: _shortened(path, most, edges, answers), is_clear, joints, questions
+        lambda edges, answers: _shorten(path, most, edges, answers), is_clear, joints, questions
     )
 
 
-def skipped(path: Floats, is_clear: EdgeCheck) -> Floats:
+def skip_waypoints(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], from each kept waypoint straight on to the furthest possible."""
     count, joints = path.shape
     return asking(
-        lambda edges, answers: _skipped(path, edges, answers), is_clear, joints, count * count
+        lambda edges, answers: _skip(path, edges, answers), is_clear, joints, count * count
     )
 
 
 @njit(cache=True)
-def _shortened(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
-    path = _skipped(path, edges, answers)
+def _shorten(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
+    path = _skip(path, edges, answers)
     for _ in range(ROUNDS):
         if len(path) > 0 and 2 * len(path) - 2 <= most:
             path = _cut(path, edges, answers)
@@ -63,7 +63,7 @@ def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
         is_cut = False
         for share in CUTS:
             enter, leave = corner + share * (start - corner), corner + share * (after - corner)
-            answer = answered(enter, leave, edges, answers)
+            answer = look_up(enter, leave, edges, answers)
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
@@ -79,7 +79,7 @@ def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
 
 
 @njit(cache=True)
-def _skipped(path: Floats, edges: Edges, answers: Answers) -> Floats:
+def _skip(path: Floats, edges: Edges, answers: Answers) -> Floats:
     """From each kept waypoint on to the furthest one that can be reached straight."""
     kept = np.empty_like(path)
     kept[0] = path[0]
@@ -87,7 +87,7 @@ def _skipped(path: Floats, edges: Edges, answers: Answers) -> Floats:
     while at < len(path) - 1:
         onward = len(path) - 1
         while onward > at + 1:
-            answer = answered(path[at], path[onward], edges, answers)
+            answer = look_up(path[at], path[onward], edges, answers)
             if answer == ASK:
                 return path[:0].copy()
             if answer == CLEAR:
@@ -112,16 +112,16 @@ def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
             k += 1
             continue
         is_first, is_last = k == 0, k + 1 == len(kept) - 1
-        one = a if is_first else b if is_last else (a + b) / 2
-        before = is_first or is_clear(kept[k - 1], one)
-        if before and (is_last or is_clear(one, kept[k + 2])):
-            kept[k : k + 2] = [one]
+        middle = a if is_first else b if is_last else (a + b) / 2
+        before = is_first or is_clear(kept[k - 1], middle)
+        if before and (is_last or is_clear(middle, kept[k + 2])):
+            kept[k : k + 2] = [middle]
         else:
             k += 1
     return np.array(kept)
 
 
-def resampled(path: Floats, count: int) -> Floats:
+def resample(path: Floats, count: int) -> Floats:
     """The same polyline (m, n) [rad] with `count` waypoints, all its corners among them.
 
     Extra waypoints go where the steps are longest.  A path with more corners than `count`

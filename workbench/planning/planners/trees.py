@@ -53,7 +53,7 @@ class Trees(NamedTuple):
     new: Floats
 
 
-def planted(start: Floats, goal: Floats) -> Trees:
+def plant_trees(start: Floats, goal: Floats) -> Trees:
     """A tree at the start and one at the goal (n,) [rad]."""
     q = np.empty((2, 256, len(start)))
     q[:, 0] = start, goal
@@ -63,7 +63,7 @@ def planted(start: Floats, goal: Floats) -> Trees:
     )  # fmt: skip
 
 
-def joined(trees: Trees) -> Floats:
+def join_trees(trees: Trees) -> Floats:
     """The path (m, n) [rad] through both trees: the one that drew, and the last of the other."""
     drew = int(trees.at[1] % 2)
     number, ways = [0, 0], []
@@ -90,7 +90,7 @@ def question(trees: Trees) -> tuple[Floats, Floats]:
 
 
 @njit(cache=True)
-def grown(
+def grow_trees(
     trees: Trees,
     box: Floats,
     iterations: int,

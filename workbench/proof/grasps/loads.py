@@ -27,28 +27,28 @@ THIN = 1e-6
 """[share] A surface that bounds less of the box around it bounds no body."""
 
 
-def load_violations(cell: Cell, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether a plan states the loads of an arm's tool and part, or rightly none."""
-    tool, part = cell.arm(one.arm).tool, cell.part(plan.detections[one.detection].part)
+    tool, part = cell.arm(arm_plan.arm).tool, cell.part(plan.detections[arm_plan.detection].part)
     if tool.mass is None:
-        if one.loads is not None:
-            yield Violation(ProofText.NO_LOAD_KNOWN(tool=tool.name), one.arm)
+        if arm_plan.loads is not None:
+            yield Violation(ProofText.NO_LOAD_KNOWN(tool=tool.name), arm_plan.arm)
         return
-    if one.loads is None:
-        yield Violation(ProofText.NO_LOAD_STATED(tool=tool.name), one.arm)
+    if arm_plan.loads is None:
+        yield Violation(ProofText.NO_LOAD_STATED(tool=tool.name), arm_plan.arm)
         return
     wanted = (
-        (ProofText.TOOL_LOAD, one.loads.tool, _of_tool(tool), 0.0),
+        (ProofText.TOOL_LOAD, arm_plan.loads.tool, _of_tool(tool), 0.0),
         (
             ProofText.PART_LOAD,
-            one.loads.part,
-            (tool.T_flange_tcp * one.T_tcp_part).act(_of_part(part)),
+            arm_plan.loads.part,
+            (tool.T_flange_tcp * arm_plan.T_tcp_part).act(_of_part(part)),
             STATED,
         ),
     )
     for text, stated, meant, off in wanted:
         if not _is_alike(stated, meant, off):
-            yield Violation(text(), one.arm)
+            yield Violation(text(), arm_plan.arm)
 
 
 def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:

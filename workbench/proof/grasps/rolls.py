@@ -25,30 +25,30 @@ FAR = 0.1
 """[m] Distances beyond are bounds."""
 
 
-def roll_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+def roll_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether all is right at every turn of the parts whose roll nobody knows.
 
     The walk keeps everything out of the room of all turns.  Here it is asked whether the hand holds
     the part at each of them, whether the part comes off what it lies on, and whether the place may
     have it.  Turns at which a part would lie deeper than `sink` in something are left out.
     """
-    found = plan.detections[one.detection]
-    arm, part = cell.arm(one.arm), cell.part(found.part)
+    found = plan.detections[arm_plan.detection]
+    arm, part = cell.arm(arm_plan.arm), cell.part(found.part)
     if not found.roll_known:
         if arm.needs_roll:
             yield Violation(ProofText.PLACES_NEED_ROLL(), arm.name)
-        T_tcp_part = in_hand(cell, tree, plan, one)
-        yield from _held_violations(arm, part, found, one, T_tcp_part)
+        T_tcp_part = in_hand(cell, tree, plan, arm_plan)
+        yield from _held_violations(arm, part, found, arm_plan, T_tcp_part)
     if not all(other.roll_known for other in plan.detections):
-        yield from _bed_violations(cell, tree, plan, one)
+        yield from _bed_violations(cell, tree, plan, arm_plan)
 
 
 def _held_violations(
-    arm: Arm, part: Part, found: Detection, one: ArmPlan, T_tcp_part: pin.SE3
+    arm: Arm, part: Part, found: Detection, arm_plan: ArmPlan, T_tcp_part: pin.SE3
 ) -> Iterator[Violation]:
     """Whether fingers, or a cup, are at the part, and not in it, however that is turned."""
     T_part_flange = (arm.tool.T_flange_tcp * T_tcp_part).inverse()
-    wide = one.leg("extract").opening
+    wide = arm_plan.leg("extract").opening
     solids, before = [(solid, solid.T_owner_shape) for solid in arm.tool.body], None
     if arm.tool.fingers:
         solids, before = _fingers(arm, wide), _fingers(arm, wide + 2 * arm.tool.press)
@@ -78,19 +78,22 @@ def _held_violations(
 def _fingers(arm: Arm, opening: float) -> list[tuple[Solid, pin.SE3]]:
     """The fingers of an arm so far open [m], seen from its flange."""
     return [
-        (one.solid, pin.SE3(np.eye(3), one.direction * opening / 2) * one.solid.T_owner_shape)
-        for one in arm.tool.fingers
+        (
+            finger.solid,
+            pin.SE3(np.eye(3), finger.direction * opening / 2) * finger.solid.T_owner_shape,
+        )
+        for finger in arm.tool.fingers
     ]
 
 
-def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+def _bed_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether a part comes off what it lies on at every turn that it, or a neighbour, may have."""
-    arm, policy, found = cell.arm(one.arm), cell.policy, plan.detections[one.detection]
+    arm, policy, found = cell.arm(arm_plan.arm), cell.policy, plan.detections[arm_plan.detection]
     part = cell.part(found.part)
     mine, count = turned_pieces(part, found), roll_turns(part, found)
     beds = [[(body.label, (body.shape, body.T_joint_body))] for body in still_of(cell, plan.scene)]
     for number, other in enumerate(plan.detections):
-        if number != one.detection:
+        if number != arm_plan.detection:
             places = turned_pieces(cell.part(other.part), other)
             beds += [[(f"part-{number + 1}", place) for place in piece] for piece in places]
     far = policy.near_margin + policy.release + NEARLY
@@ -108,7 +111,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterato
     if any(k in rounds for k, _ in sunk) or len(impossible) == count:
         yield Violation(ProofText.TOO_DEEP_ANY_TURN(), arm.name, "extract")
         return
-    lift = _Lift(tree, arm, np.asarray(one.leg("extract").q), policy.release)
+    lift = _Lift(tree, arm, np.asarray(arm_plan.leg("extract").q), policy.release)
     for k, turn, bed, _ in close:
         if k not in rounds and turn in impossible:
             continue
@@ -119,7 +122,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterato
             keeps = min(policy.near_margin, kept(begins))
             gap = lift.too_near(mine[k][turn], where, begins, keeps)
             if gap is not None:
-                problem, pair = ProofText.STAYS_ON(), (f"part-{one.detection + 1}", name)
+                problem, pair = ProofText.STAYS_ON(), (f"part-{arm_plan.detection + 1}", name)
                 yield Violation(problem, arm.name, "extract", pair=pair, distance=gap)
                 return
 
@@ -140,7 +143,7 @@ class _Lift:
             else:
                 continue
             break
-        steps = [one.actInv(other) for one, other in pairwise(self._moves)]
+        steps = [earlier.actInv(later) for earlier, later in pairwise(self._moves)]
         self._turns = np.array([np.linalg.norm(pin.log3(T.rotation)) for T in steps])
 
     def too_near(

@@ -61,10 +61,10 @@ def straight_violations(
         most_along = most[-1]
 
 
-def part_reach(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> float:
+def part_reach(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> float:
     """How far [m] the part in a hand extends from the TCP."""
-    points = np.asarray(cell.part(plan.detections[one.detection].part).mesh.points)
-    return farthest(points, in_hand(cell, tree, plan, one).inverse().translation)
+    points = np.asarray(cell.part(plan.detections[arm_plan.detection].part).mesh.points)
+    return farthest(points, in_hand(cell, tree, plan, arm_plan).inverse().translation)
 
 
 def _dense(path: Floats) -> tuple[Floats, Ints]:

@@ -26,20 +26,20 @@ from workbench.proof.tolerances import (
 )
 
 
-def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether an arm takes its part by a grasp that it may use, as authored, and to a place."""
-    arm, part = cell.arm(one.arm), cell.part(plan.detections[one.detection].part)
-    grasp = next((g for g in part.grasps if g.name == one.grasp), None)
+    arm, part = cell.arm(arm_plan.arm), cell.part(plan.detections[arm_plan.detection].part)
+    grasp = next((g for g in part.grasps if g.name == arm_plan.grasp), None)
     if grasp is None:
-        yield Violation(ProofText.NO_GRASP(grasp=one.grasp), arm.name)
+        yield Violation(ProofText.NO_GRASP(grasp=arm_plan.grasp), arm.name)
         return
-    found = plan.detections[one.detection]
+    found = plan.detections[arm_plan.detection]
     if found.T_world_found is None and not cell.bin.gives(part, found.T_world_part):
         yield Violation(ProofText.OUTSIDE_REGIONS(), arm.name)
-    yield from _permitted(arm, grasp)
-    yield from _openings(cell, arm, grasp, one)
-    points, T_tcp_part = np.asarray(part.mesh.points), in_hand(cell, tree, plan, one)
-    if displacement(points, one.T_tcp_part, T_tcp_part) > STATED:
+    yield from _check_permission(arm, grasp)
+    yield from _openings(cell, arm, grasp, arm_plan)
+    points, T_tcp_part = np.asarray(part.mesh.points), in_hand(cell, tree, plan, arm_plan)
+    if displacement(points, arm_plan.T_tcp_part, T_tcp_part) > STATED:
         yield Violation(ProofText.NOT_AT_HAND(), arm.name, "approach")
     if not _takes(arm, grasp, points, T_tcp_part):
         yield Violation(ProofText.NOT_IN_HAND(grasp=grasp.name), arm.name)
@@ -51,17 +51,17 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterat
     }
     if grasp.retreat is not None:
         ways["extract"] = turn @ grasp.retreat * grasp.retreat_length
-    reach = part_reach(cell, tree, plan, one)
+    reach = part_reach(cell, tree, plan, arm_plan)
     for name, way in ways.items():
-        q = np.asarray(one.leg(name).q)
+        q = np.asarray(arm_plan.leg(name).q)
         yield from straight_violations(tree, arm, name, q, way, reach=reach)
-    if one.station:
-        yield from standing_violations(cell, tree, plan, one)
+    if arm_plan.station:
+        yield from standing_violations(cell, tree, plan, arm_plan)
     else:
-        yield from _place_violations(cell, tree, plan, one, T_tcp_part)
+        yield from _place_violations(cell, tree, plan, arm_plan, T_tcp_part)
 
 
-def _permitted(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
+def _check_permission(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
     """Whether an arm may use a grasp at all."""
     if not grasp.is_enabled:
         yield Violation(ProofText.GRASP_DISABLED(grasp=grasp.name), arm.name)
@@ -71,24 +71,24 @@ def _permitted(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
         yield Violation(ProofText.GRASP_FOR_TOOL(grasp=grasp.name, tool=grasp.tool), arm.name)
 
 
-def _openings(cell: Cell, arm: Arm, grasp: Grasp, one: ArmPlan) -> Iterator[Violation]:
+def _openings(cell: Cell, arm: Arm, grasp: Grasp, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether the fingers are open as the grasp states, on every leg."""
-    for leg in one.legs:
+    for leg in arm_plan.legs:
         if leg.name in HOLDING and abs(leg.opening - grasp.grip) > OPENING:
             yield Violation(_opening(leg, grasp.grip), arm.name, leg.name)
         elif leg.name not in HOLDING and not _fits(leg.opening, grasp, arm, cell):
             yield Violation(_opening(leg, grasp.opening), arm.name, leg.name)
-    if abs(one.leg("reach").opening - one.leg("approach").opening) > OPENING:
+    if abs(arm_plan.leg("reach").opening - arm_plan.leg("approach").opening) > OPENING:
         # Nothing is looked at between two legs.
         yield Violation(ProofText.OPENING_CHANGES(), arm.name, "approach")
 
 
 def _place_violations(
-    cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, T_tcp_part: pin.SE3
+    cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan, T_tcp_part: pin.SE3
 ) -> Iterator[Violation]:
     """Whether the hand lets go at a place of the arm, by the hand's pose or by the part's."""
-    arm, found = cell.arm(one.arm), plan.detections[one.detection]
-    part, q = cell.part(found.part), np.asarray(one.leg("place").q)
+    arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+    part, q = cell.part(found.part), np.asarray(arm_plan.leg("place").q)
     T_put = tcp(tree, tree.rest, arm, q[-1])
     in_tcp = _act(T_tcp_part, np.asarray(part.mesh.points))
     places = (T * half for T in arm.Ts_world_place for half in _halves(arm))
@@ -101,7 +101,7 @@ def pair_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
     """Whether two arms may take parts of one kind by these two grasps, in this order."""
     for number, first in enumerate(plan.arms):
         for second in plan.arms[number + 1 :]:
-            kinds = [plan.detections[one.detection].part for one in (first, second)]
+            kinds = [plan.detections[arm_plan.detection].part for arm_plan in (first, second)]
             library = cell.part(kinds[0]).library
             if kinds[0] == kinds[1] and not library.allows(first.grasp, second.grasp):
                 yield Violation(ProofText.NO_PAIR(first=first.grasp, second=second.grasp))

@@ -33,7 +33,7 @@ FLAT = 0.0005
 
 
 def pallet_violations(
-    cell: Cell, tree: Tree, scene: Scene, plan: Plan, one: ArmPlan
+    cell: Cell, tree: Tree, scene: Scene, plan: Plan, arm_plan: ArmPlan
 ) -> Iterator[Violation]:
     """Whether a part that is put onto a pallet in layers may be put there now, and stands there.
 
@@ -41,10 +41,10 @@ def pallet_violations(
     the place itself has none, nor any of a layer above.  The part falls by little onto something,
     and its weight is within what it stands on however high the stack is by then.
     """
-    if one.station:
+    if arm_plan.station:
         return
-    found = plan.detections[one.detection]
-    part, T_world_put = cell.part(found.part), put_at(cell, tree, plan, one)
+    found = plan.detections[arm_plan.detection]
+    part, T_world_put = cell.part(found.part), put_at(cell, tree, plan, arm_plan)
     for arm in cell.arms:
         place = place_at(arm, part, T_world_put)
         if place is None:
@@ -53,7 +53,7 @@ def pallet_violations(
             cell, scene, place, found, T_world_put
         )
         if problem is not None:
-            yield Violation(problem, one.arm, "place")
+            yield Violation(problem, arm_plan.arm, "place")
             return
 
 
@@ -82,18 +82,22 @@ def occupation(cell: Cell, arm: Arm, place: PartPlace, known: Sequence[Obstacle]
     """Why no part may be put at a place of a pallet by what lies there; None where one may."""
     names = {part.name for part in cell.parts}
     filled = [
-        place_at(arm, cell.part(one.part), one.T_world_put)
-        for one in known
-        if one.part in names and one.T_world_put is not None
+        place_at(arm, cell.part(obstacle.part), obstacle.T_world_put)
+        for obstacle in known
+        if obstacle.part in names and obstacle.T_world_put is not None
     ]
     pallet = [other for other in arm.part_places if other.pallet == place.pallet]
-    if any(one is place for one in filled):
+    if any(part_place is place for part_place in filled):
         return ProofText.PLACE_TAKEN()
-    above = [one.layer for one in filled if one in pallet and one.layer > place.layer]
+    above = [
+        part_place.layer
+        for part_place in filled
+        if part_place in pallet and part_place.layer > place.layer
+    ]
     if above:
         return ProofText.PART_ABOVE(layer=max(above))
     below = [other for other in pallet if other.layer == place.layer - 1]
-    empty = sum(all(one is not other for one in filled) for other in below)
+    empty = sum(all(part_place is not other for part_place in filled) for other in below)
     if empty:
         return ProofText.LAYER_OPEN(layer=place.layer - 1, empty=empty, places=len(below))
     return None
@@ -146,7 +150,7 @@ def fall(cell: Cell, known: Sequence[Obstacle], found: Detection, T_world_put: p
     still = [(body.shape, body.T_joint_body)
              for body in still_of(cell, Scene("", (), tuple(known)))]  # fmt: skip
     put = Detection(found.part, T_world_put, roll_known=found.roll_known, roll_axis=found.roll_axis)
-    pieces = [one for turns in turned_pieces(cell.part(found.part), put) for one in turns]
+    pieces = [piece for turns in turned_pieces(cell.part(found.part), put) for piece in turns]
     near = [
         (piece, body)
         for piece, body in product(pieces, still)
@@ -192,7 +196,7 @@ def kept_box(
     part = cell.part(found.part)
     T_part_box, size = _box_of(part, found)
     places = [place_at(arm, part, T_world_put) for arm in cell.arms] if is_sure else []
-    place = next((one for one in places if one is not None), None)
+    place = next((part_place for part_place in places if part_place is not None), None)
     if place is None:
         return Obstacle(T_world_put * T_part_box, size)
     # Along the axes of the grid: however round parts are turned, they need no more room beside.

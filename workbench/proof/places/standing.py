@@ -36,7 +36,9 @@ CLOSED = 0.02
 """A surface that encloses less of the box around it than this share is none that is closed."""
 
 
-def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Iterator[Violation]:
+def standing_violations(
+    cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan
+) -> Iterator[Violation]:
     """Whether a part that an arm lets go of over the station it names stands there from then on.
 
     A part stands where it falls by little, straight down, onto something that the cell has, and the
@@ -45,18 +47,18 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
     """
 
     def violation(problem: Message) -> Violation:
-        return Violation(problem, one.arm, "place")
+        return Violation(problem, arm_plan.arm, "place")
 
-    found = plan.detections[one.detection]
-    station = next((known for known in cell.stations if known.name == one.station), None)
+    found = plan.detections[arm_plan.detection]
+    station = next((known for known in cell.stations if known.name == arm_plan.station), None)
     if station is None:
-        yield violation(ProofText.NO_STATION(station=one.station))
+        yield violation(ProofText.NO_STATION(station=arm_plan.station))
         return
     if not found.roll_known:
         yield violation(ProofText.STATION_ROLL())
         return
     part = cell.part(found.part)
-    T_station_put = cell.T_world_station(station).actInv(put_at(cell, tree, plan, one))
+    T_station_put = cell.T_world_station(station).actInv(put_at(cell, tree, plan, arm_plan))
     points = part.mesh.points @ T_station_put.rotation.T + T_station_put.translation
     low = float(points[:, 2].min())
     if not -FLAT <= low <= cell.policy.margin + DROP:
@@ -75,7 +77,7 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
     if tilt < STEADY:
         tilt, least = max(0.0, float(tilt)), float(STEADY)
         yield violation(ProofText.FALLS_OVER(station=station.name, tilt=tilt, least=least))
-    stands = _standing(cell, tree, plan, one, station)
+    stands = _standing(cell, tree, plan, arm_plan, station)
     gap = min(
         gap_of(piece, (body.shape, body.T_joint_body), 10 * NEAR)
         for pieces, body in product(turned_pieces(part, stands), still_of(cell, plan.scene))
@@ -87,18 +89,18 @@ def standing_violations(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Ite
         yield violation(ProofText.STANDS_IN(depth=-gap, station=station.name))
 
 
-def standing_after(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan) -> Detection:
+def standing_after(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Detection:
     """A part that a proven plan puts on a station, where it stands afterwards.
 
     Where it was found stays with it: that it was moved is known, and by which way.
     """
-    station = next(known for known in cell.stations if known.name == one.station)
-    return _standing(cell, tree, plan, one, station)
+    station = next(known for known in cell.stations if known.name == arm_plan.station)
+    return _standing(cell, tree, plan, arm_plan, station)
 
 
-def _standing(cell: Cell, tree: Tree, plan: Plan, one: ArmPlan, station: Station) -> Detection:
-    found = plan.detections[one.detection]
-    T_world_put = put_at(cell, tree, plan, one)
+def _standing(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan, station: Station) -> Detection:
+    found = plan.detections[arm_plan.detection]
+    T_world_put = put_at(cell, tree, plan, arm_plan)
     T_world_station = cell.T_world_station(station)
     up = np.asarray(T_world_station.rotation[:, 2])
     points = cell.part(found.part).mesh.points @ T_world_put.rotation.T + T_world_put.translation

@@ -48,9 +48,9 @@ def _room(
                 if abs(known * x) > acceleration[j] * (1.0 + NEAR):
                     return 1.0, 0.0
                 continue
-            one = (acceleration[j] - known * x) / open_
-            other = (-acceleration[j] - known * x) / open_
-            least, largest = max(least, min(one, other)), min(largest, max(one, other))
+            highest = (acceleration[j] - known * x) / open_
+            lowest = (-acceleration[j] - known * x) / open_
+            least, largest = max(least, min(highest, lowest)), min(largest, max(highest, lowest))
     return least, largest
 
 

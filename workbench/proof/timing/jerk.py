@@ -51,7 +51,7 @@ def jerky_at(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
     for _ in range(2):
         # The quickest motion with limits as a slower clock has them is that of the same limits,
         # slower by that clock.
-        velocity, acceleration, jerk = (one * pace**k for k, one in enumerate(limits, start=1))
+        velocity, acceleration, jerk = (limit * pace**k for k, limit in enumerate(limits, start=1))
         allowed = allowed_by(steps, velocity, acceleration, jerk, SOONEST / pace)
         shares = quickest_shares(allowed, zone)
         pace = min(seconds_at(allowed, shares) / float(times.sum()), 1.0)

@@ -34,7 +34,7 @@ def pace_violations(cell: Cell, plan: Plan) -> Iterator[Violation]:
     for step in plan.sequence:
         both = [(cell.arm(arm), plan.arm(arm).leg(name)) for arm, name in step.runs]
         is_one = plan.guarantee is Guarantee.SYNCHRONISED and are_in_step([leg for _, leg in both])
-        for some in [both] if is_one and cell.zone > 0.0 else [[one] for one in both]:
+        for some in [both] if is_one and cell.zone > 0.0 else [[arm_leg] for arm_leg in both]:
             yield from _violations(cell, some)
 
 
@@ -75,7 +75,7 @@ def _of_any_jerk(
     """What is wrong with ways (m, n) [rad] in times (m,) [s], and with which of them."""
     found = None
     if cell.zone > 0.0:
-        found = _rounded(steps, times, *limits, cell.zone)
+        found = _check_rounded(steps, times, *limits, cell.zone)
     if cell.zone == 0.0 or (found and cell.controller.motion.corners == "blend"):
         # A zone that cannot be done becomes a stop.
         stopped = from_rest_to_rest(steps, times, *limits)
@@ -104,7 +104,7 @@ def from_rest_to_rest(
     return (ProofText.TOO_FAST if times[row] < speed[row] else ProofText.TOO_HARD), row
 
 
-def _rounded(
+def _check_rounded(
     steps: Floats, times: Floats, velocity: Floats, acceleration: Floats, zone: float
 ) -> tuple[ProofText, int] | None:
     """What is wrong with ways (m, n) [rad] in times (m,) [s], corners rounded, and with which."""

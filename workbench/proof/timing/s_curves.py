@@ -112,16 +112,18 @@ def quickest_shares(allowed: Allowed, zone: float) -> Floats:  # pragma: no cove
         shares[k] = low
     for k in range(count - 1, 0, -1):
         # From the corner before way k it has to come down to the share at that after it.
-        shares[k] = _reached(full[k], along[k], across[k], across[k + 1], shares[k], shares[k + 1])
+        shares[k] = _reachable_share(
+            full[k], along[k], across[k], across[k + 1], shares[k], shares[k + 1]
+        )
     for k in range(1, count):
-        shares[k] = _reached(
+        shares[k] = _reachable_share(
             full[k - 1], along[k - 1], across[k], across[k - 1], shares[k], shares[k - 1]
         )
     return shares
 
 
 @njit(cache=True)
-def _reached(
+def _reachable_share(
     full: float, along: Floats, here: Floats, there: Floats, most: float, other: float
 ) -> float:  # pragma: no cover (compiled)
     """The largest share up to `most` at the one end of a way, with `other` at its other end."""

@@ -66,7 +66,7 @@ def pose_errors(
 def errors_by_name(errors: Sequence[Errors | None]) -> dict[str, tuple[float | None, ...]]:
     """The errors of one estimate against each true object, None where that is of another kind."""
     return {
-        name: tuple(None if one is None else one[k] for one in errors)
+        name: tuple(None if error is None else error[k] for error in errors)
         for k, name in enumerate(THRESHOLDS)
     }
 

@@ -63,13 +63,17 @@ def detection_figures(images: Sequence[Judged]) -> dict[str, Any]:
         of the first and the last; and `objects`: the same for each, with how many `targets` it
         has.  None where there is nothing to be found, or no such errors are known.
     """
-    images = [Judged(_best(one.estimates), one.truth) for one in images]
+    images = [Judged(_best(result.estimates), result.truth) for result in images]
     targets: dict[str, int] = {}
     for image in images:
         for name, visible in image.truth:
             targets[name] = targets.get(name, 0) + int(visible >= LEAST_VISIBLE)
     wanted = sorted(name for name, count in targets.items() if count)
-    known = [e for e in THRESHOLDS if all(e in one.errors for i in images for one in i.estimates)]
+    known = [
+        e
+        for e in THRESHOLDS
+        if all(e in estimate.errors for i in images for estimate in i.estimates)
+    ]
     objects: dict[str, dict[str, Any]] = {
         name: {"targets": targets[name]}
         | {
@@ -79,7 +83,7 @@ def detection_figures(images: Sequence[Judged]) -> dict[str, Any]:
         for name in wanted
     }
     figures: dict[str, Any] = {
-        error: float(np.mean([one[error] for one in objects.values()]))
+        error: float(np.mean([errors_of_object[error] for errors_of_object in objects.values()]))
         if objects and error in known
         else None
         for error in THRESHOLDS
@@ -93,7 +97,7 @@ def detection_figures(images: Sequence[Judged]) -> dict[str, Any]:
 
 
 def _best(estimates: Sequence[Estimate]) -> tuple[Estimate, ...]:
-    return tuple(sorted(estimates, key=lambda one: -one.score)[:MOST_ESTIMATES])
+    return tuple(sorted(estimates, key=lambda estimate: -estimate.score)[:MOST_ESTIMATES])
 
 
 def _precision(images: Sequence[Judged], name: str, error: str, threshold: float) -> float:
@@ -102,21 +106,23 @@ def _precision(images: Sequence[Judged], name: str, error: str, threshold: float
     right: list[bool] = []
     wanted = 0
     for image in images:
-        wanted += sum(one == name and share >= LEAST_VISIBLE for one, share in image.truth)
+        wanted += sum(
+            name_there == name and share >= LEAST_VISIBLE for name_there, share in image.truth
+        )
         taken: set[int] = set()
-        for one in image.estimates:
-            if one.object != name:
+        for estimate in image.estimates:
+            if estimate.object != name:
                 continue
-            best = _matched(one.errors[error], threshold, taken)
+            best = _match(estimate.errors[error], threshold, taken)
             if best is not None:
                 taken.add(best)
             if best is None or image.truth[best][1] >= LEAST_VISIBLE:
-                scores.append(one.score)
+                scores.append(estimate.score)
                 right.append(best is not None)
     return average_precision(scores, right, wanted)
 
 
-def _matched(errors: Sequence[float | None], threshold: float, taken: set[int]) -> int | None:
+def _match(errors: Sequence[float | None], threshold: float, taken: set[int]) -> int | None:
     """The nearest true object below the threshold that no better estimate has taken."""
     open_to = {
         k: e for k, e in enumerate(errors) if e is not None and e < threshold and k not in taken
@@ -135,4 +141,6 @@ def average_precision(scores: Sequence[float], right: Sequence[bool], wanted: in
     order = np.argsort(-np.array(scores), kind="stable")
     hits = np.cumsum(np.array(right, dtype=float)[order])
     recall, precision = hits / wanted, hits / np.arange(1, len(hits) + 1)
-    return float(np.mean([precision[recall >= one].max(initial=0.0) for one in RECALLS]))
+    return float(
+        np.mean([precision[recall >= threshold].max(initial=0.0) for threshold in RECALLS])
+    )

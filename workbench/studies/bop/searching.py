@@ -86,7 +86,7 @@ class DataSet:
         found: list[PoseEstimate] = []
         for done, image in enumerate(self.images):
             report(done / len(self.images), f"image {image.number} of scene {image.scene}")
-            found += _found(replace(cell, parts=parts), image, seed, is_own_bin)
+            found += _find(replace(cell, parts=parts), image, seed, is_own_bin)
         return found
 
 
@@ -97,41 +97,49 @@ def figures_of(data: DataSet, found: Sequence[PoseEstimate]) -> dict[str, Any]:
         InputError: an object was found that has no model.
     """
     of_image: dict[tuple[int, int], list[PoseEstimate]] = {}
-    for one in found:
-        if one.object not in data.shapes:
-            raise InputError(f"object {one.object} was found, of which the data set has no model")
-        of_image.setdefault((one.scene, one.image), []).append(one)
+    for estimate in found:
+        if estimate.object not in data.shapes:
+            raise InputError(
+                f"object {estimate.object} was found, of which the data set has no model"
+            )
+        of_image.setdefault((estimate.scene, estimate.image), []).append(estimate)
     each = [(image, of_image.get((image.scene, image.number), [])) for image in data.images]
     times = [estimates[0].seconds for _, estimates in each if estimates]
     is_known = bool(times) and min(times) >= 0
     return {
-        **detection_figures([_judged(data.shapes, *one) for one in each]),
+        **detection_figures([_judge(data.shapes, *image) for image in each]),
         "seconds": float(np.mean(times)) if is_known else None,
     }
 
 
-def _judged(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEstimate]) -> Judged:
+def _judge(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEstimate]) -> Judged:
     width = depth_width(image)
 
-    def errors(one: PoseEstimate) -> dict[str, tuple[float | None, ...]]:
+    def errors(estimate: PoseEstimate) -> dict[str, tuple[float | None, ...]]:
         return errors_by_name(
             [
                 pose_errors(
-                    shapes[one.object], true.T_camera_object, one.T_camera_object, image.K, width
+                    shapes[estimate.object],
+                    true.T_camera_object,
+                    estimate.T_camera_object,
+                    image.K,
+                    width,
                 )
-                if true.object == one.object
+                if true.object == estimate.object
                 else None
                 for true in image.truth
             ]
         )
 
     return Judged(
-        tuple(Estimate(str(one.object), one.score, errors(one)) for one in found),
+        tuple(
+            Estimate(str(estimate.object), estimate.score, errors(estimate)) for estimate in found
+        ),
         tuple((str(true.object), true.visible) for true in image.truth),
     )
 
 
-def _found(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[PoseEstimate]:
+def _find(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[PoseEstimate]:
     """What is found in one image.
 
     Nothing is taken from the truth: where to look is told by the image alone.
@@ -157,8 +165,15 @@ def _found(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[Pos
     detections = find_parts(there, {"scan": scan, "seed": seed}, silent, never).detections
     seconds = working_time() - began
     return [
-        PoseEstimate(image.scene, image.number, int(one.part), one.score, one.T_world_part, seconds)
-        for one in detections
+        PoseEstimate(
+            image.scene,
+            image.number,
+            int(detection.part),
+            detection.score,
+            detection.T_world_part,
+            seconds,
+        )
+        for detection in detections
     ]
 
 

@@ -100,7 +100,8 @@ def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
     if content.pop("task") != asdict(task):
         raise ValueError
     left = tuple(
-        LeftPart(reason=message_of(one.pop("reason")), **one) for one in content.pop("left")
+        LeftPart(reason=message_of(fields.pop("reason")), **fields)
+        for fields in content.pop("left")
     )
     stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
     beside = tuple((float(moves), float(took)) for moves, took in content.pop("beside"))

@@ -28,8 +28,8 @@ def cell_of(name: str, part: str) -> Cell:
     cell = read_cell(name)
     if part in ("", ALL_KINDS):
         return cell if part else replace(cell, parts=cell.parts[:1])
-    known = {one.name: one for one in cell.parts}
-    kinds = (known[one] if one in known else read_part(one) for one in part.split(TOGETHER))
+    known = {known_part.name: known_part for known_part in cell.parts}
+    kinds = (known[kind] if kind in known else read_part(kind) for kind in part.split(TOGETHER))
     return replace(cell, parts=tuple(kinds))
 
 

@@ -24,12 +24,12 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
     titles = ("Parts of each pile", "Parts left, by the reason that got furthest")
     figure = make_subplots(1, 2, subplot_titles=titles)
     scenes = found["scenes"]
-    x = [f"seed {one['seed']}" for one in scenes]
+    x = [f"seed {scene['seed']}" for scene in scenes]
     rows = (
-        ("taken", [one["taken"] for one in scenes]),
-        ("failed", [one["failed_picks"] - one["failed_by_kind"]["missed"] for one in scenes]),
-        ("knocked out", [one["knocked_out"] for one in scenes]),
-        ("left", [len(one["left"]) for one in scenes]),
+        ("taken", [scene["taken"] for scene in scenes]),
+        ("failed", [scene["failed_picks"] - scene["failed_by_kind"]["missed"] for scene in scenes]),
+        ("knocked out", [scene["knocked_out"] for scene in scenes]),
+        ("left", [len(scene["left"]) for scene in scenes]),
     )
     colours = (COLOURS[2], COLOURS[3], COLOURS[6], COLOURS[5])
     for (name, counts), colour in zip(rows, colours, strict=True):
@@ -41,7 +41,7 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
         orientation="h",
         showlegend=False,
         marker={"color": COLOURS[5]},
-        customdata=[_told(scenes, kind) for kind in reasons],
+        customdata=[_hover_text(scenes, kind) for kind in reasons],
         hovertemplate="%{customdata}<extra></extra>",
     )
     figure.add_trace(bars, 1, 2)
@@ -53,12 +53,12 @@ MOST_TOLD = 12
 """Parts that are named when the pointer is on a bar."""
 
 
-def _told(scenes: list[dict[str, Any]], kind: str) -> str:
-    told = [
-        f"seed {one['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
-        for one in scenes
-        for left in one["left"]
+def _hover_text(scenes: list[dict[str, Any]], kind: str) -> str:
+    lines = [
+        f"seed {scene['seed']}, {left['part']}: {left['nearest_fix'] or 'no small change takes it'}"
+        for scene in scenes
+        for left in scene["left"]
         if left["kind"] == kind
     ]
-    more = len(told) - MOST_TOLD
-    return "<br>".join([*told[:MOST_TOLD], *([f"and {more} more"] if more > 0 else [])])
+    more = len(lines) - MOST_TOLD
+    return "<br>".join([*lines[:MOST_TOLD], *([f"and {more} more"] if more > 0 else [])])

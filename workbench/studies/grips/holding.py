@@ -94,14 +94,14 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
     tool = cell.arms[0].tool
     if not has_pads(tool) and tool.fingers:
         raise InputError(f"cell {cell.name}: the first arm has neither two fingers nor a cup")
-    names = case.part.split(TOGETHER) if case.part else [one.name for one in cell.parts]
+    names = case.part.split(TOGETHER) if case.part else [part.name for part in cell.parts]
     for name in names:
         _part(case.cell, name)
     cases = [
         replace(case, part=names[k // ALIKE % len(names)], seed=case.seed + k) for k in range(grips)
     ]
     results = run_cases(pulled, cases, workers=workers, report=report)
-    return [one for one in results if one is not None]
+    return [result for result in results if result is not None]
 
 
 def pulled(case: Case) -> Pulled | None:
@@ -145,26 +145,28 @@ def summary(results: Sequence[Pulled]) -> dict[str, Any]:
 
     False `holds` are grips that are said to hold and did not, false `slips` the other way round.
     """
-    near = [one for one in results if 0.5 <= one.share < 2.0]
-    names = sorted({one.part for one in results})
+    near = [result for result in results if 0.5 <= result.share < 2.0]
+    names = sorted({result.part for result in results})
     return {
         "all": _row(results),
         "near": _row(near),
-        "parts": {name: _row([one for one in results if one.part == name]) for name in names},
+        "parts": {
+            name: _row([result for result in results if result.part == name]) for name in names
+        },
         "false_holds": sorted(
-            (round(one.share, 3), one.part, one.seed)
-            for one in results
-            if one.is_said_to_hold and not one.stayed
+            (round(result.share, 3), result.part, result.seed)
+            for result in results
+            if result.is_said_to_hold and not result.stayed
         ),
     }
 
 
 def _row(results: Sequence[Pulled]) -> dict[str, Any]:
-    counts = Counter((one.is_said_to_hold, one.stayed) for one in results)
+    counts = Counter((result.is_said_to_hold, result.stayed) for result in results)
     agree = counts[True, True] + counts[False, False]
     return {
         "grips": len(results),
-        "stayed": sum(one.stayed for one in results),
+        "stayed": sum(result.stayed for result in results),
         "agreement": agree / len(results) if results else None,
         "said_to_hold": counts[True, True] + counts[True, False],
         "false_holds": counts[True, False],
@@ -181,7 +183,9 @@ def _centre(part: Part) -> Floats:
 @lru_cache(maxsize=16)
 def _grasps(cell: str, part: str, block: int) -> tuple[Grasp, ...]:
     alone = replace(_part(cell, part), library=GraspLibrary())
-    return tuple(one.grasp for one in suggest(alone, _tool(cell), most=MANY, seed=block))
+    return tuple(
+        suggestion.grasp for suggestion in suggest(alone, _tool(cell), most=MANY, seed=block)
+    )
 
 
 @lru_cache(maxsize=4)
@@ -191,5 +195,5 @@ def _tool(cell: str) -> Tool:
 
 @lru_cache(maxsize=16)
 def _part(cell: str, name: str) -> Part:
-    own = {one.name: one for one in read_cell(cell).parts}
+    own = {part.name: part for part in read_cell(cell).parts}
     return own[name] if name in own else read_part(name)

@@ -58,8 +58,8 @@ class _Tree:
 
     def __init__(self, robot: Robot, followers: Sequence[Follower]):
         self._robot = robot
-        self._following = {one.joint.name for one in followers}
-        self._leading = {one.leader for one in followers}
+        self._following = {follower.joint.name for follower in followers}
+        self._leading = {follower.leader for follower in followers}
 
     def turns_to(self, link: str) -> int:
         """How many joints turn before a link."""
@@ -138,11 +138,11 @@ def standing(
     moving = {joint.name: joint for joint in robot.joints if joint.kind != "fixed"}
     at = dict(fixed)
     notes: list[str] = []
-    shared = _shared(chains, followers, moving.keys() - fixed.keys())
+    shared = _list_shared(chains, followers, moving.keys() - fixed.keys())
     for name in shared:
         at[name] = _nearest_to_zero(moving[name])
         notes.append(
-            f"joint {name} moves both arms and stands at {_said(moving[name], at[name])}: "
+            f"joint {name} moves both arms and stands at {_format(moving[name], at[name])}: "
             f"--fix {name}=VALUE for another value (its range: {_range(moving[name])})"
         )
     of_arms = {name for chain in chains.values() for name in chain if name in moving} - at.keys()
@@ -150,21 +150,23 @@ def standing(
     idle = [name for name in moving if name not in of_arms and name not in at]
     at |= {name: _nearest_to_zero(moving[name]) for name in idle}
     if idle:
-        values = ", ".join(f"{name} at {_said(moving[name], at[name])}" for name in idle)
+        values = ", ".join(f"{name} at {_format(moving[name], at[name])}" for name in idle)
         notes.append(f"these joints belong to no arm and stand: {values} (--fix NAME=VALUE)")
-    led = [one for one in followers if one.joint.name not in at]
-    tied = [one for one in led if one.leader in of_arms]
+    led = [follower for follower in followers if follower.joint.name not in at]
+    tied = [follower for follower in led if follower.leader in of_arms]
     if tied:
-        links = ", ".join(f"{one.joint.child} (follows {one.leader})" for one in tied)
+        links = ", ".join(
+            f"{follower.joint.child} (follows {follower.leader})" for follower in tied
+        )
         notes.append(
             "links that follow another joint are drawn and checked where they are while that is at "
             f"zero: {links}; keep their room free, or leave them out of the URDF"
         )
-    stand = {one.joint.name: one.at(at.get(one.leader, 0.0)) for one in led}
+    stand = {follower.joint.name: follower.at(at.get(follower.leader, 0.0)) for follower in led}
     stand |= {
-        one.joint.name: one.joint.at(at[one.joint.name])
-        for one in followers
-        if one.joint.name in at
+        follower.joint.name: follower.joint.at(at[follower.joint.name])
+        for follower in followers
+        if follower.joint.name in at
     }
     joints = (stand.get(joint.name) or _at(joint, at) for joint in robot.joints)
     return Moving(replace(robot, joints=tuple(joints)), tuple(notes))
@@ -184,7 +186,7 @@ def without_hands(robot: Robot, flanges: Iterable[str]) -> tuple[Robot, tuple[st
 
 
 def _check(robot: Robot, followers: Sequence[Follower], fixed: Mapping[str, float]) -> None:
-    following = {one.joint.name for one in followers}
+    following = {follower.joint.name for follower in followers}
     for name, value in fixed.items():
         joint = robot.joint(name)
         if joint.kind == "fixed" and name not in following:
@@ -193,11 +195,11 @@ def _check(robot: Robot, followers: Sequence[Follower], fixed: Mapping[str, floa
             raise InputError(f"--fix {name}={_plain(joint, value)}: its range is {_range(joint)}")
 
 
-def _shared(
+def _list_shared(
     chains: Mapping[str, Sequence[str]], followers: Sequence[Follower], moving: Iterable[str]
 ) -> list[str]:
     """The joints that move more than one arm, themselves or by what follows them."""
-    leaders = {one.joint.name: one.leader for one in followers}
+    leaders = {follower.joint.name: follower.leader for follower in followers}
     moved = [{leaders.get(name, name) for name in chain} for chain in chains.values()]
     return [name for name in moving if sum(name in names for names in moved) > 1]
 
@@ -209,14 +211,14 @@ def _refuse_rods(
     fixed: Mapping[str, float],
 ) -> None:
     """Refuse an arm whose own joint follows another: its flange would not be where it is said."""
-    for one in followers:
-        name = one.joint.name
+    for follower in followers:
+        name = follower.joint.name
         is_inside = any(name in chain for chain in chains.values())
-        if is_inside and one.leader in of_arms and name not in fixed:
+        if is_inside and follower.leader in of_arms and name not in fixed:
             raise InputError(
-                f"joint {name} follows joint {one.leader} (mimic) and carries the tool, as where "
-                "rods make a parallelogram: this cannot be calculated here, and the tool would "
-                f"stand elsewhere than planned; --fix {name}=0 if it stands still in truth"
+                f"joint {name} follows joint {follower.leader} (mimic) and carries the tool, as "
+                "where rods make a parallelogram: this cannot be calculated here, and the tool "
+                f"would stand elsewhere than planned; --fix {name}=0 if it stands still in truth"
             )
 
 
@@ -232,10 +234,10 @@ def _plain(joint: Joint, value: float) -> str:
     return f"{np.rad2deg(value):g}" if joint.kind == "revolute" else f"{value * 1000:g}"
 
 
-def _said(joint: Joint, value: float) -> str:
+def _format(joint: Joint, value: float) -> str:
     return f"{_plain(joint, value)} {'degrees' if joint.kind == 'revolute' else 'mm'}"
 
 
 def _range(joint: Joint) -> str:
     low, high = np.round([joint.lower, joint.upper], 6)
-    return f"{_plain(joint, low)} to {_said(joint, high)}"
+    return f"{_plain(joint, low)} to {_format(joint, high)}"

@@ -31,12 +31,12 @@ def _standing(cell: Cell) -> Floats:
         if joint.kind == "fixed" and joint.parent in poses:
             poses[joint.child] = poses[joint.parent] * joint.T_parent_joint
     found = [
-        _moved(np.asarray(surface_of(link.collision).vertices), poses[link.name])
+        _move(np.asarray(surface_of(link.collision).vertices), poses[link.name])
         for link in cell.robot.links
         if link.name in poses and link.collision
     ]
     return np.vstack([np.empty((0, 3)), *found])
 
 
-def _moved(points: Floats, T: pin.SE3) -> Floats:
+def _move(points: Floats, T: pin.SE3) -> Floats:
     return points @ T.rotation.T + T.translation

@@ -89,12 +89,12 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
         report(number / len(SIZES), f"a place for a bin of {_mm(size)} mm")
         for spot in _complete(replace(cell, bin=replace(cell.bin, size=size)), report):
             if spot.reached >= ENOUGH:
-                return LaidOut(spot.cell, tuple(_told(cell, spot)))
+                return LaidOut(spot.cell, tuple(_describe(cell, spot)))
             if fallback is None or spot.reached > fallback.reached:
                 fallback = spot
     if fallback is None:
         raise InputError(_nothing(cell))
-    return LaidOut(fallback.cell, tuple(_told(cell, fallback)))
+    return LaidOut(fallback.cell, tuple(_describe(cell, fallback)))
 
 
 def _complete(cell: Cell, report: Report) -> Iterator[_Spot]:
@@ -145,7 +145,7 @@ SCARA_AXES = 4
 """With so many axes an arm keeps its tool upright."""
 
 
-def _told(usual: Cell, spot: _Spot) -> Iterator[str]:
+def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:
     """What was chosen, and what a person may look at."""
     bin = spot.cell.bin
     smaller = np.any(np.asarray(bin.size) < np.asarray(usual.bin.size) - 1e-9)

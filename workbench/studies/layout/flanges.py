@@ -61,12 +61,12 @@ def mounts_of(robot: Robot, ends: Sequence[str]) -> Mounts:
         if right:
             flange = min(right, key=_rank)
             if flange != called and not _fits(robot, called):
-                notes.append(_said(robot, called, flange))
+                notes.append(_describe(robot, called, flange))
         elif _fits(robot, end) and _is_at_face(robot, end):
             flange = end
         else:
             robot, flange = _with_flange(robot, end, called)
-            notes.append(_said(robot, called, flange))
+            notes.append(_describe(robot, called, flange))
         flanges.append(flange)
     return Mounts(robot, tuple(flanges), tuple(notes))
 
@@ -139,8 +139,8 @@ def _outward(robot: Robot, chain: Sequence[Joint], T: pin.SE3, axis: Floats) -> 
         if len(points):
             middle = T_joint_link.act((points.min(axis=0) + points.max(axis=0)) / 2)
             away.append(float((T.translation - middle) @ axis))
-    told = next((one for one in away if abs(one) > CLEAR), 1.0)
-    return float(np.sign(told))
+    offset = next((distance for distance in away if abs(distance) > CLEAR), 1.0)
+    return float(np.sign(offset))
 
 
 def _from_before(chain: Sequence[Joint]) -> Floats:
@@ -201,7 +201,7 @@ def _with_flange(robot: Robot, end: str, called: str) -> tuple[Robot, str]:
     return replace(robot, links=links, joints=joints), name
 
 
-def _said(robot: Robot, called: str, flange: str) -> str:
+def _describe(robot: Robot, called: str, flange: str) -> str:
     lean = np.rad2deg(lean_of(robot, called))
     why = f"z of link {called} is turned {lean:.0f} degrees against the last axis"
     if lean < np.rad2deg(ALONG):

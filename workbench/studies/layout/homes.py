@@ -38,7 +38,7 @@ def side_of(cell: Cell, arm: Arm) -> float:
     """-1 or 1: on which side of the bin's middle, along its y, an arm works."""
     if len(cell.arms) == 1:
         return -1.0
-    feet = {one.name: chain_of(cell, one).p[0] for one in cell.arms}
+    feet = {arm_plan.name: chain_of(cell, arm_plan).p[0] for arm_plan in cell.arms}
     T_bin_world = cell.bin.T_world_bin.inverse()
     mine = T_bin_world.act(feet[arm.name])[1]
     others = [T_bin_world.act(p)[1] for name, p in feet.items() if name != arm.name]
@@ -75,7 +75,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
             T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
             answers += list(configurations(chain, T, starts).q)
         among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
-        for q in map(world.motion.rounded, _ordered(chain, answers)):
+        for q in map(world.motion.rounded, _order(chain, answers)):
             whole = world.configuration({**homes, arm.name: q})
             if world.contact(whole, among) is None:
                 homes[arm.name] = q
@@ -85,7 +85,7 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
     return [homes[arm.name] for arm in cell.arms]
 
 
-def _ordered(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
+def _order(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:
     """Configurations (n,) far from the limits first, then with the elbow high, then near zero."""
     near = [nearest_to_zero(q, chain.lower, chain.upper, chain.slides) for q in answers]
     return sorted(near, key=lambda q: _awkwardness(chain, q))

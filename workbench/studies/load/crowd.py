@@ -87,7 +87,9 @@ async def _load(url: str, name: str, password: str, browsers: int, seconds: floa
             task.cancel()
         await asyncio.gather(*reading, return_exceptions=True)
         after = zip(everybody, before, strict=True)
-        counts = [(one.frames - frames, one.bytes - size) for one, (frames, size) in after]
+        counts = [
+            (visitor.frames - frames, visitor.bytes - size) for visitor, (frames, size) in after
+        ]
         took = time.monotonic() - began
     return Load(took, tuple(n for n, _ in counts), tuple(n for _, n in counts), tuple(pressed))
 

@@ -89,12 +89,12 @@ class BothArms:
         """
         rng = np.random.default_rng(seed)
         sides = rng.choice((-1.0, 1.0), len(self.arms))
-        start, goal = self._drawn(sides, rng), self._drawn(-sides, rng)
+        start, goal = self._draw(sides, rng), self._draw(-sides, rng)
         world = self.worlds[OURS]
         check = curve_check(world, self.columns, world.configuration({}))
         return Ends(start, goal, check(segment(start, goal)) is None)
 
-    def _drawn(self, sides: Floats, rng: np.random.Generator) -> Floats:
+    def _draw(self, sides: Floats, rng: np.random.Generator) -> Floats:
         world = self.worlds[OURS]
         while True:
             both = [
@@ -163,11 +163,11 @@ def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     """One row for each planner and kind of ends; see `figures`."""
     kinds = (
         ("all", attempts),
-        ("not straight ahead", [one for one in attempts if not one.ends.is_straight]),
+        ("not straight ahead", [attempt for attempt in attempts if not attempt.ends.is_straight]),
     )
     return [
         {"planner": planner, "ends": name}
-        | figures([one for one in some if one.planner == planner])
+        | figures([attempt for attempt in some if attempt.planner == planner])
         for planner in (OURS, OMPL)
         for name, some in kinds
     ]
@@ -175,8 +175,8 @@ def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
 
 def figures(attempts: Sequence[Attempt]) -> dict[str, Any]:
     """What attempts came to: processor time in ms, of all of them; `motion` in s, None for none."""
-    ms = np.array([one.processor for one in attempts]) * 1000
-    motions = [one.seconds for one in attempts if one.seconds is not None]
+    ms = np.array([attempt.processor for attempt in attempts]) * 1000
+    motions = [attempt.seconds for attempt in attempts if attempt.seconds is not None]
     return {
         "pairs": len(attempts),
         "solved": len(motions),

@@ -94,7 +94,7 @@ def _cell_of(problem: MotionProblem, policy: Policy) -> Cell:
 def cases_of(sets: Sequence[MotionSet], policy: Policy) -> list[Case]:
     """All problems made ready, to be planned by that policy."""
     return [
-        case_of(one.name, one.robot, number, problem, policy)
-        for one in sets
-        for number, problem in enumerate(one.problems)
+        case_of(motion_set.name, motion_set.robot, number, problem, policy)
+        for motion_set in sets
+        for number, problem in enumerate(motion_set.problems)
     ]

@@ -13,7 +13,7 @@ import numpy as np
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.planning.picking.route import free_path
-from workbench.planning.picking.search import curve_check, joint_weights, searched
+from workbench.planning.picking.search import curve_check, joint_weights, search_path
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report, silent
@@ -86,12 +86,12 @@ def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report
     for number, case in enumerate(valid):
         report(number / len(valid), f"Klamp't, {case.name}")
         joints, goals = case.world.arm(ARM).joints, [case.goal]
-        (one,) = paths_by_klampt(
+        (path,) = paths_by_klampt(
             case.world, joints, case.start, goals, ["sbl"], seconds=seconds, report=silent
         )
         attempts.append(
             Attempt(
-                KLAMPT, case.name, case.robot, case.number, one.seconds, one.processor, one.path
+                KLAMPT, case.name, case.robot, case.number, path.seconds, path.processor, path.path
             )
         )
     return attempts
@@ -119,7 +119,7 @@ def _by_ompl(case: Case, rng: np.random.Generator) -> Floats | Verdict:
     chain = world.chains[ARM]
     check = curve_check(world, columns, base)
 
-    return searched(
+    return search_path(
         case.start,
         case.goal,
         (chain.lower, chain.upper),
@@ -144,7 +144,7 @@ def summary(
     rows: list[dict[str, Any]] = []
     for robot, name in dict.fromkeys((case.robot, case.name) for case in cases):
         of = [case for case in cases if (case.robot, case.name) == (robot, name)]
-        made = [one for one in attempts if (one.robot, one.name) == (robot, name)]
+        made = [trial for trial in attempts if (trial.robot, trial.name) == (robot, name)]
         rows.append(
             {"set": name, "robot": robot} | figures(of, [a for a in made if a.planner == planner])
         )
@@ -153,13 +153,13 @@ def summary(
 
 def figures(cases: Sequence[Case], attempts: Sequence[Attempt]) -> dict[str, Any]:
     """What one planner came to on these cases; see `summary`.  Times are None without attempts."""
-    paths = [one.path for one in attempts if one.path is not None]
+    paths = [trial.path for trial in attempts if trial.path is not None]
     return {
         "problems": len(cases),
         "invalid": sum(bool(case.invalid) for case in cases),
         "solved": len(paths),
-        **_times("", [one.processor for one in attempts]),
-        **_times("wall_", [one.seconds for one in attempts]),
+        **_times("", [trial.processor for trial in attempts]),
+        **_times("wall_", [trial.seconds for trial in attempts]),
         "way": float(np.mean([_way(path) for path in paths])) if paths else None,
     }
 

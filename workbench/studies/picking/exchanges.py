@@ -130,10 +130,10 @@ class Exchanges:
         seconds = list(self._placing(number))
         best = Got.NOT_PLACED
         for first in firsts:
-            others = [one for one in seconds if one.arm.name != first.arm.name]
+            others = [later for later in seconds if later.arm.name != first.arm.name]
             if not others:
                 continue
-            held = [(T, q) for T in self._poses() for q in self._held(number, first, T)]
+            held = [(T, q) for T in self._poses() for q in self._solve_hold(number, first, T)]
             for second in others:
                 best = max(best, self._exchange(number, first, second, held))
                 if best is Got.OK:
@@ -160,7 +160,7 @@ class Exchanges:
         found = self._world.motion.rounded(answers[is_solution(residuals)])
         return found[np.sort(np.unique(found.round(2), axis=0, return_index=True)[1])]
 
-    def _held(self, number: int, hold: Hold, T_world_part: pin.SE3) -> list[Floats]:
+    def _solve_hold(self, number: int, hold: Hold, T_world_part: pin.SE3) -> list[Floats]:
         """Configurations (n,) [rad] in which a hand has the part there, clear of everything."""
         name = hold.arm.name
         self._world.enter(_bringing(number, hold))
@@ -184,8 +184,8 @@ class Exchanges:
                 self._world.enter(_coming(number, second, first))
                 contact = self._world.contact(base)
                 if contact is not None:
-                    one, other = contact.pair
-                    if any(one in hands[k] and other in hands[1 - k] for k in (0, 1)):
+                    first_body, second_body = contact.pair
+                    if any(first_body in hands[k] and second_body in hands[1 - k] for k in (0, 1)):
                         # Where both hold the part, they stand to each other as they always do.
                         return Got.HANDS_MEET
                     best = max(best, Got.IN_SOMETHING)
@@ -250,5 +250,5 @@ def _coming(number: int, moves: Hold, stands: Hold) -> Phase:
 
 def _labels(arm: Arm) -> set[str]:
     """What the bodies of an arm's hand are called."""
-    fingers = [one.solid.name for one in arm.tool.fingers]
+    fingers = [finger.solid.name for finger in arm.tool.fingers]
     return {f"{arm.name} {name}" for name in (*fingers, *(b.name for b in arm.tool.body))}

@@ -69,13 +69,15 @@ def filled(case: Case) -> Filled:
         InputError: the cell has no pallet in layers.
     """
     cell = read_cell(case.cell)
-    places = sum(one.places for one in pallets_of(cell, ()))
+    places = sum(pallet_fill.places for pallet_fill in pallets_of(cell, ()))
     if not places:
         raise InputError(f"cell {cell.name} has no pallet in layers: a grid of three numbers")
     placed: tuple[Detection, ...] = ()
     piles = unplanned = failed = 0
     ends = ""
-    while any(one.layer for one in pallets_of(cell, placed)) and failed < MOST_PILES:
+    while (
+        any(pallet_fill.layer for pallet_fill in pallets_of(cell, placed)) and failed < MOST_PILES
+    ):
         seed = case.seed * SEEDS + piles
         pile = pile_of(cell, case.part, case.parts, seed=seed)
         piles += 1
@@ -99,9 +101,9 @@ def _off(cell: Cell, placed: Sequence[Detection], case: Case) -> tuple[int, floa
     generator = np.random.default_rng([case.seed, 7])
     beside = [np.append(generator.normal(0.0, case.off, 2), 0.0) for _ in placed]
     released = [
-        (cell.part(one.part), pin.SE3(T.rotation, T.translation + away))
-        for one, away in zip(placed, beside, strict=True)
-        for T in [one.T_world_part]
+        (cell.part(detection.part), pin.SE3(T.rotation, T.translation + away))
+        for detection, away in zip(placed, beside, strict=True)
+        for T in [detection.T_world_part]
     ]
     shifts: list[float] = []
     leans: list[float] = []
@@ -118,14 +120,14 @@ def summary(results: Sequence[Filled]) -> dict[str, Any]:
     """What is told of all pallets."""
     return {
         "pallets": len(results),
-        "full": sum(one.parts == one.places for one in results),
-        "stand": sum(one.off == 0 for one in results),
-        "places": sum(one.places for one in results),
-        "parts": sum(one.parts for one in results),
-        "off": sum(one.off for one in results),
-        "piles": sum(one.piles for one in results),
-        "unplanned": sum(one.unplanned for one in results),
-        "shift_mm": max((one.shift for one in results), default=0.0) * 1000,
-        "lean_deg": float(np.rad2deg(max((one.lean for one in results), default=0.0))),
-        "ends": sorted({one.ends for one in results if one.ends}),
+        "full": sum(result.parts == result.places for result in results),
+        "stand": sum(result.off == 0 for result in results),
+        "places": sum(result.places for result in results),
+        "parts": sum(result.parts for result in results),
+        "off": sum(result.off for result in results),
+        "piles": sum(result.piles for result in results),
+        "unplanned": sum(result.unplanned for result in results),
+        "shift_mm": max((result.shift for result in results), default=0.0) * 1000,
+        "lean_deg": float(np.rad2deg(max((result.lean for result in results), default=0.0))),
+        "ends": sorted({result.ends for result in results if result.ends}),
     }

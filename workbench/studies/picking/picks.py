@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.app.picking.regrasp import regrasped
+from workbench.app.picking.regrasp import plan_regrasp
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Cell, PlanOverrides
@@ -64,17 +64,19 @@ def measure(
     cycles: list[float] = []
     fates: Counter[str] = Counter()
     exchanged: Counter[str] = Counter()
-    for number, (one, pile) in enumerate(zip(seeds, piles, strict=True)):
-        report(number / scenes, f"pile {one}")
+    for number, (pile_seed, pile) in enumerate(zip(seeds, piles, strict=True)):
+        report(number / scenes, f"pile {pile_seed}")
         began = working_time()
-        result = plan_pick(cell, pile, "study", strategy=strategy, overrides=overrides, seed=one)
+        result = plan_pick(
+            cell, pile, "study", strategy=strategy, overrides=overrides, seed=pile_seed
+        )
         whole = working_time() - began
         direct = found = list(fates_of(result.candidates, len(pile)))
         if cell.stations:
-            found = list(with_stations(cell, pile, result, found, one, overrides))
+            found = list(with_stations(cell, pile, result, found, pile_seed, overrides))
         fates.update(found)
         if air:
-            exchanged.update(in_the_air(cell, pile, direct, found, one))
+            exchanged.update(in_the_air(cell, pile, direct, found, pile_seed))
         for stage, value in result.seconds.items():
             seconds[stage].append(value)
         if result.plan is None or result.proof is None:
@@ -94,11 +96,11 @@ def fates_of(candidates: Sequence[Candidate], parts: int) -> Iterator[str]:
     That is what refuses the grasp that got furthest.
     """
     for number in range(parts):
-        mine = [one.verdict for one in candidates if one.detection == number]
+        mine = [candidate.verdict for candidate in candidates if candidate.detection == number]
         if any(verdict.is_ok for verdict in mine):
             yield str(Reason.OK)
         elif mine:
-            yield str(max(mine, key=lambda one: one.progress).reason)
+            yield str(max(mine, key=lambda verdict: verdict.progress).reason)
 
 
 def with_stations(
@@ -120,8 +122,8 @@ def with_stations(
             continue
         others = {other: plain("not asked") for other in range(len(pile)) if other != number}
         alone = replace(result, plan=None, proof=None, row=())
-        over = regrasped(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
-        if len({one.arm for plan in over.plans for one in plan.arms}) > 1:
+        over = plan_regrasp(cell, scene, alone, avoided=others, seed=seed, overrides=overrides)
+        if len({arm.arm for plan in over.plans for arm in plan.arms}) > 1:
             yield HANDED_OVER
         elif over.row:
             yield REGRASPED

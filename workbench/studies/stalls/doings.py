@@ -50,9 +50,9 @@ def doings(files: Files) -> dict[str, Doing]:
     """What is done, by names for people, in this order."""
 
     def looked_at(button: str, kind: str, content: bytes) -> Doing:
-        async def does(one: Visit) -> None:
+        async def does(visitor: Visit) -> None:
             name = f"{button.split()[-1]}-ring{kind}"
-            await one.choose(button, name, content, "closed")
+            await visitor.choose(button, name, content, "closed")
 
         return does
 
@@ -67,36 +67,40 @@ def doings(files: Files) -> dict[str, Doing]:
         "another one in German": _in_german,
         "a cycle to the plan": planned,
         "all answers are read": _read,
-        "the plan is sent": _sent,
-        "the same four times, with a CAD file read meanwhile": lambda one: _sent_beside(
-            one, files.cad
+        "the plan is sent": _send,
+        "the same four times, with a CAD file read meanwhile": lambda visitor: _sent_beside(
+            visitor, files.cad
         ),
-        "a scan is sent": lambda one: _scan(one, files.scan),
+        "a scan is sent": lambda visitor: _scan(visitor, files.scan),
         "its points are read": _points,
-        "parts are looked for in it": _sought,
+        "parts are looked for in it": _search,
         "poses are sent": _poses,
         **cads,
         "the same as a tool's body": looked_at("Choose the body", ".stl", files.cad[".stl"]),
-        "piles are emptied": _emptied,
-        "a part is made": lambda one: _made(one, "Choose a CAD file", "Make the part", files.small),
-        "a tool is made": lambda one: _made(one, "Choose the body", "Add the tool", files.small),
-        "the cell is saved": _saved,
-        "the session is taken along": lambda one: _taken(one, "/session.zip"),
-        "a backup is taken along": lambda one: _taken(one, "/backup.zip"),
-        "a backup is restored": _restored,
+        "piles are emptied": _empty,
+        "a part is made": lambda visitor: _make(
+            visitor, "Choose a CAD file", "Make the part", files.small
+        ),
+        "a tool is made": lambda visitor: _make(
+            visitor, "Choose the body", "Add the tool", files.small
+        ),
+        "the cell is saved": _save,
+        "the session is taken along": lambda visitor: _download(visitor, "/session.zip"),
+        "a backup is taken along": lambda visitor: _download(visitor, "/backup.zip"),
+        "a backup is restored": _restore,
     }
 
 
-async def opened(one: Visit) -> None:
+async def opened(visitor: Visit) -> None:
     """Wait for the controls and be in control."""
-    await one.until(lambda state: "Choose a backup" in one.browser.widgets, "the controls")
-    await one.done()
-    if not (await one.state())["control"]:
-        await one.post("/control/take")
+    await visitor.until(lambda state: "Choose a backup" in visitor.browser.widgets, "the controls")
+    await visitor.done()
+    if not (await visitor.state())["control"]:
+        await visitor.post("/control/take")
 
 
-async def _in_german(one: Visit) -> None:
-    browser = RawBrowser(one.browser.url, one.browser.session)
+async def _in_german(visitor: Visit) -> None:
+    browser = RawBrowser(visitor.browser.url, visitor.browser.session)
     async with aclosing(_frames(browser)) as frames:
         async for _ in frames:
             if "Scannen" in browser.widgets or len(browser.widgets) > 100:
@@ -113,33 +117,33 @@ async def _frames(browser: RawBrowser) -> AsyncGenerator[Any]:
             await browser.socket.close()
 
 
-async def planned(one: Visit) -> None:
+async def planned(visitor: Visit) -> None:
     """Scan two parts, find them and plan."""
     for path, body in (("/scan", {"parts": 2}), ("/localize", {}), ("/plan", {})):
-        await one.post(path, **body)
-        await one.done()
+        await visitor.post(path, **body)
+        await visitor.done()
 
 
-async def _read(one: Visit) -> None:
+async def _read(visitor: Visit) -> None:
     for path in READS:
-        await one.get(path)
-    await _points(one)
+        await visitor.get(path)
+    await _points(visitor)
 
 
-async def _points(one: Visit) -> None:
-    await one.get("/scan/points")
+async def _points(visitor: Visit) -> None:
+    await visitor.get("/scan/points")
 
 
-async def _sent(one: Visit) -> None:
-    await let_out(one)
-    await one.until(has_ended, "the end of a motion")
+async def _send(visitor: Visit) -> None:
+    await let_out(visitor)
+    await visitor.until(has_ended, "the end of a motion")
 
 
-async def let_out(one: Visit) -> None:
+async def let_out(visitor: Visit) -> None:
     """Approve the plan and send it."""
-    plan = (await one.state())["plan"]
+    plan = (await visitor.state())["plan"]
     for path in ("/watch", "/approve", "/send"):
-        await one.post(path, plan=plan)
+        await visitor.post(path, plan=plan)
 
 
 def has_ended(state: dict[str, Any]) -> bool:
@@ -147,76 +151,76 @@ def has_ended(state: dict[str, Any]) -> bool:
     return state["phase"] in ("done", "fault")
 
 
-async def _sent_beside(one: Visit, cad: dict[str, bytes]) -> None:
+async def _sent_beside(visitor: Visit, cad: dict[str, bytes]) -> None:
     for kind, content in cad.items():
-        await planned(one)
+        await planned(visitor)
         # Once something is sent no file can be chosen any more; one that was is still read.
-        await chosen(one, f"beside{kind}", content)
-        await let_out(one)
-        state = await one.until(has_ended, "the end of a motion")
+        await chosen(visitor, f"beside{kind}", content)
+        await let_out(visitor)
+        state = await visitor.until(has_ended, "the end of a motion")
         if state["phase"] != "done":
             raise LinkError(f"the motion was broken off: {state['fault']}")
-        await one.told(f"beside{kind}", "closed")
+        await visitor.told(f"beside{kind}", "closed")
 
 
-async def chosen(one: Visit, name: str, content: bytes) -> None:
+async def chosen(visitor: Visit, name: str, content: bytes) -> None:
     """Choose a CAD file, until the page says that it is being read."""
-    await one.choose("Choose a CAD file", name, content, "being read")
+    await visitor.choose("Choose a CAD file", name, content, "being read")
 
 
-async def _scan(one: Visit, content: bytes) -> None:
-    before = (await one.state())["scan"]
-    await one.browser.upload("Scan from file", "scan.ply", content)
-    await one.until(lambda state: state["scan"] not in (None, before), "the scan")
+async def _scan(visitor: Visit, content: bytes) -> None:
+    before = (await visitor.state())["scan"]
+    await visitor.browser.upload("Scan from file", "scan.ply", content)
+    await visitor.until(lambda state: state["scan"] not in (None, before), "the scan")
 
 
-async def _sought(one: Visit) -> None:
-    await one.post("/localize")
-    await one.done()
+async def _search(visitor: Visit) -> None:
+    await visitor.post("/localize")
+    await visitor.done()
 
 
-async def _poses(one: Visit) -> None:
+async def _poses(visitor: Visit) -> None:
     row = ["1", "0", "0", "400", "0", "1", "0", "0", "0", "0", "1", "20"]
     numbers = row * POSES
     content = "\n".join([str(len(numbers)), *(f"2 {number}" for number in numbers)]).encode()
-    await one.browser.upload("Poses from file", "poses.tup", content)
-    await one.until(lambda state: state["detections"] == POSES, "the poses")
+    await visitor.browser.upload("Poses from file", "poses.tup", content)
+    await visitor.until(lambda state: state["detections"] == POSES, "the poses")
 
 
-async def _made(one: Visit, choose: str, make: str, content: bytes) -> None:
+async def _make(visitor: Visit, choose: str, make: str, content: bytes) -> None:
     name = f"{make.split()[-1]}_small"
-    before = (await one.state())["cell_digest"]
-    await one.choose(choose, f"{name}.stl", content, "closed")
-    await one.browser.set(make, True)
+    before = (await visitor.state())["cell_digest"]
+    await visitor.choose(choose, f"{name}.stl", content, "closed")
+    await visitor.browser.set(make, True)
 
     def is_over(state: dict[str, Any]) -> bool:
         return state["cell_digest"] != before or "failed" in state["message"]
 
-    state = await one.until(is_over, "another cell")
+    state = await visitor.until(is_over, "another cell")
     if state["cell_digest"] == before:
         raise LinkError(state["message"])
 
 
-async def _saved(one: Visit) -> None:
-    await one.post("/cell/save")
-    await one.until(lambda state: state["is_saved"], "the files")
+async def _save(visitor: Visit) -> None:
+    await visitor.post("/cell/save")
+    await visitor.until(lambda state: state["is_saved"], "the files")
 
 
-async def _emptied(one: Visit) -> None:
-    await one.post("/emptying", parts=4, piles=1)
-    await one.done()
+async def _empty(visitor: Visit) -> None:
+    await visitor.post("/emptying", parts=4, piles=1)
+    await visitor.done()
 
 
-async def _taken(one: Visit, path: str) -> None:
-    await one.get(path, raw=True)
+async def _download(visitor: Visit, path: str) -> None:
+    await visitor.get(path, raw=True)
 
 
-async def _restored(one: Visit) -> None:
-    file = BytesIO(await one.get("/backup.zip", raw=True))
+async def _restore(visitor: Visit) -> None:
+    file = BytesIO(await visitor.get("/backup.zip", raw=True))
     with zipfile.ZipFile(file, "a") as kept:
         kept.writestr("parts/added/note.txt", "another one")
     content = file.getvalue()
-    await one.choose("Choose a backup", "kept.zip", content, "added")
+    await visitor.choose("Choose a backup", "kept.zip", content, "added")
     await asyncio.sleep(0.5)
-    await one.browser.set("Restore it", True)
-    await one.told("kept.zip is restored")
+    await visitor.browser.set("Restore it", True)
+    await visitor.told("kept.zip is restored")

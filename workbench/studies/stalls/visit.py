@@ -57,10 +57,10 @@ class Visit:
         """
         url = self.browser.url + PREFIX + path
         async with self.browser.session.post(url, headers=self._headers, json=body) as answer:
-            told = await answer.json()
+            answer_form = await answer.json()
             if answer.status >= 400:
-                raise LinkError(f"{path}: {told['detail']}")
-            return told
+                raise LinkError(f"{path}: {answer_form['detail']}")
+            return answer_form
 
     async def state(self) -> dict[str, Any]:
         """How things stand."""
@@ -139,10 +139,10 @@ async def visit(url: str, name: str, password: str, token: str) -> AsyncGenerato
             if await browser.log_in(name, password) != 303:
                 raise LinkError(f"{url}: {name!r} cannot log in")
             await browser.open()
-            one = Visit(browser, token)
-            tasks = [asyncio.create_task(browser.close_code()), asyncio.create_task(one.ask())]
+            visitor = Visit(browser, token)
+            tasks = [asyncio.create_task(browser.close_code()), asyncio.create_task(visitor.ask())]
             try:
-                yield one
+                yield visitor
             finally:
                 for task in tasks:
                     task.cancel()

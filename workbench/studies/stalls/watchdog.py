@@ -60,14 +60,14 @@ class Watchdog:
     are told by the thread of that loop.
     """
 
-    def __init__(self, told: Callable[[Stall], None], least: float = LEAST) -> None:
+    def __init__(self, report: Callable[[Stall], None], least: float = LEAST) -> None:
         """Begin to watch.
 
         Args:
-            told: takes each stall; any thread calls it.
+            report: takes each stall; any thread calls it.
             least: [s] of processor time that make a stall.
         """
-        self._told = told
+        self._told = report
         self._least = least
         self._closing = threading.Event()
         self._running: dict[int, tuple[object, float]] = {}
@@ -75,7 +75,7 @@ class Watchdog:
         self._collected = 0.0
         self._collecting = 0.0
         self._run_handle: Any = getattr(asyncio.Handle, RUN)
-        setattr(asyncio.Handle, RUN, self._hooked())
+        setattr(asyncio.Handle, RUN, self._hook())
         gc.callbacks.append(self._note_collection)
         self._thread = threading.Thread(target=self._run, name="watchdog", daemon=True)
         self._thread.start()
@@ -101,12 +101,16 @@ class Watchdog:
 
     def _look_who(self, before: Mapping[int, float], waited: float) -> None:
         after = _processor_times()
-        used = {one: seconds - before.get(one, 0.0) for one, seconds in after.items()}
+        used = {
+            thread_id: seconds - before.get(thread_id, 0.0) for thread_id, seconds in after.items()
+        }
         used.pop(threading.get_native_id(), None)
-        most = max(used, key=lambda one: used[one], default=None)
+        most = max(used, key=lambda thread_id: used[thread_id], default=None)
         if most is None or min(used[most], waited) < self._least:
             return
-        (thread,) = [one for one in threading.enumerate() if one.native_id == most] or [None]
+        (thread,) = [running for running in threading.enumerate() if running.native_id == most] or [
+            None
+        ]
         if thread is None:
             return
         where = stack_of(sys._current_frames().get(thread.ident or 0))  # pyright: ignore[reportPrivateUsage]
@@ -124,7 +128,7 @@ class Watchdog:
 
     # -- event loops -----------------------------------------------------------------------
 
-    def _hooked(self) -> Callable[[Any], None]:
+    def _hook(self) -> Callable[[Any], None]:
         run, running, seen, least = self._run_handle, self._running, self._seen, self._least
 
         def run_and_look(handle: Any) -> None:
@@ -155,12 +159,12 @@ class Watchdog:
 
 def stack_of(frame: FrameType | None) -> tuple[str, ...]:
     """The frames of a stack as `file:line function`, the innermost one first."""
-    told: list[str] = []
-    while frame is not None and len(told) < DEEPEST:
+    lines: list[str] = []
+    while frame is not None and len(lines) < DEEPEST:
         code = frame.f_code
-        told.append(f"{_short(code.co_filename)}:{frame.f_lineno} {code.co_name}")
+        lines.append(f"{_short(code.co_filename)}:{frame.f_lineno} {code.co_name}")
         frame = frame.f_back
-    return tuple(told)
+    return tuple(lines)
 
 
 def _short(file: str) -> str:

@@ -100,5 +100,5 @@ def _add(connection: sqlite3.Connection, user: Mapping[str, Any]) -> None:
     )
     connection.executemany(
         "INSERT INTO tokens (digest, user, name, made_at) VALUES (?, ?, ?, ?)",
-        [(one["digest"], key, one["name"], one["made_at"]) for one in user["tokens"]],
+        [(token["digest"], key, token["name"], token["made_at"]) for token in user["tokens"]],
     )

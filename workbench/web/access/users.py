@@ -143,7 +143,7 @@ class Users:
             raise InputError(f"a token's name has 1 to {LONGEST_NAME} characters, not {called!r}")
         token = TOKEN_MARK + secrets.token_urlsafe(32)
         with self._store.change() as connection:
-            key = self._known(connection, name)
+            key = self._find_user(connection, name)
             known = "SELECT 1 FROM tokens WHERE user = ? AND name = ?"
             if connection.execute(known, (key, called)).fetchone():
                 raise InputError(f"{name} has a token {called!r} already; revoke it first")
@@ -160,7 +160,7 @@ class Users:
             InputError: there is no such user or token.
         """
         with self._store.change() as connection:
-            key = self._known(connection, name)
+            key = self._find_user(connection, name)
             gone = connection.execute(
                 "DELETE FROM tokens WHERE user = ? AND name = ?", (key, called)
             )
@@ -186,12 +186,12 @@ class Users:
 
     def _alter(self, name: str, statement: str, to: object = None) -> None:
         with self._store.change() as connection:
-            key = self._known(connection, name)
+            key = self._find_user(connection, name)
             connection.execute("DELETE FROM sessions WHERE user = ?", (key,))
             connection.execute("DELETE FROM browsers WHERE user = ?", (key,))
             connection.execute(statement, {"key": key, "to": to})
 
-    def _known(self, connection: sqlite3.Connection, name: str) -> str:
+    def _find_user(self, connection: sqlite3.Connection, name: str) -> str:
         """The key of a user who is there."""
         key = folded(name)
         if connection.execute("SELECT 1 FROM users WHERE key = ?", (key,)).fetchone():

@@ -81,15 +81,19 @@ class Events:
             lambda old, new: _in_loop(loop, changed)  # the loop looks what is newest by itself
         )
         clock = loop.time
-        told: tuple[State, bool] | None = None
+        last_sent: tuple[State, bool] | None = None
         progress, beat = b"", clock()
         try:
             while True:
                 changed.clear()
                 state, live = self._bench.state, self._bench.live
                 is_preparing = live.getting_ready is not None
-                if told is None or told[0] is not state or told[1] is not is_preparing:
-                    told = state, is_preparing
+                if (
+                    last_sent is None
+                    or last_sent[0] is not state
+                    or last_sent[1] is not is_preparing
+                ):
+                    last_sent = state, is_preparing
                     yield _event("state", state_form(state, live), state.number)
                 is_busy = is_preparing or state.job is not None
                 current = _event("job", job_form(state, live))

@@ -60,13 +60,13 @@ def body_of(content: bytes, fields: Sequence[Field]) -> dict[str, Any]:
 
 def _value(field: Field, given: Mapping[str, Any]) -> Any:
     if field.name in given:
-        return _checked(field.name, given[field.name], field.schema)
+        return _check(field.name, given[field.name], field.schema)
     if field.is_required:
         raise InputError(f"the key {field.name} is missing: {field.says}")
     return field.default
 
 
-def _checked(name: str, value: Any, schema: Mapping[str, Any]) -> Any:
+def _check(name: str, value: Any, schema: Mapping[str, Any]) -> Any:
     match schema["type"]:
         case "integer" | "number" as kind:
             return _number(name, value, schema, is_whole=kind == "integer")

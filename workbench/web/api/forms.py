@@ -67,22 +67,22 @@ def state_form(state: State, live: Live) -> Form:
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [
-            {"detection": one.detection, "is_picked": one.is_picked, "by": one.by, "why": one.why}
-            for one in (() if sent is None else sent.outcomes)
+            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": o.why}
+            for o in (() if sent is None else sent.outcomes)
         ],
     }
 
 
 def _row_form(state: State, number: int) -> Form:
     """One plan of the row; `parts` are indices in the first one, as people number them."""
-    one = state.whole_row[number]
+    proven_plan = state.whole_row[number]
     return {
-        "plan": one.plan.digest,
-        "proof": one.proof.digest,
-        "holds": one.proof.holds,
-        "clearance": finite(one.proof.clearance),
-        "cycle_seconds": one.plan.cycle_seconds,
-        "parts": list(parts_taken(state.plans[0], one.plan)),
+        "plan": proven_plan.plan.digest,
+        "proof": proven_plan.proof.digest,
+        "holds": proven_plan.proof.holds,
+        "clearance": finite(proven_plan.proof.clearance),
+        "cycle_seconds": proven_plan.plan.cycle_seconds,
+        "parts": list(parts_taken(state.plans[0], proven_plan.plan)),
         "is_sent": number < plans_sent(state),
     }
 
@@ -163,7 +163,7 @@ def proof_form(proof: Proof) -> Form:
         "resolution": finite(proof.resolution),
         "clearance": finite(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
-        "violations": [_place_form(one) for one in proof.violations],
+        "violations": [_place_form(violation) for violation in proof.violations],
     }
 
 

@@ -82,12 +82,16 @@ def _points(source: Source) -> bytes | None:
 
 def _detections(source: Source) -> Any:
     found = source.state.detections
-    return None if found is None else [canonical(one) for one in found]
+    return None if found is None else [canonical(detection) for detection in found]
 
 
 def _candidates(source: Source) -> Any:
     candidates = source.state.candidates
-    return None if candidates is None else [forms.candidate_form(one) for one in candidates]
+    return (
+        None
+        if candidates is None
+        else [forms.candidate_form(candidate) for candidate in candidates]
+    )
 
 
 def _plan(source: Source) -> Any:
@@ -97,7 +101,9 @@ def _plan(source: Source) -> Any:
 
 def _row(source: Source) -> Any:
     row = source.state.whole_row
-    return [plan_content(one.plan, one.proof) for one in row] if row else None
+    return (
+        [plan_content(proven_plan.plan, proven_plan.proof) for proven_plan in row] if row else None
+    )
 
 
 def _proof(source: Source) -> Any:
@@ -123,7 +129,7 @@ def _statistics(source: Source) -> Any:
 
 def _sessions(source: Source) -> Any:
     folder = source.bench.folder
-    beside = sorted(one.parent.name for one in folder.parent.glob(f"*/{DATABASE}"))
+    beside = sorted(path.parent.name for path in folder.parent.glob(f"*/{DATABASE}"))
     return {"current": folder.name, "sessions": beside}
 
 

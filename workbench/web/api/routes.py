@@ -79,7 +79,7 @@ def api_routes(
     routes += [
         web.get(f"{PREFIX}/me", api.asked(api.me)),
         web.get(f"{PREFIX}/events", api.asked(api.listen)),
-        web.get(f"{PREFIX}/openapi.json", _described),
+        web.get(f"{PREFIX}/openapi.json", _describe),
         web.get(f"{PREFIX}/", _reference),
     ]
     return routes
@@ -135,11 +135,11 @@ class Api:
         """Answer with a value as it is now."""
         del person
         loop = asyncio.get_running_loop()
-        content = await loop.run_in_executor(self._reading, self._made, read)
+        content = await loop.run_in_executor(self._reading, self._make, read)
         if content is None:
             return problem(HTTPStatus.NOT_FOUND, f"it is not there yet: {read.missing}")
         if len(content) > CHUNK:
-            return await _sent(request, content, read.kind)
+            return await _send(request, content, read.kind)
         return web.Response(body=content, content_type=read.kind, headers=NO_STORE)
 
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
@@ -181,7 +181,7 @@ class Api:
 
         return await self._events.stream(request, is_still_allowed)
 
-    def _made(self, read: Read) -> bytes | None:
+    def _make(self, read: Read) -> bytes | None:
         value = read.answer(self._source)
         return value if value is None or isinstance(value, bytes) else _text(value)
 
@@ -207,7 +207,7 @@ async def _body(request: web.Request) -> bytes | web.Response:
     return bytes(content)
 
 
-async def _sent(request: web.Request, content: bytes, kind: str) -> web.StreamResponse:
+async def _send(request: web.Request, content: bytes, kind: str) -> web.StreamResponse:
     """A long answer, piece by piece: nothing else would be served while all of it is copied."""
     response = web.StreamResponse(headers=NO_STORE)
     response.content_type, response.content_length = kind, len(content)
@@ -226,7 +226,7 @@ def _json(value: Any, **about: Any) -> web.Response:
     return web.Response(body=_text(value), content_type=JSON, **about)
 
 
-async def _described(request: web.Request) -> web.Response:
+async def _describe(request: web.Request) -> web.Response:
     del request
     return _json(openapi())
 

@@ -54,7 +54,7 @@ async def _give(
     threads: ThreadPoolExecutor, name: str, make: Callable[[Path], None], request: web.Request
 ) -> web.StreamResponse:
     """A file that is made for this request, and gone afterwards."""
-    if (refusal := await _refused(request)) is not None:
+    if (refusal := await _refuse(request)) is not None:
         return refusal
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / name
@@ -62,24 +62,24 @@ async def _give(
             await asyncio.get_running_loop().run_in_executor(threads, make, file)
         except WorkbenchError as error:
             return problem_of(error)
-        return await _sent(request, file)
+        return await _send(request, file)
 
 
 async def _give_case(session: Path, request: web.Request) -> web.StreamResponse:
     """A case that was kept in the session."""
-    if (refusal := await _refused(request)) is not None:
+    if (refusal := await _refuse(request)) is not None:
         return refusal
     name = request.match_info["name"]
     try:
-        file = next((one for one in case_files(session) if one.name == name), None)
+        file = next((path for path in case_files(session) if path.name == name), None)
     except WorkbenchError as error:
         return problem_of(error)
     if file is None:
         return problem(HTTPStatus.NOT_FOUND, "no case of this name is kept in this session")
-    return await _sent(request, file)
+    return await _send(request, file)
 
 
-async def _refused(request: web.Request) -> web.Response | None:
+async def _refuse(request: web.Request) -> web.Response | None:
     """Why nothing is given to who asks; None when it is."""
     person = await identify(request)
     if person is None:
@@ -90,7 +90,7 @@ async def _refused(request: web.Request) -> web.Response | None:
     return None
 
 
-async def _sent(request: web.Request, file: Path) -> web.StreamResponse:
+async def _send(request: web.Request, file: Path) -> web.StreamResponse:
     """The content of a zip file, called as it is."""
     response = web.StreamResponse(
         headers={
@@ -120,5 +120,9 @@ def _backup(root: Path, file: Path) -> None:
 def log_file() -> Path | None:
     """Where the server writes its log, if it writes one."""
     handlers = logging.getLogger().handlers
-    files = (Path(one.baseFilename) for one in handlers if isinstance(one, RotatingFileHandler))
+    files = (
+        Path(handler.baseFilename)
+        for handler in handlers
+        if isinstance(handler, RotatingFileHandler)
+    )
     return next((file for file in files if file.is_file()), None)

@@ -124,7 +124,7 @@ class ConnectionLimits:
             drop: cuts it off.
         """
         self._forget()
-        strangers = [one for one in self._visitors.values() if not one.is_known]
+        strangers = [visitor for visitor in self._visitors.values() if not visitor.is_known]
         if len(strangers) >= self._room.strangers:
             self._drop(self._first_to_go(strangers), "too many without a login")
         self._visitors[key] = Visitor(key, taken, network_of(address), self._clock(), drop)
@@ -139,7 +139,7 @@ class ConnectionLimits:
         """Drop some of those without a login, when their sockets are needed."""
         self._forget()
         for _ in range(count):
-            strangers = [one for one in self._visitors.values() if not one.is_known]
+            strangers = [visitor for visitor in self._visitors.values() if not visitor.is_known]
             if not strangers:
                 return
             self._drop(self._first_to_go(strangers), "no file descriptors are left")
@@ -172,16 +172,16 @@ class ConnectionLimits:
         """Drop those without a login who have taken too long; to be called every second."""
         self._forget()
         now = self._clock()
-        for one in list(self._visitors.values()):
-            if one.is_known:
+        for visitor in list(self._visitors.values()):
+            if visitor.is_known:
                 # They are not hurried while asked something; between requests aiohttp drops them.
                 continue
-            waited = now - one.since
-            if waited >= (WORK_SECONDS if one.request is not None else WAIT_SECONDS):
+            waited = now - visitor.since
+            if waited >= (WORK_SECONDS if visitor.request is not None else WAIT_SECONDS):
                 # What has come and was not read yet is our delay.
-                if one.request is None and _has_unread(one.socket):
+                if visitor.request is None and _has_unread(visitor.socket):
                     continue
-                self._drop(one, None)
+                self._drop(visitor, None)
 
     async def _is_known(self, request: web.Request, visitor: Visitor) -> bool:
         try:
@@ -192,18 +192,21 @@ class ConnectionLimits:
 
     def _has_room_for_known(self) -> bool:
         self._forget()
-        known = [one for one in self._visitors.values() if one.is_known]
+        known = [visitor for visitor in self._visitors.values() if visitor.is_known]
         if len(known) < self._room.known:
             return True
-        idle = [one for one in known if one.request is None]
+        idle = [visitor for visitor in known if visitor.request is None]
         if idle:
-            self._drop(min(idle, key=lambda one: one.since), "too many with a login")
+            self._drop(min(idle, key=lambda visitor: visitor.since), "too many with a login")
         return bool(idle)
 
     def _first_to_go(self, strangers: list[Visitor]) -> Visitor:
         """The one with the least claim; of these, from where most come, who waits longest."""
-        now, crowd = self._clock(), Counter(one.network for one in strangers)
-        return min(strangers, key=lambda one: (one.claim(now), -crowd[one.network], one.since))
+        now, crowd = self._clock(), Counter(stranger.network for stranger in strangers)
+        return min(
+            strangers,
+            key=lambda stranger: (stranger.claim(now), -crowd[stranger.network], stranger.since),
+        )
 
     def _drop(self, visitor: Visitor, why: str | None) -> None:
         del self._visitors[visitor.key]
@@ -213,7 +216,7 @@ class ConnectionLimits:
 
     def _forget(self) -> None:
         """Those who have gone by themselves."""
-        gone = [key for key, one in self._visitors.items() if one.socket.fileno() < 0]
+        gone = [key for key, visitor in self._visitors.items() if visitor.socket.fileno() < 0]
         for key in gone:
             del self._visitors[key]
 

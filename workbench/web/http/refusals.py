@@ -20,12 +20,12 @@ def refused(what: str, *, why: str, origin: str | None, who: str | None = None) 
     log.warning(
         # A form for each: of those that come too often some are left out (`sparing.py`).
         f"refused {what}: who=%s from=%s why=%s",
-        _quoted(who or "nobody"),
-        _quoted(origin or "unknown"),
-        _quoted(why),
+        _quote(who or "nobody"),
+        _quote(origin or "unknown"),
+        _quote(why),
     )
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """As one word on one line, whatever somebody has put into it."""
     return json.dumps(text if len(text) <= LONGEST else text[:LONGEST] + "...")

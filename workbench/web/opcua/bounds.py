@@ -59,8 +59,8 @@ class _Connection(OPCUAProtocol):
             return await super()._process_one_msg(header, buf)
         except Exception as error:
             # After a message that cannot be trusted a channel is closed (OPC 10000-6, 6.7).
-            told = str(error) or type(error).__name__
-            log.warning("cut off %s over OPC UA: %s", self.peer_name, told)
+            problem = str(error) or type(error).__name__
+            log.warning("cut off %s over OPC UA: %s", self.peer_name, problem)
             if self.transport is not None:
                 status = ua.StatusCode(ua.UInt32(StatusCodes.BadSecurityChecksFailed))
                 said = ua.ErrorMessage(status, ua.String(""))
@@ -92,7 +92,7 @@ class _Listener(BinaryServer):
         door = self.iserver.user_manager
         # Servers of others in this process have a door of the library.
         checked = hasattr(door, "problem")
-        super().set_policies([_Checked(one, door) if checked else one for one in policies])
+        super().set_policies([_Checked(policy, door) if checked else policy for policy in policies])
 
     def _make_protocol(self) -> OPCUAProtocol:
         return _Connection(

@@ -79,7 +79,9 @@ def make_certificate(folder: Path, names: Sequence[str], days: int) -> str:
         .not_valid_before(now - timedelta(hours=1))
         .not_valid_after(now + timedelta(days=days))
         .add_extension(
-            x509.SubjectAlternativeName([*alternatives, *(_name(one) for one in names)]),
+            x509.SubjectAlternativeName(
+                [*alternatives, *(_name(host_name) for host_name in names)]
+            ),
             critical=False,
         )
         .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
@@ -180,7 +182,8 @@ def problem(folder: Path, der: bytes | None) -> str:
         return "what it shows is no certificate"
     now = datetime.now(UTC)
     if not any(
-        one.public_bytes(serialization.Encoding.DER) == der for _, one in kept(folder / TRUSTED)
+        trusted.public_bytes(serialization.Encoding.DER) == der
+        for _, trusted in kept(folder / TRUSTED)
     ):
         _reject(folder / REJECTED, der)
         return f"its certificate {thumbprint(der)} is not trusted"
@@ -196,9 +199,9 @@ def _reject(folder: Path, der: bytes) -> None:
         make_folder(folder)
         if not path.exists():
             write_whole(path, der)
-        there = sorted(folder.glob("*.der"), key=lambda one: one.stat().st_mtime_ns)
-        for one in there[:-MOST_REJECTED]:
-            one.unlink(missing_ok=True)
+        there = sorted(folder.glob("*.der"), key=lambda file: file.stat().st_mtime_ns)
+        for file in there[:-MOST_REJECTED]:
+            file.unlink(missing_ok=True)
     except (OSError, FileError) as error:
         log.warning("a rejected certificate cannot be kept: %s", error)
 

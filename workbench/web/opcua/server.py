@@ -132,7 +132,7 @@ class OpcUa:
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
         bound()
-        server = await _secured(options, self._door)
+        server = await _secure(options, self._door)
         server.iserver.max_connections = MOST_CLIENTS
         server.iserver.max_pending_activation_seconds = LOGIN_SECONDS
         server.set_endpoint(f"opc.tcp://{options.host}:{options.port}/workbench")
@@ -147,7 +147,7 @@ class OpcUa:
             await cell.add_method(
                 space,
                 method.name,
-                partial(self._called, method),
+                partial(self._call, method),
                 [argument.described() for argument in method.arguments],
                 [ua.VariantType.Boolean, ua.VariantType.String],
             )
@@ -162,7 +162,7 @@ class OpcUa:
         await asyncio.gather(self._teller, return_exceptions=True)
         await self._server.stop()
 
-    async def _called(self, method: Method, parent: Any, *variants: Any) -> Any:
+    async def _call(self, method: Method, parent: Any, *variants: Any) -> Any:
         """Give the command of a method; whether it was carried out, and what is said to it."""
         del parent
         if len(variants) < len(method.arguments):
@@ -210,7 +210,7 @@ class OpcUa:
         await self._system.tell(self._bench.state, self._bench.live)
 
 
-async def _secured(options: Options, door: Door) -> Server:
+async def _secure(options: Options, door: Door) -> Server:
     """A server that offers the policies, with its certificate if there is one.
 
     Raises:

@@ -60,7 +60,7 @@ class Pages:
         self, request: web.Request, name: str, status: int = 200, **values: str
     ) -> web.Response:
         """A page with its places `{{name}}` filled in; what is put there is text, never HTML."""
-        text = _said(self.texts[name], language_of(request))
+        text = _translate(self.texts[name], language_of(request))
         text = re.sub(r"\{\{(\w+)\}\}", lambda place: html.escape(values[place[1]]), text)
         return self._answer(request, text, status)
 
@@ -90,7 +90,7 @@ class Pages:
 
 
 @cache
-def _said(page: str, language: str) -> str:
+def _translate(page: str, language: str) -> str:
     """A page in a language; what its scripts say comes along, and its places stay."""
     words = words_of(language)
     page = words.html(page).replace('<html lang="en">', f'<html lang="{language}">')

@@ -36,10 +36,10 @@ def cut(text: str) -> CutPage:
     """Cut a page up; one that is not as viser 1.1.1 makes it stays whole."""
     programs = _PROGRAM.findall(text)
     if len(programs) != 1 or text.count(_UNPACKS) != 1:
-        return CutPage(_packed(text), {})
+        return CutPage(_compress(text), {})
     program = programs[0]
     size = -(-len(program) // PIECES)
-    pieces = [_packed(program[at : at + size]) for at in range(0, len(program), size)]
+    pieces = [_compress(program[at : at + size]) for at in range(0, len(program), size)]
     named = {hashlib.sha256(piece).hexdigest()[:32]: piece for piece in pieces}
     addresses = ",".join(f'"{PATH}/{name}"' for name in named)
     # Fetched while the rest of the page is read.  A piece that does not come is asked for again:
@@ -52,9 +52,9 @@ def cut(text: str) -> CutPage:
         "await new Promise(r=>setTimeout(r,1000))}})).then(t=>t.join(''))</script>"
     )
     whole = text.replace(program, "", 1).replace(_UNPACKS, "de(await globalThis.wbProgram)", 1)
-    return CutPage(_packed(whole.replace("<script", f"{fetching}<script", 1)), named)
+    return CutPage(_compress(whole.replace("<script", f"{fetching}<script", 1)), named)
 
 
-def _packed(text: str) -> bytes:
+def _compress(text: str) -> bytes:
     # The same bytes at each start: browsers know by them whether the page is another one.
     return gzip.compress(text.encode(), compresslevel=9, mtime=0)

@@ -75,13 +75,13 @@ class Presence:
         return browser
 
     async def _tell(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
-        told: Mapping[str, Any] | None = None
+        last_words: Mapping[str, Any] | None = None
         at = 0.0
         while True:
             words, now = self._bar(person), time.monotonic()
-            if words != told or now - at >= REPEAT:
-                await browser.send_json({**words, **{one: say(words[one]) for one in SAID}})
-                told, at = words, now
+            if words != last_words or now - at >= REPEAT:
+                await browser.send_json({**words, **{key: say(words[key]) for key in SAID}})
+                last_words, at = words, now
             await asyncio.sleep(LOOK)
 
     async def _hear(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:

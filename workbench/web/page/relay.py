@@ -165,7 +165,7 @@ class Relay:
             if seat is None:
                 refused("websocket", why="too many", origin=request.remote, who=person.name)
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
-            async with await self._connected(person, protocol, language_of(request)) as viser:
+            async with await self._connect(person, protocol, language_of(request)) as viser:
                 browser = web.WebSocketResponse(
                     protocols=(protocol,),
                     timeout=CLOSE_SECONDS,
@@ -180,7 +180,7 @@ class Relay:
                 await Conversation(browser, viser, seat, request).run()
         return browser
 
-    async def _connected(
+    async def _connect(
         self, person: Person, protocol: str, language: str
     ) -> ClientWebSocketResponse:
         """A websocket to viser for somebody."""
@@ -235,4 +235,6 @@ def _little_socket(address: tuple[Any, ...]) -> socket.socket:
 def _protocol(request: web.Request) -> str | None:
     """The protocol that viser's page asks for."""
     offered = request.headers.get(hdrs.SEC_WEBSOCKET_PROTOCOL, "").split(",")
-    return next((one.strip() for one in offered if one.strip().startswith(PROTOCOL)), None)
+    return next(
+        (protocol.strip() for protocol in offered if protocol.strip().startswith(PROTOCOL)), None
+    )

@@ -43,7 +43,7 @@ def stalls(typed: BenchStalls) -> int:
         report(0.0, "large files")
         files = files_for(cell, typed.triangles, typed.points)
         with served(place, str(own), password, "--stalls", FILE) as page:
-            rows = asyncio.run(_measured(page, password, files, report))
+            rows = asyncio.run(_measure(page, password, files, report))
     form = [_form(row) for row in rows]
     if typed.json:
         print_json({"doings": form})
@@ -61,19 +61,19 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
     return robot / path.name
 
 
-async def _measured(page: Served, password: str, files: Files, report: Report) -> list[Row]:
+async def _measure(page: Served, password: str, files: Files, report: Report) -> list[Row]:
     rows: list[Row] = []
-    told = page.folder / FILE
-    async with visit(page.url, NAME, password, page.token) as one:
+    figures = page.folder / FILE
+    async with visit(page.url, NAME, password, page.token) as visitor:
         todo = doings(files)
         for number, (name, does) in enumerate(todo.items()):
             report(number / len(todo), name)
-            before = len(_lines(told))
-            one.slowest = 0.0
-            await does(one)
+            before = len(_lines(figures))
+            visitor.slowest = 0.0
+            await does(visitor)
             await asyncio.sleep(SETTLES)
-            found = [json.loads(line) for line in _lines(told)[before:]]
-            rows.append(Row(name, found, one.slowest, page.memory))
+            found = [json.loads(line) for line in _lines(figures)[before:]]
+            rows.append(Row(name, found, visitor.slowest, page.memory))
     return rows
 
 
@@ -94,7 +94,7 @@ def _form(row: Row) -> dict[str, Any]:
                 "thread": stall["thread"],
                 "where": stall["where"],
             }
-            for stall in sorted(row.stalls, key=lambda one: -one["seconds"])
+            for stall in sorted(row.stalls, key=lambda stall: -stall["seconds"])
         ],
     }
 

@@ -89,9 +89,9 @@ def hull_of(points: Floats) -> ConvexHull:
     return ConvexHull(points)
 
 
-def together(one: ConvexHull, other: ConvexHull) -> ConvexHull:
+def together(first: ConvexHull, second: ConvexHull) -> ConvexHull:
     """The hull of two hulls."""
-    return ConvexHull(np.vstack([hull.points[hull.vertices] for hull in (one, other)]))
+    return ConvexHull(np.vstack([hull.points[hull.vertices] for hull in (first, second)]))
 
 
 def area_of(triangles: Floats) -> float:

@@ -85,7 +85,7 @@ def _pairs(hulls: dict[int, ConvexHull], number: int, hull: ConvexHull) -> Itera
         return
     numbers = list(hulls)
     lows, highs = (
-        np.array([getattr(one, bound) for one in hulls.values()])
+        np.array([getattr(other_hull, bound) for other_hull in hulls.values()])
         for bound in ("min_bound", "max_bound")
     )
     touch = (np.maximum(lows, hull.min_bound) <= np.minimum(highs, hull.max_bound) + APART).all(1)

@@ -145,7 +145,7 @@ def _nearest(
 
     The triangle `which` is tried first; if it is near, few boxes are opened.
     """
-    best, side = _seen(triangles[which], normals[which], point)
+    best, side = _measure(triangles[which], normals[which], point)
     leaves = len(low) // 2
     stack = np.empty(64, np.int64)
     stack[0], size = 1, 1
@@ -163,7 +163,7 @@ def _nearest(
             continue
         first = (node - leaves) * LEAF
         for k in range(first, min(first + LEAF, len(triangles))):
-            away, turned = _seen(triangles[k], normals[k], point)
+            away, turned = _measure(triangles[k], normals[k], point)
             # Where several meet, the one that looks most at the point, or away, tells its side.
             if away < best - ALIKE or (away <= best + ALIKE and abs(turned) > abs(side)):
                 side = turned
@@ -173,7 +173,7 @@ def _nearest(
 
 
 @njit(cache=True)
-def _seen(triangle: Floats, normal: Floats, point: Floats) -> tuple[float, float]:
+def _measure(triangle: Floats, normal: Floats, point: Floats) -> tuple[float, float]:
     """How far a point is from a triangle [m], and how far along its normal [m]."""
     off = _offset(triangle, point)
     return np.sqrt(_dot(off, off)), _dot(off, normal)

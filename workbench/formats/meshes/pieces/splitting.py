@@ -110,7 +110,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
     if excess <= tolerance or most < 2:
         return pieces, excess
     hulls = joined(_split_hulls(surface, tolerance, most), surface, HOLLOW * tolerance, most)
-    pieces = tuple(_with_few_corners(one.points[one.vertices], tolerance) for one in hulls)
+    pieces = tuple(_with_few_corners(hull.points[hull.vertices], tolerance) for hull in hulls)
     return pieces, _excess(pieces, surface, tolerance)
 
 
@@ -131,8 +131,8 @@ def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -
     found: list[Mesh] = []
     left = list(pieces)
     for hull in hulls:
-        inside = [one for one in left if (outside(hull, one.points) <= APART).all()]
-        left = [one for one in left if not any(one is other for other in inside)]
+        inside = [piece for piece in left if (outside(hull, piece.points) <= APART).all()]
+        left = [piece for piece in left if not any(piece is other for other in inside)]
         if len(inside) == 1:
             found += inside
         elif inside:
@@ -156,7 +156,7 @@ def _split_hulls(surface: Surface, tolerance: float, most: int) -> list[ConvexHu
         worst = max(open_ones, key=lambda piece: piece.excess)
         open_ones.remove(worst)
         is_last = worst.excess <= HOLLOW * tolerance or len(done) + len(open_ones) + 2 > OVER * most
-        parts = None if is_last else _parted(worst, surface, tolerance)
+        parts = None if is_last else _split(worst, surface, tolerance)
         if parts is None:
             done.append(worst)
         else:
@@ -184,7 +184,7 @@ def _excess(pieces: tuple[Mesh, ...], surface: Surface, tolerance: float) -> flo
     return largest
 
 
-def _parted(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _Piece] | None:
+def _split(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _Piece] | None:
     """The piece in two by the plane that serves best; None when no plane goes through it."""
     corners, points = piece.soup.reshape(-1, 3), cloud(piece.soup, IN_CLOUD)
 
@@ -230,13 +230,13 @@ def _planes_beside(piece: _Piece, surface: Surface) -> Iterator[Plane]:
     for axis in np.eye(3):
         for point in near[:1]:
             yield Plane(axis, float(point @ axis))
-    told: set[tuple[float, ...]] = set()
+    known: set[tuple[float, ...]] = set()
     for point, normal in zip(near, normals, strict=True):
         normal = normal * np.sign(normal[np.abs(normal).argmax()])
         offset = float(point @ normal)
         key = (*np.round(normal, 1).tolist(), round(offset, 4))
-        if key not in told and len(told) < ALONG:
-            told.add(key)
+        if key not in known and len(known) < ALONG:
+            known.add(key)
             yield Plane(normal, offset)
 
 

@@ -49,7 +49,7 @@ class Configuration:
         return Configuration(
             {**self.signals, **other.signals},
             [*self.units, *other.units],
-            [*self.tasks, *(one for one in other.tasks if one not in self.tasks)],
+            [*self.tasks, *(task for task in other.tasks if task not in self.tasks)],
             {**self.entries, **other.entries},
             {**self.modules, **other.modules},
         )

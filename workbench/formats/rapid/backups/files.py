@@ -34,7 +34,9 @@ def text_of(data: bytes) -> str:
 def _western(data: bytes) -> Sequence[str]:
     # Five codes have no letter in cp1252; editors keep them as they are.
     text = data.decode("cp1252", "replace")
-    return [one if one != "\ufffd" else chr(code) for one, code in zip(text, data, strict=True)]
+    return [
+        letter if letter != "\ufffd" else chr(code) for letter, code in zip(text, data, strict=True)
+    ]
 
 
 def lines_of(data: bytes) -> str:

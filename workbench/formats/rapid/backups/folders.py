@@ -63,16 +63,16 @@ def find_tasks(paths: Sequence[Path]) -> Found:
     """
     found = Found()
     files = [file for path in paths for file in _files(path)]
-    shown = {file: _shown(file, paths) for file in files}
+    shown = {file: _label(file, paths) for file in files}
     read = {file: _read(file, shown[file]) for file in files if _is_module(file)}
     configurations = [file for file in files if file.suffix.lower() == ".cfg"]
     roots = sorted({root for file in read if (root := _root(file)) is not None})
     for root in roots:
-        mine = {file: one for file, one in read.items() if _home(file, roots) == root}
+        mine = {file: content for file, content in read.items() if _home(file, roots) == root}
         inside = [file for file in configurations if _home(file, roots) == root]
         inside = inside or _beside(root)
         found.controllers.append(_backup(root, mine, read_configuration(inside), found))
-    loose = {file: one.sources for file, one in read.items() if _home(file, roots) is None}
+    loose = {file: content.sources for file, content in read.items() if _home(file, roots) is None}
     found.problems += [p for file in loose for p in read[file].problems]
     lists = [file for file in files if file.suffix.lower() == ".pgf"]
     _missing(lists, shown, found)
@@ -102,11 +102,11 @@ def _is_module(file: Path) -> bool:
     return file.suffix.lower() not in (".cfg", ".pgf")
 
 
-def _shown(file: Path, paths: Sequence[Path]) -> str:
+def _label(file: Path, paths: Sequence[Path]) -> str:
     for path in paths:
         if path.is_dir() and file.is_relative_to(path):
             return file.relative_to(path).as_posix()
-    same = sum(one.name == file.name for one in paths)
+    same = sum(other_path.name == file.name for other_path in paths)
     return file.name if same < 2 else file.as_posix()
 
 
@@ -141,13 +141,13 @@ def _root(file: Path) -> Path | None:
     if task is None:
         return None
     return next(
-        (one.parent for one in (task, task.parent) if one.name.lower() == "rapid"), task.parent
+        (path.parent for path in (task, task.parent) if path.name.lower() == "rapid"), task.parent
     )
 
 
 def _home(file: Path, roots: Sequence[Path]) -> Path | None:
     """The backup that a file belongs to: one of its folders, not whatever lies beside them."""
-    for root in sorted(roots, key=lambda one: -len(one.parts)):
+    for root in sorted(roots, key=lambda path: -len(path.parts)):
         if file.is_relative_to(root):
             top = file.relative_to(root).parts[0].lower()
             return root if top in FOLDERS or _task_folder(file) is not None else None
@@ -156,9 +156,9 @@ def _home(file: Path, roots: Sequence[Path]) -> Path | None:
 
 def _beside(root: Path) -> list[Path]:
     """The configuration of a backup of which only the programs were named."""
-    folders = [one for one in root.iterdir() if one.is_dir() and one.name.lower() == "syspar"]
+    folders = [path for path in root.iterdir() if path.is_dir() and path.name.lower() == "syspar"]
     return sorted(
-        file for one in folders for file in one.iterdir() if file.suffix.lower() == ".cfg"
+        file for folder in folders for file in folder.iterdir() if file.suffix.lower() == ".cfg"
     )
 
 
@@ -167,45 +167,47 @@ def _backup(
 ) -> Controller:
     by_task: dict[Path, list[Source]] = {}
     others: dict[Path, Read] = {}
-    for file, one in read.items():
+    for file, content in read.items():
         task = _task_folder(file)
         if task is not None:
-            by_task.setdefault(task, []).extend(one.sources)
-            found.problems += one.problems
+            by_task.setdefault(task, []).extend(content.sources)
+            found.problems += content.problems
         else:
-            others[file] = one
+            others[file] = content
     names = _names(root)
     tasks: list[TaskFiles] = []
     used: set[Path] = set()
     for folder, sources in sorted(by_task.items()):
         name, loaded = names.get(folder.name.upper(), (folder.name, None))
         if loaded:
-            spare = [one for one in sources if Path(one.path).name.lower() not in loaded]
+            spare = [source for source in sources if Path(source.path).name.lower() not in loaded]
             found.spare += spare
             found.problems += [
-                _remark(one, "the backup does not list it as loaded") for one in spare
+                _remark(source, "the backup does not list it as loaded") for source in spare
             ]
-            sources = [one for one in sources if one not in spare]
-        for file in _loaded(configuration, name, others):
+            sources = [source for source in sources if source not in spare]
+        for file in _list_loaded(configuration, name, others):
             known = {source.name.lower() for source in sources}
-            new = [one for one in others[file].sources if one.name.lower() not in known]
+            new = [source for source in others[file].sources if source.name.lower() not in known]
             sources += new
             used |= {file} if new or not others[file].sources else set()
         entry = configuration.entries.get(name, "")
         tasks += [TaskFiles(name, ones, entry) for ones in _together(sources, found)]
     # Nobody loads the others: what is wrong in them is no mistake of a program.
-    found.problems += [one for file in used for one in others[file].problems]
-    found.spare += [one for file, it in others.items() if file not in used for one in it.sources]
+    found.problems += [problem for file in used for problem in others[file].problems]
+    found.spare += [
+        source for file, it in others.items() if file not in used for source in it.sources
+    ]
     configuration.tasks += [task.name for task in tasks if task.name not in configuration.tasks]
     return Controller(tasks, configuration)
 
 
-def _loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
+def _list_loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
     """Which files a configuration loads into a task."""
     found: list[Path] = []
     for wanted in (name for name, tasks in mine.modules.items() if not tasks or task in tasks):
-        whole = [one for one in files if one.as_posix().lower().endswith(f"/{wanted}")]
-        named = [one for one in files if one.name.lower() == wanted.rpartition("/")[2]]
+        whole = [file for file in files if file.as_posix().lower().endswith(f"/{wanted}")]
+        named = [file for file in files if file.name.lower() == wanted.rpartition("/")[2]]
         found += (whole or named)[:1]
     return found
 
@@ -237,7 +239,10 @@ def _names(root: Path) -> dict[str, tuple[str, set[str] | None]]:
             files = (
                 re.split(r"[/\\]", line.split("@")[0].strip())[-1] for line in lines.split("\n")
             )
-            names[folder] = (name or folder, {one.lower() for one in files if one})
+            names[folder] = (
+                name or folder,
+                {listed_file.lower() for listed_file in files if listed_file},
+            )
     return names
 
 
@@ -253,14 +258,18 @@ def _loose(
     for file in configurations:
         mine = read_configuration([file])
         tasks = [
-            TaskFiles(name, [one for path in loaded for one in read[path]], mine.entries[name])
+            TaskFiles(
+                name, [source for path in loaded for source in read[path]], mine.entries[name]
+            )
             for name in mine.tasks
-            if (loaded := _loaded(mine, name, read))
+            if (loaded := _list_loaded(mine, name, read))
         ]
         if tasks:
             controllers.append(Controller(tasks, mine.with_(all_of_them)))
-            for one in [one for name in mine.tasks for one in _loaded(mine, name, read)]:
-                left.pop(one, None)
+            for loaded_file in [
+                loaded_file for name in mine.tasks for loaded_file in _list_loaded(mine, name, read)
+            ]:
+                left.pop(loaded_file, None)
     folders: dict[Path, list[Source]] = {}
     for file, sources in left.items():
         folders.setdefault(file.parent, []).extend(sources)
@@ -279,16 +288,16 @@ def _programs(folders: dict[Path, list[Source]], found: Found) -> list[TaskFiles
     tasks: list[TaskFiles] = []
     without = [sources for sources in folders.values() if not any(map(_has_main, sources))]
     for folder, sources in folders.items():
-        mains = [one for one in sources if _has_main(one)]
-        rest = [one for one in sources if one not in mains]
+        mains = [source for source in sources if _has_main(source)]
+        rest = [source for source in sources if source not in mains]
         mine = [TaskFiles(folder.name, [main]) for main in mains]
         for task in mine:
             _add(task, rest)
-        left = [one for one in rest if not any(one in task.sources for task in mine)]
+        left = [source for source in rest if not any(source in task.sources for task in mine)]
         while left and mains:
             extra = TaskFiles(folder.name, [])
             _add(extra, left)
-            left = [one for one in left if one not in extra.sources]
+            left = [source for source in left if source not in extra.sources]
             mine.append(extra)
         tasks += mine
     if not tasks:
@@ -296,13 +305,13 @@ def _programs(folders: dict[Path, list[Source]], found: Found) -> list[TaskFiles
     for sources in without:
         for task in tasks:
             _add(task, sources)
-        left = [one for one in sources if not any(one in task.sources for task in tasks)]
+        left = [source for source in sources if not any(source in task.sources for task in tasks)]
         while left:
             extra = TaskFiles("", [])
             _add(extra, left)
             what = "other modules declare the same names: it is checked as another task"
-            found.problems += [_remark(one, what) for one in extra.sources]
-            left = [one for one in left if one not in extra.sources]
+            found.problems += [_remark(source, what) for source in extra.sources]
+            left = [source for source in left if source not in extra.sources]
             tasks.append(extra)
     return tasks
 
@@ -330,14 +339,16 @@ def declared(source: Source) -> set[str]:
 
 
 def _has_main(source: Source) -> bool:
-    nodes = (one for one in source.tree.children if type(one) is Tree and one.data == "proc")
-    return any("local" not in words(one) and parts(one)[0].lower() == "main" for one in nodes)
+    nodes = (
+        child for child in source.tree.children if type(child) is Tree and child.data == "proc"
+    )
+    return any("local" not in words(node) and parts(node)[0].lower() == "main" for node in nodes)
 
 
 def _missing(lists: Sequence[Path], shown: dict[Path, str], found: Found) -> None:
     """Modules that a list of a program names, and that are not beside it."""
     for file in lists:
-        there = {one.name.lower() for one in file.parent.iterdir()}
+        there = {path.name.lower() for path in file.parent.iterdir()}
         for number, line in enumerate(lines_of(read_whole(file, 1 << 20)).split("\n"), start=1):
             for name in LISTED.findall(line):
                 if re.split(r"[/\\]", name)[-1].lower() not in there:

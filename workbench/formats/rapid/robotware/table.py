@@ -126,18 +126,18 @@ def parameters(text: str) -> Iterator[Parameter]:
         if part in ("\\", ",", "|") or part[0] == "|":
             sign = part.replace(" ", "")
             continue
-        one = _parameter(part, sign.endswith("\\"))
+        parameter = _parameter(part, sign.endswith("\\"))
         if sign.startswith("|"):
             assert last is not None
-            if not one.is_optional:
-                last.others.append(one)
+            if not parameter.is_optional:
+                last.others.append(parameter)
                 continue
             if not last.group:
                 groups += 1
                 last.group = groups
-            one.group = last.group
-        last = one
-        yield one
+            parameter.group = last.group
+        last = parameter
+        yield parameter
 
 
 def _parameter(text: str, is_optional: bool) -> Parameter:

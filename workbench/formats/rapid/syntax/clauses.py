@@ -82,14 +82,14 @@ class Statement(Expression):
             return getattr(self, read)(at)
         if at.type in PLAIN:
             self.take()
-            return self._ended(PLAIN[at.type], [], at)
+            return self._end(PLAIN[at.type], [], at)
         if at.type in WITH_VALUE:
             self.take()
             value = None if self.sees(";") else self.expression()
-            return self._ended(WITH_VALUE[at.type], [value], at)
+            return self._end(WITH_VALUE[at.type], [value], at)
         self.fail()
 
-    def _ended(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
+    def _end(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
         self.want(";")
         return Tree(data, list(children), at.line, at.column)
 
@@ -102,10 +102,10 @@ class Statement(Expression):
         if after in (":=", "{", "."):
             target = self.variable()
             self.want(":=")
-            return self._ended("assign", [target, self.expression()], at)
+            return self._end("assign", [target, self.expression()], at)
         self.take()
         args = None if self.sees(";") else self.arguments(";")
-        return self._ended("call", [at, args], at)
+        return self._end("call", [at, args], at)
 
     def _place(self, at: Token) -> Tree:
         node = self.place()
@@ -121,17 +121,17 @@ class Statement(Expression):
         name = self.expression()
         self.want("%")
         args = None if self.sees(";") else self.arguments(";")
-        return self._ended("late", [name, args], at)
+        return self._end("late", [name, args], at)
 
     def _goto(self, at: Token) -> Tree:
         self.take()
-        return self._ended("goto", [self.named("a label")], at)
+        return self._end("goto", [self.named("a label")], at)
 
     def _connect(self, at: Token) -> Tree:
         self.take()
         target = self.place() if self.sees("PLACE") else self._interrupt()
         self.want("with")
-        return self._ended("connect", [target, self.named("a trap routine")], at)
+        return self._end("connect", [target, self.named("a trap routine")], at)
 
     def _interrupt(self) -> Tree:
         if not self.sees("NAME"):
@@ -175,7 +175,7 @@ class Statement(Expression):
             children.append(self.block(IN_IF))
         else:
             children.append(None)
-        return self._closed("if_", list(children), at)
+        return self._close("if_", list(children), at)
 
     def _condition(self) -> list[Tree | Token | None]:
         condition = self.expression()
@@ -183,7 +183,7 @@ class Statement(Expression):
             self.fail("THEN or a statement")
         return [condition]
 
-    def _closed(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
+    def _close(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
         end = f"end{at.type}"
         if self.next.type != end:
             raise NoRapid(
@@ -196,14 +196,14 @@ class Statement(Expression):
         self.take()
         (condition, *_) = self._head(lambda: [self.expression()], "do")
         self.want("do")
-        return self._closed("while_", [condition, self.block(frozenset({"endwhile"}))], at)
+        return self._close("while_", [condition, self.block(frozenset({"endwhile"}))], at)
 
     def _for(self, at: Token) -> Tree:
         self.take()
         name = self.named("a name")
         begin, end, step, *_ = self._head(self._bounds, "do")
         self.want("do")
-        return self._closed("for_", [name, begin, end, step, self.block(frozenset({"endfor"}))], at)
+        return self._close("for_", [name, begin, end, step, self.block(frozenset({"endfor"}))], at)
 
     def _bounds(self) -> list[Tree | Token | None]:
         self.want("from")
@@ -230,7 +230,7 @@ class Statement(Expression):
             self.take()
             self.want(":")
             default = self.block(IN_TEST)
-        return self._closed("test", [*children, default], at)
+        return self._close("test", [*children, default], at)
 
 
 STARTS = frozenset(

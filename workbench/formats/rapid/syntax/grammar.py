@@ -227,6 +227,6 @@ def _check_depth(reader: Module, tree: Tree) -> None:
     """Refuse what would have everybody who walks through the tree run out of stack."""
     level = [tree]
     for _ in range(DEEPEST):
-        level = [one for node in level for one in node.children if type(one) is Tree]
+        level = [child for node in level for child in node.children if type(child) is Tree]
     if level:
         reader.refuse(level[0], TOO_DEEP)

@@ -30,7 +30,7 @@ class Words:
     def __init__(self, tokens: list[Token], name: str, problems: list[Problem]) -> None:
         self.tokens, self.name, self.problems = tokens, name, problems
         self._at = self._depth = 0
-        self._told = {one.line for one in problems}
+        self._told = {problem.line for problem in problems}
         self.next = tokens[0]
 
     def sees(self, type_: str) -> bool:
@@ -87,8 +87,8 @@ class Words:
         hint = ""
         if self.next.type in RESERVED and expected.startswith("a name"):
             hint = f": {self.next.upper()} is a word of the language"
-        told = f"; expected was {expected}" if expected and not hint else ""
-        raise NoRapid(self.next, f"{self.shown} cannot stand here{told}{hint}")
+        hint_words = f"; expected was {expected}" if expected and not hint else ""
+        raise NoRapid(self.next, f"{self.shown} cannot stand here{hint_words}{hint}")
 
     def note(self, error: NoRapid) -> None:
         """Keep what is wrong; of one line the first mistake only."""

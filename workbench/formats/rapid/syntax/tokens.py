@@ -70,7 +70,7 @@ class Tree:
         while waiting:
             node = waiting.pop()
             yield node
-            waiting.extend(one for one in node.children if type(one) is Tree)
+            waiting.extend(child for child in node.children if type(child) is Tree)
 
 
 def tokens_of(text: str, name: str, problems: list[Problem]) -> list[Token]:

@@ -73,19 +73,19 @@ def side_within(
     `half` (b, 3) [m] are half the sizes of all bodies' boxes.
     """
     answer = _side_of(a, a, b, b, R, c, half, cores, low, drift, W)
-    one, other = cores.pieces[a], cores.pieces[b]
-    if answer == CLEAR or one + other == 0:
+    first, second = cores.pieces[a], cores.pieces[b]
+    if answer == CLEAR or first + second == 0:
         return answer
     answer, needed = CLEAR, low + drift.most
-    for m in range(max(one, 1)):
-        k = cores.first[a] + m if one else a
-        if one and _is_beyond(a, k, b, b, R, c, cores, needed):
+    for m in range(max(first, 1)):
+        k = cores.first[a] + m if first else a
+        if first and _is_beyond(a, k, b, b, R, c, cores, needed):
             continue
-        for n in range(max(other, 1)):
-            i = cores.first[b] + n if other else b
+        for n in range(max(second, 1)):
+            i = cores.first[b] + n if second else b
             if _is_beyond(b, i, a, k, R, c, cores, needed):
                 continue
-            if one and other and _is_beyond(a, k, b, i, R, c, cores, needed):
+            if first and second and _is_beyond(a, k, b, i, R, c, cores, needed):
                 continue
             found = _side_of(a, k, b, i, R, c, half, cores, low, drift, W)
             if found == TOUCHES:

@@ -36,18 +36,18 @@ def has_pieces(shape: Shape) -> bool:
     return isinstance(shape, Mesh) and bool(shape.pieces)
 
 
-def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
+def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
     """The distance [m] of two shapes at poses in a common frame, negative where they overlap.
 
     Distances beyond `within` are not told apart.
     """
-    a, b = _pieces(one), _pieces(other)
+    a, b = _pieces(shape), _pieces(other)
     at, bt = (
         coal.Transform3s(T.rotation, T.translation),
         coal.Transform3s(U.rotation, U.translation),
     )
     if len(a.radii) == len(b.radii) == 1:
-        return _measured(a.geometries[0], at, b.geometries[0], bt)
+        return _measure(a.geometries[0], at, b.geometries[0], bt)
     seen = T.actInv(U)
     # Of each box of the one how far the balls of the other are, and the other way round.
     there = b.centres @ seen.rotation.T + seen.translation
@@ -63,14 +63,14 @@ def distance(one: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = n
         i, j = divmod(int(k), len(b.radii))
         if least[i, j] >= best:
             break
-        best = min(best, _measured(a.geometries[i], at, b.geometries[j], bt))
+        best = min(best, _measure(a.geometries[i], at, b.geometries[j], bt))
     return best
 
 
-def _measured(
-    one: coal.CollisionGeometry,
+def _measure(
+    geometry: coal.CollisionGeometry,
     T: coal.Transform3s,
     other: coal.CollisionGeometry,
     U: coal.Transform3s,
 ) -> float:
-    return float(coal.distance(one, T, other, U, REQUEST, coal.DistanceResult()))
+    return float(coal.distance(geometry, T, other, U, REQUEST, coal.DistanceResult()))

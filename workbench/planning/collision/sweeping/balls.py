@@ -14,8 +14,8 @@ from workbench.planning.collision.distances.cores import BALL, BOX, OTHER
 @njit(cache=True)
 def has_formula(a: int, b: int, form: Ints) -> bool:
     """Whether `ball_gap` knows the distance of bodies a and b; `form` (b,) has no unit."""
-    one, other = form[a], form[b]
-    return (one == BALL and other != OTHER) or (other == BALL and one != OTHER)
+    first, second = form[a], form[b]
+    return (first == BALL and second != OTHER) or (second == BALL and first != OTHER)
 
 
 @njit(cache=True)

@@ -88,8 +88,8 @@ def edges_of(
 def no_edges(count: int) -> Edges:
     """Edges of so many joints of which compiled code knows nothing: every answer is `ASK`."""
     whole, none = np.zeros(0, np.int64), np.zeros((0, 3))
-    one, flat = np.zeros((1, 3)), np.zeros(0)
-    tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), one, one, np.zeros(1))
+    point, flat = np.zeros((1, 3)), np.zeros(0)
+    tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), point, point, np.zeros(1))
     boxes = Boxes(whole, np.zeros((0, 3, 3)), none, none, flat)
     known = np.zeros(0, np.bool_)
     cores = Cores(

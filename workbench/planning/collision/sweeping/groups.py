@@ -43,12 +43,12 @@ def groups_of(among: Ints, margins: Floats, first: Ints, second: Ints, joint: In
         k = among[at]
         a, b = first[k], second[k]
         # What stands is a thing of its own, what moves goes with all that is on its joint.
-        one = a if joint[a] == 0 else bodies + joint[a]
-        other = b if joint[b] == 0 else bodies + joint[b]
-        if number[one * units + other] < 0:
-            number[one * units + other] = found
+        first_group = a if joint[a] == 0 else bodies + joint[a]
+        second_group = b if joint[b] == 0 else bodies + joint[b]
+        if number[first_group * units + second_group] < 0:
+            number[first_group * units + second_group] = found
             found += 1
-        group[k] = number[one * units + other]
+        group[k] = number[first_group * units + second_group]
     begins, most = np.zeros(found + 1, np.int64), np.full(found, -1e9)
     for at in range(len(among)):
         k = among[at]

@@ -16,7 +16,7 @@ NARROW = 0.03
 
 
 @njit(cache=True)
-def swept(
+def sweep_chain(
     points: Floats,
     columns: Ints,
     base: Floats,
@@ -131,7 +131,7 @@ def curve_swept(
 ) -> tuple[int, int]:
     """Look at the one curve that lies in `scratch.pending[0]` until a pair touches.
 
-    Arguments as those of `swept`: `margins` (p,) [m], the `columns` (n,) and `commons` (p,) are
+    Arguments as those of `sweep_chain`: `margins` (p,) [m]; `columns` (n,) and `commons` (p,) are
     numbers, without a unit.  The scratch must be that of these `columns`
     and of this model, the `groups` those of the pairs to be looked at.  Which pair of several
     touches is the one with the lowest number if it `names` it, or else any: what touched moves to

@@ -36,7 +36,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
         for arm in range(2):
             share = float((ends // 2, ends % 2)[arm] * len(ways[arm]))
             curves[arm], _ = _put(ways[arm], share, share, n * arm, edges)
-        found, _, _ = _looked(0, count, count, edges)
+        found, _, _ = _look(0, count, count, edges)
         if found != IS_CLEAR:
             return found, curves, ends + 1
     # How far each arm has come, from and to, in curves: what waits to be looked at.
@@ -50,7 +50,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
         for arm in range(2):
             a, b = shares[at, arm, 0], shares[at, arm, 1]
             curves[arm], spans[arm] = _put(ways[arm], a, b, n * arm, edges)
-        found, kept, furthest = _looked(begins[at], sizes[at], used, edges)
+        found, kept, furthest = _look(begins[at], sizes[at], used, edges)
         at += 1
         if found != IS_CLEAR:
             return found, curves, at + 4
@@ -70,7 +70,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
 
 
 @njit(cache=True)
-def _looked(begin: int, asked: int, used: int, edges: Edges) -> tuple[int, int, float]:
+def _look(begin: int, asked: int, used: int, edges: Edges) -> tuple[int, int, float]:
     return look_at(
         begin, asked, used, edges.margins, edges.commons, edges.model, edges.groups, edges.scratch,
         False,

@@ -127,8 +127,8 @@ def _position(value: float | None, *, is_linear: bool) -> Reading:
     """Of `value` [rad or m]: degrees or millimetres."""
     if value is None or not math.isfinite(value):
         return Reading(status=NOT_NOW)
-    told = value * 1000 if is_linear else math.degrees(value)
-    return Reading(told, ua.VariantType.Double)
+    shown = value * 1000 if is_linear else math.degrees(value)
+    return Reading(shown, ua.VariantType.Double)
 
 
 def _speed(state: State) -> Reading:

@@ -91,9 +91,9 @@ class Space:
     async def refer(self, source: ua.NodeId, reference: str, target: ua.NodeId) -> None:
         """Add a reference between two nodes, seen from both."""
         items: list[ua.AddReferencesItem] = []
-        for one, other, is_forward in ((source, target, True), (target, source, False)):
+        for start, end, is_forward in ((source, target, True), (target, source, False)):
             item = ua.AddReferencesItem()
-            item.SourceNodeId, item.TargetNodeId, item.IsForward = one, other, is_forward
+            item.SourceNodeId, item.TargetNodeId, item.IsForward = start, end, is_forward
             item.ReferenceTypeId = self.reference(reference)
             item.TargetNodeClass = ua.NodeClass.Unspecified
             items.append(item)
@@ -131,17 +131,21 @@ async def standard_space(server: Server, indices: dict[str, int]) -> Space:
         texts = variable(space, "LocalizedText", [ua.LocalizedText(word) for word in words])
         await _property(space, node, strings, "EnumStrings", texts)
     # All first, then what they have: members are of types that may stand further below.
-    for one in space.types.values():
+    for node_type in space.types.values():
         attributes = ua.ObjectTypeAttributes()
-        attributes.IsAbstract = one.is_abstract
-        called = one.ref[0], one.name
+        attributes.IsAbstract = node_type.is_abstract
+        called = node_type.ref[0], node_type.name
         await space.add(
-            space.id_of(one.above), "HasSubtype", space.id_of(one.ref), called, attributes
+            space.id_of(node_type.above),
+            "HasSubtype",
+            space.id_of(node_type.ref),
+            called,
+            attributes,
         )
-    for one in space.types.values():
-        await _add_members(space, space.id_of(one.ref), one.ref[0], one.members)
-        for interface in one.interfaces:
-            await space.refer(space.id_of(one.ref), "HasInterface", space.id_of(interface))
+    for node_type in space.types.values():
+        await _add_members(space, space.id_of(node_type.ref), node_type.ref[0], node_type.members)
+        for interface in node_type.interfaces:
+            await space.refer(space.id_of(node_type.ref), "HasInterface", space.id_of(interface))
     await space.add(
         ua.NodeId(ua.Int32(ObjectIds.ObjectsFolder)),
         "Organizes",
@@ -172,15 +176,17 @@ async def _add_members(
     space: Space, above: ua.NodeId, prefix: str, members: Sequence[Member]
 ) -> None:
     """What a type has, as declarations; numbers are of the namespace `prefix`."""
-    for one in members:
-        node = space.id_of((prefix, one.number))
+    for member in members:
+        node = space.id_of((prefix, member.number))
         attributes: Any = ua.ObjectAttributes()
-        if one.data_type:
-            attributes = variable(space, one.data_type)
-        kind = space.id_of(one.kind)
-        await space.add(above, one.reference, node, (one.prefix, one.name), attributes, kind)
-        await space.refer(node, "HasModellingRule", space.id_of(("ua", RULES[one.rule])))
-        await _add_members(space, node, prefix, one.members)
+        if member.data_type:
+            attributes = variable(space, member.data_type)
+        kind = space.id_of(member.kind)
+        await space.add(
+            above, member.reference, node, (member.prefix, member.name), attributes, kind
+        )
+        await space.refer(node, "HasModellingRule", space.id_of(("ua", RULES[member.rule])))
+        await _add_members(space, node, prefix, member.members)
 
 
 async def _metadata(space: Space, prefix: str) -> None:

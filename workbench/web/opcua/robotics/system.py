@@ -159,8 +159,8 @@ class System:
             own: Path = ("MotionDevices", arm.name)
             said += [(controller, "Controls", own), (task, "Controls", own)]
             for axis, train in zip(axis_names(arm), train_names(arm), strict=True):
-                one, other = (*own, "Axes", axis), (*own, "PowerTrains", train)
-                said += [(other, "Moves", one), (one, "Requires", other)]
+                axis_path, train_path = (*own, "Axes", axis), (*own, "PowerTrains", train)
+                said += [(train_path, "Moves", axis_path), (axis_path, "Requires", train_path)]
         for source, reference, target in said:
             await self._space.refer(self._nodes[source], reference, self._nodes[target])
 

@@ -73,7 +73,7 @@ class NodeType:
 def types() -> dict[Ref, NodeType]:
     """All types, those that others are made from first."""
     found = [*_types("di", di_types.TYPES), *_types("rob", robotics_types.TYPES)]
-    return {one.ref: one for one in found}
+    return {node_type.ref: node_type for node_type in found}
 
 
 def _types(prefix: str, table: str) -> Iterator[NodeType]:
@@ -88,7 +88,7 @@ def _types(prefix: str, table: str) -> Iterator[NodeType]:
             name,
             _ref(above),
             "abstract" in rest,
-            tuple(_ref(one) for one in interfaces),
+            tuple(_ref(interface) for interface in interfaces),
             _members(own, 2),
         )
 
