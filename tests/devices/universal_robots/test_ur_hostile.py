@@ -160,7 +160,7 @@ def test_a_clock_that_goes_back_ends_the_motion(planned):
 def test_a_clock_that_stands_is_silence(planned):
     stands = InLeg(lambda state: [state | {"timestamp": 1e6}])
     patience = replace(PATIENT, silence=2.0)
-    fault_of(planned, stands, "silent for 2 s at leg 2 of 6", patience=patience)
+    fault_of(planned, stands, r"silent for 2 s at leg [12] of 6", patience=patience)
 
 
 @pytest.mark.parametrize(
@@ -195,9 +195,9 @@ def test_an_end_that_comes_at_once_is_no_end(planned):
 @pytest.mark.parametrize(
     ("told", "says"),
     [
-        ({"safety_status_bits": 1 << 2}, "reports at leg 2 of 6: protective stop"),
-        ({"safety_status_bits": 0xFFFFFFFF}, "reports at leg 2 of 6: protective stop, recovery"),
-        ({"robot_mode": 5}, "reports at leg 2 of 6: the robot is idle"),
+        ({"safety_status_bits": 1 << 2}, r"reports at leg [12] of 6: protective stop"),
+        ({"safety_status_bits": 0xFFFFFFFF}, r"reports at leg [12] of 6: protective stop, recovery"),
+        ({"robot_mode": 5}, r"reports at leg [12] of 6: the robot is idle"),
         ({"robot_mode": -(2**31)}, "the robot is in mode -2147483648"),
         ({"runtime_state": 77}, r"ended the program at leg \d of 6"),
         ({"runtime_state": rtde.STOPPED}, r"ended the program at leg \d of 6"),
