@@ -15,7 +15,7 @@ from workbench.app.calibration import calibration as calibrations
 from workbench.app.calibration import held_plate
 from workbench.app.calibration.calibration import with_calibration
 from workbench.app.core import rules
-from workbench.app.core.commands import Entry
+from workbench.app.core.command import Entry
 from workbench.app.core.state import State
 from workbench.app.filling.fill import Filled, filled
 from workbench.app.picking.pipeline import judge

@@ -8,7 +8,9 @@ import json
 from collections.abc import Collection, Iterator
 from typing import Any
 
-from workbench.app.core.commands import CancelJob, GoOn, JobEnded, LinkEnded, Sent
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.sending import LinkEnded, Sent
 from workbench.journal.journal import Row
 
 Told = tuple[str, int, Any]
