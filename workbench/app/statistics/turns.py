@@ -1,6 +1,6 @@
 """Entries of a session one cycle after the other, also where two of them overlap.
 
-What is worked on for the next cycle while a plan is sent (`app.core.ahead`) is held back until that
+What is worked on for the next cycle while a plan is sent (`app.core.cycle.ahead`) is held back until that
 plan has ended, and told then if it has become the next cycle's; else it is told not at all.
 """
 
