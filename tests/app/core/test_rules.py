@@ -22,7 +22,7 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Stop
 from workbench.app.core.decide import allowed
 from workbench.app.core.rights import NEXT, obstacle
-from workbench.app.core.session import AcknowledgeChanges, Opened, PosesRefused, Started
+from workbench.app.core.session import AcknowledgeChanges, Opened, PosesRefused, Started, WriteNote
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import PlanOverrides
@@ -84,7 +84,7 @@ def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(pl
     busy = dataclasses.replace(planned, job=Job(3, "plan"))
     free = {command for command in COMMANDS if not obstacle(busy, command)}
     reports = {JobEnded, Opened, PosesRefused, Started}
-    assert free == {AcknowledgeChanges, CancelJob, WantThreshold} | reports | CONTROL
+    assert free == {AcknowledgeChanges, CancelJob, WantThreshold, WriteNote} | reports | CONTROL
     assert "the planning ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
@@ -97,6 +97,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
         PosesRefused,
         ReportPick,
         Started,
+        WriteNote,
     } | CONTROL
     assert "the controller closed the connection" in refusal(state, TakeScan())
 
@@ -104,7 +105,7 @@ def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
     people = {c for c in COMMANDS if not obstacle(state, c) and not c.right.by_machine}
-    assert people == {Stop, NextStep, ReportPick, GoOn} | CONTROL
+    assert people == {Stop, NextStep, ReportPick, GoOn, WriteNote} | CONTROL
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from workbench.app.core.cycle.scanning import TakeScan, UseObservations, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.decide import decide
+from workbench.app.core.session import WriteNote
 from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.record import command_form, entry_of, entry_record
@@ -68,6 +69,7 @@ def commands(samples):
         Stop(),
         ReportPick(1, False, "slipped"),
         ForgetAvoided(),
+        WriteNote("pads of the left gripper changed"),
         CancelJob(),
         AcknowledgeFault(),
         JobEnded(1, scan),

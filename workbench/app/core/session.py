@@ -9,6 +9,7 @@ from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_text
 from workbench.app.provenance.inventory import Inventory
+from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import plain
 from workbench.model.messages.states import StateText
 
@@ -64,6 +65,24 @@ class AcknowledgeChanges(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return acknowledged(state, entry.actor), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WriteNote(Command):
+    """Write a note into the session: what somebody saw or did at the cell."""
+
+    right: ClassVar[Right] = Right("a note", EVERY, beside_job=True, without_control=True)
+
+    text: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("text", self.text)
+        if not self.text.strip():
+            raise CommandRefused("the note is empty")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        message = StateText.NOTE(person=entry.actor, text=plain(self.text))
+        return replace(state, message=message), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

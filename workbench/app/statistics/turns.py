@@ -1,7 +1,7 @@
 """Entries of a session one cycle after the other, also where two of them overlap.
 
-What is worked on for the next cycle while a plan is sent (`app.core.cycle.ahead`) is held back until that
-plan has ended, and told then if it has become the next cycle's; else it is told not at all.
+What is worked on for the next cycle while a plan is sent (`app.core.cycle.ahead`) is held back
+until that plan has ended.  It is listed then if it has become the next cycle's, else not at all.
 """
 
 import json

@@ -24,7 +24,7 @@ from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.session import AcknowledgeChanges
+from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -323,6 +323,12 @@ CALLS: tuple[Call, ...] = (
         "/empty-pallets",
         "Say that what was put down has been taken away.",
         EmptyPallets,
+    ),
+    Call(
+        "/note",
+        "Write into the session what somebody saw or did at the cell.",
+        WriteNote,
+        (Field("text", "the note", _text(LONGEST_TEXT)),),
     ),
     Call("/cell/undo", "Take back the last change.", UndoCell),
     Call("/cell/redo", "Take back the last undo.", RedoCell),
