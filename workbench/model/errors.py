@@ -16,9 +16,16 @@ Messages name the file, the key, the value, what was expected and what is availa
 
 from pathlib import Path
 
+from workbench.model.messages.message import Message, as_message, plain
+
 
 class WorkbenchError(Exception):
     """Root of all errors that the workbench raises on purpose."""
+
+    @property
+    def message(self) -> Message:
+        """What went wrong, for people in their language."""
+        return plain(str(self))
 
 
 class InputError(WorkbenchError):
@@ -41,6 +48,18 @@ class FileError(InputError):
 
 class CommandRefused(InputError):
     """The rules do not admit this command in this state, or not from this actor."""
+
+    def __init__(self, why: Message | str):
+        super().__init__(str(why))
+        self._why = as_message(why)
+
+    def __reduce__(self) -> tuple[type["CommandRefused"], tuple[Message]]:
+        return (type(self), (self._why,))
+
+    @property
+    def message(self) -> Message:
+        """Why, by the id of its text."""
+        return self._why
 
 
 class NotAllowed(CommandRefused):

@@ -13,6 +13,8 @@ from workbench.app.core.effects import Effect
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import Message
+from workbench.model.messages.states import NextText
 
 EVERY = frozenset(Phase)
 SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
@@ -33,7 +35,7 @@ class Right:
 
     says: str
     phases: frozenset[Phase]
-    otherwise: str = ""
+    otherwise: NextText | None = None
     beside_job: bool = False
     by_machine: bool = False
     by_anybody: bool = False
@@ -69,10 +71,10 @@ class Command(ABC):
         return state.phase in cls.right.phases
 
     @classmethod
-    def obstacle(cls, state: State) -> str:
-        """What else is in the way of this kind of command, whatever its values; else empty."""
+    def obstacle(cls, state: State) -> Message | None:
+        """What else is in the way of this kind of command, whatever its values; else None."""
         del state
-        return ""
+        return None
 
     # Most commands have nothing to check but who gives them, and when.
     def check(self, state: State, asked: Asked) -> None:  # noqa: B027
@@ -105,11 +107,11 @@ class Entry:
     role: Role = Role.ENGINEER
 
 
-def refuse(problem: str) -> None:
-    """Refuse a command when there is a problem; empty means that there is none.
+def refuse(problem: Message | None) -> None:
+    """Refuse a command when there is a problem; None means that there is none.
 
     Raises:
         CommandRefused: with the problem.
     """
-    if problem:
+    if problem is not None:
         raise CommandRefused(problem)

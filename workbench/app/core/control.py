@@ -7,7 +7,8 @@ from workbench.app.core.command import EVERY, Asked, Command, Decision, Entry, R
 from workbench.app.core.cycle.ahead import given_up
 from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
-from workbench.model.messages.message import all_of, as_message
+from workbench.model.messages.message import Message, all_of, as_message
+from workbench.model.messages.refusals import ControlRefusal, Refusal
 from workbench.model.messages.states import StateText
 
 MOST_ASKING = 20
@@ -96,8 +97,10 @@ class ReleaseControl(Command):
 ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl
 
 
-def control_problem(state: State, command: ControlCommand, actor: str, role: Role) -> str:
-    """Why a command about control does not count; empty when it does.
+def control_problem(
+    state: State, command: ControlCommand, actor: str, role: Role
+) -> Message | None:
+    """Why a command about control does not count; None when it does.
 
     Args:
         state: says who is in control, and who has asked for it.
@@ -107,38 +110,49 @@ def control_problem(state: State, command: ControlCommand, actor: str, role: Rol
     """
     match command:
         case AskForControl() | TakeControl() if state.control == actor:
-            return "you are in control already"
+            return ControlRefusal.YOURS()
         case AskForControl():
             return _asking_problem(state, actor)
         case TakeControl():
             is_free = not state.control or role.covers(Role.ENGINEER)
-            return "" if is_free else f"{state.control} is in control; ask for control first"
+            return None if is_free else Refusal.IN_CONTROL(person=state.control)
         case GiveControl(to=to) | DenyControl(to=to):
-            if not state.control:
-                return "nobody is in control"
-            names = ", ".join(state.asking) or "nobody"
-            return "" if to in state.asking else f"{to!r} has not asked for it; {names} has"
+            return _answer_problem(state, to)
         case ReleaseControl(of=of):
             return _release_problem(state, of, actor)
 
 
-def _asking_problem(state: State, actor: str) -> str:
+def _answer_problem(state: State, to: str) -> Message | None:
     if not state.control:
-        return "nobody is in control; take it"
+        return ControlRefusal.NOBODYS()
+    if to in state.asking:
+        return None
+    if not state.asking:
+        return ControlRefusal.NOBODY_ASKED(person=repr(to))
+    return ControlRefusal.NOT_ASKED(person=repr(to), others=state.asking)
+
+
+def _asking_problem(state: State, actor: str) -> Message | None:
+    if not state.control:
+        return ControlRefusal.FREE()
     if actor in state.asking:
-        return f"you have asked already; {state.control} has not answered yet"
+        return ControlRefusal.ASKED_ALREADY(person=state.control)
     if len(state.asking) >= MOST_ASKING:
-        return f"{MOST_ASKING} people have asked already; wait until one of them has an answer"
-    return ""
+        return ControlRefusal.TOO_MANY_ASK(count=MOST_ASKING)
+    return None
 
 
-def _release_problem(state: State, of: str, actor: str) -> str:
+def _release_problem(state: State, of: str, actor: str) -> Message | None:
     if not state.control:
-        return "nobody is in control"
+        return ControlRefusal.NOBODYS()
     # The front door says whom it has missed: meanwhile somebody else may have taken over.
     if actor in MACHINES:
-        return "" if of == state.control else f"{of!r} is not in control, {state.control} is"
-    return "" if of in ("", actor) else f"{of!r} has to give control back, not {actor!r}"
+        is_theirs = of == state.control
+        other = ControlRefusal.OTHER_PERSON(person=repr(of), other=state.control)
+        return None if is_theirs else other
+    if of in ("", actor):
+        return None
+    return ControlRefusal.NOT_YOURS(person=repr(of), other=repr(actor))
 
 
 def with_control(state: State, command: ControlCommand, actor: str) -> State:

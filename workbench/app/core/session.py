@@ -10,7 +10,8 @@ from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_text
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import plain
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 
 
@@ -78,7 +79,7 @@ class WriteNote(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_text("text", self.text)
         if not self.text.strip():
-            raise CommandRefused("the note is empty")
+            raise CommandRefused(ChangeRefusal.NOTE_EMPTY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         message = StateText.NOTE(person=entry.actor, text=plain(self.text))
@@ -116,16 +117,14 @@ def opened_again(state: State) -> State:
     return replace(without_approval(state), watched=(), told=(), message=message)
 
 
-def changes_problem(state: State, ran: str) -> str:
-    """Why changes cannot be acknowledged by who has seen the inventory `ran`; else empty."""
+def changes_problem(state: State, ran: str) -> Message | None:
+    """Why changes cannot be acknowledged by who has seen the inventory `ran`; else None."""
     if not state.changed or state.ran is None:
-        return "nothing has changed that nobody has acknowledged"
+        return ChangeRefusal.NOTHING_CHANGED()
     if state.ran.digest != ran:
-        return (
-            f"what runs now has the digest {state.ran.digest[:12]}, not {ran[:12]!r}: look at "
-            "the current changes and decide again"
-        )
-    return ""
+        digest = state.ran.digest[:12]
+        return ChangeRefusal.OTHER_CHANGES(digest=digest, named=repr(ran[:12]))
+    return None
 
 
 def acknowledged(state: State, actor: str) -> State:

@@ -14,6 +14,8 @@ from workbench.app.core.state import State
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import plain
+from workbench.model.messages.refusals import ChangeRefusal, Refusal, ValueRefusal
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
@@ -52,11 +54,9 @@ def check_person(actor: str) -> None:
         CommandRefused: it is not.
     """
     if not actor.strip() or len(actor) > LONGEST_NAME or not actor.isprintable():
-        raise CommandRefused(
-            f"a person's name is needed, 1 to {LONGEST_NAME} printable characters, not {actor!r}"
-        )
+        raise CommandRefused(ValueRefusal.PERSON(most=LONGEST_NAME, value=repr(actor)))
     if actor in MACHINES:
-        raise CommandRefused(f"{actor!r} is the name of a machine; a person has to ask for this")
+        raise CommandRefused(ValueRefusal.MACHINE(person=repr(actor)))
 
 
 def check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
@@ -67,7 +67,9 @@ def check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
     """
     if not isinstance(value, int) or isinstance(value, bool) or not lowest <= value <= highest:
         raise CommandRefused(
-            f"{name} must be a whole number from {lowest} to {highest}, not {value!r}"
+            ValueRefusal.INTEGER(
+                name=plain(name), lowest=lowest, highest=highest, value=repr(value)
+            )
         )
 
 
@@ -80,7 +82,13 @@ def check_number(name: str, value: Any, lowest: float, highest: float, unit: str
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not lowest <= value <= highest:
         raise CommandRefused(
-            f"{name} must lie between {lowest} and {highest} {unit}, not {value!r}"
+            ValueRefusal.NUMBER(
+                name=plain(name),
+                lowest=lowest,
+                highest=highest,
+                unit=plain(unit),
+                value=repr(value),
+            )
         )
 
 
@@ -92,7 +100,7 @@ def check_text(name: str, value: Any) -> None:
     """
     if not isinstance(value, str) or len(value) > LONGEST_TEXT or not value.isprintable():
         raise CommandRefused(
-            f"{name} must be a text of up to {LONGEST_TEXT} printable characters, not {value!r:.80}"
+            ValueRefusal.TEXT(name=plain(name), most=LONGEST_TEXT, value=f"{value!r:.80}")
         )
 
 
@@ -103,7 +111,7 @@ def check_among(name: str, value: Any, known: tuple[str, ...]) -> None:
         CommandRefused: it is not.
     """
     if value not in known:
-        raise CommandRefused(f"{name} {value!r} is not known; there are {', '.join(known)}")
+        raise CommandRefused(ValueRefusal.AMONG(name=plain(name), value=repr(value), known=known))
 
 
 def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
@@ -135,7 +143,7 @@ def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
         CommandRefused: they are not.
     """
     if not 1 <= len(detections) <= MOST_PARTS:
-        raise CommandRefused(f"1 to {MOST_PARTS} poses are needed, not {len(detections)}")
+        raise CommandRefused(ValueRefusal.POSES(most=MOST_PARTS, count=len(detections)))
     for number, detection in enumerate(detections, start=1):
         check_near(f"part-{number}", detection.T_world_part)
         try:
@@ -157,7 +165,7 @@ def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
     lower, upper, _ = cell.robot.limits(joints)
     q = np.asarray(q)
     if q.shape != lower.shape or not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
-        raise CommandRefused(f"{len(joints)} joint values within the limits of {arm} are needed")
+        raise CommandRefused(ValueRefusal.JOINTS(count=len(joints), arm=arm))
 
 
 def check_near(thing: str, T_world_thing: pin.SE3) -> None:
@@ -169,7 +177,9 @@ def check_near(thing: str, T_world_thing: pin.SE3) -> None:
     far = float(np.abs(T_world_thing.translation).max())
     # A rotation may be no number where the place is one.
     if not far <= FARTHEST or not np.all(np.isfinite(T_world_thing.rotation)):
-        raise CommandRefused(f"{thing}: {far:g} m away; {FARTHEST:g} m are allowed")
+        raise CommandRefused(
+            ValueRefusal.FAR(thing=plain(thing), far=f"{far:g}", most=f"{FARTHEST:g}")
+        )
 
 
 def check_cell(cell: Cell) -> None:
@@ -192,7 +202,7 @@ def check_cell(cell: Cell) -> None:
             check_near(f"a place of parts of the {arm.name} arm", place.T_world_part)
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
-            raise CommandRefused(f"the home of the {arm.name} arm lies outside its limits")
+            raise CommandRefused(ChangeRefusal.HOME_OUTSIDE(arm=arm.name))
 
 
 def named_plan(state: State, digest: str) -> Plan:
@@ -203,10 +213,7 @@ def named_plan(state: State, digest: str) -> Plan:
     """
     check_text("plan", digest)
     if state.plan is None:
-        raise CommandRefused("there is no plan; make a plan first")
+        raise CommandRefused(Refusal.NO_PLAN())
     if state.plan.digest != digest:
-        raise CommandRefused(
-            f"the current plan is {state.plan.digest[:12]}, not {digest[:12]}: "
-            "look at the current one and decide again"
-        )
+        raise CommandRefused(Refusal.OTHER_PLAN(plan=state.plan.digest[:12], named=digest[:12]))
     return state.plan

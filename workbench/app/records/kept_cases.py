@@ -15,6 +15,7 @@ from workbench.app.records.cases import Case, write_case
 from workbench.formats.files.whole_files import file_name, is_folder, make_folder
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, FileError
+from workbench.model.messages.message import Message
 from workbench.model.scan import Search
 
 FOLDER = "cases"
@@ -32,7 +33,7 @@ There = Literal["listed", "listed alone", "nothing"]
 _KEEPING = threading.Lock()
 
 
-def keeping_problem(state: State, actor: str, role: Role) -> str:
+def keeping_problem(state: State, actor: str, role: Role) -> Message | str:
     """Why this person may not keep what was found as a case now; empty when they may.
 
     Whoever may correct what was found may keep it.

@@ -201,7 +201,10 @@ def _elsewhere(cell: Cell, plan: Plan) -> str:
         joints = reported_joints(cell)
     except CommandRefused as error:
         return str(error)
-    return moved_away(cell, plan, joints) if joints else "the controller reports no joints"
+    if not joints:
+        return "the controller reports no joints"
+    moved = moved_away(cell, plan, joints)
+    return "" if moved is None else str(moved)
 
 
 def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], problem: str) -> None:

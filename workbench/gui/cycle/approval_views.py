@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
-from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Phase, State, counted
 from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
@@ -18,12 +17,15 @@ from workbench.model.release import manner_words
 from workbench.words.words import IN_ENGLISH, Words
 
 
-def approval_line(state: State, now: float, problem: str) -> str:
-    """Who has approved, and until when that holds; or the `problem` that an approval meets."""
+def approval_line(state: State, now: float, problem: str, *, is_next: bool = False) -> str:
+    """Who has approved, and until when that holds; or the `problem` that an approval meets.
+
+    Where the problem `is_next`, it says what is to be done next, and nothing is wrong.
+    """
     purpose = "A person looks at the facts of this plan and gives a name for it."
     if state.phase in (Phase.PLANNED, Phase.APPROVED) and problem:
         # What is to be done next, or waited for, is no fault.
-        kind = "result" if problem == NOT_PLAYED or state.job is not None else "bad"
+        kind = "result" if is_next or state.job is not None else "bad"
         return line(f"{sentence(problem)}.", kind=kind, tip=f"{sentence(problem)}.")
     if state.approval is None:
         if state.phase is Phase.PLANNED:
@@ -156,7 +158,8 @@ def _proven(state: State) -> str:
 def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
     if not joints:
         return "reports no joints: see for yourself that it stands where the plan starts"
-    return moved_away(cell, plan, joints) or "stands where the plan starts"
+    moved = moved_away(cell, plan, joints)
+    return "stands where the plan starts" if moved is None else str(moved)
 
 
 def _preview(state: State) -> str:

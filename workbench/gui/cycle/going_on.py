@@ -67,7 +67,7 @@ class GoOnButton:
         if state.ahead is not None:
             self._line.content = line(_progress_words(state, state.ahead), kind="hint")
         problem = visitor.refusal(state, GoOn(), new.at)
-        visitor.allow(self._button, problem)
+        visitor.allow(self._button, visitor.words.render(problem))
         if state.phase is Phase.SENDING and not problem:
             visitor.explain(self._button, f"{SAYS} {BESIDE}")
 

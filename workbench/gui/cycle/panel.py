@@ -14,7 +14,6 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.cycle.standing import moved_away
-from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
@@ -46,6 +45,7 @@ from workbench.gui.shared.views import (
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.messages.refusals import Refusal
 from workbench.model.scan import ALL_KINDS
 
 ROW = '<div class="wb-row"></div>'
@@ -161,10 +161,10 @@ class CyclePanel:
         joints = new.live.joints
         visitor = self._visitor
         approval = Approve(_digest(state), row=row_of(state))
-        problem = visitor.refusal(state, approval, new.at, joints)
-        if problem == NOT_PLAYED and new.hidden:
-            problem = hidden_words(new.hidden)
-        self._approval_line.content = approval_line(state, new.at, problem)
+        why = visitor.refusal(state, approval, new.at, joints)
+        is_next = why is not None and why.mentions(Refusal.NOT_PLAYED)
+        problem = hidden_words(new.hidden) if is_next and new.hidden else visitor.words.render(why)
+        self._approval_line.content = approval_line(state, new.at, problem, is_next=is_next)
         self._send_line.content = send_line(state)
         self._go_on.show(new)
         is_stepped = self._step.show(new)
@@ -179,7 +179,7 @@ class CyclePanel:
             (self._stop, Stop()),
         )
         for button, command in buttons:
-            problem = visitor.refusal(state, command, new.at, joints)
+            problem = visitor.words.render(visitor.refusal(state, command, new.at, joints))
             button.disabled = bool(problem)
             visitor.explain(button, problem)
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
@@ -264,10 +264,10 @@ def _digest(state: State) -> str:
 def _passing(view: View) -> tuple[bool, int, str, tuple[tuple[float, float], ...]]:
     """What changes while the state stays: approvals lapse, the robot is moved, a plan is played."""
     state, approval = view.state, view.state.approval
-    moved = moved_away(state.cell, state.plan, view.live.joints) if state.plan is not None else ""
+    moved = None if state.plan is None else moved_away(state.cell, state.plan, view.live.joints)
     has_run_out = approval is not None and view.at >= approval.until
     is_let_out = state.phase in (Phase.PLANNED, Phase.APPROVED)
     votes = len(standing_votes(state, view.at))
     # Not at every drawing while it goes on.
     hidden = () if view.look.is_playing else view.hidden
-    return has_run_out, votes, moved if is_let_out else "", hidden
+    return has_run_out, votes, str(moved or "") if is_let_out else "", hidden

@@ -91,7 +91,8 @@ class RowInputs:
             control.visible = is_open and not new.is_recorded
         if is_open:
             for button, by in ((self._fewer, -1), (self._more, 1)):
-                visitor.allow(button, visitor.refusal(state, self._other(by), new.at))
+                problem = visitor.refusal(state, self._other(by), new.at)
+                visitor.allow(button, visitor.words.render(problem))
 
 
 def can_have_rows(cell: Cell) -> bool:

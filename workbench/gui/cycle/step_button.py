@@ -63,8 +63,8 @@ class StepButton:
         self._wide.visible = True
         button, steps = self._button, plan.sequence
         problem = self._visitor.refusal(state, NextStep(state.waits or 1), new.at)
-        button.disabled, button.visible = bool(problem), True
-        self._visitor.explain(button, problem)
+        button.visible = True
+        self._visitor.allow(button, self._visitor.words.render(problem))
         words = f"Before step 1 of {len(steps)}"
         if state.waits:
             words = f"Run step {state.waits} of {len(steps)}: {steps[state.waits - 1].words}"

@@ -196,7 +196,7 @@ def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> st
 def hint(state: State, command: type, purpose: str, span: int) -> str:
     """What a step is for, or what has to be done before."""
     missing = what_is_missing(state, command)
-    text = f"{sentence(missing)}." if missing else purpose
+    text = f"{sentence(str(missing))}." if missing else purpose
     return line(text, kind="hint", span=span, tip=purpose)
 
 

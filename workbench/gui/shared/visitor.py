@@ -26,6 +26,7 @@ from workbench.gui.shared.views import sentence
 from workbench.gui.shared.viser_server import buttons_of, element_id, language_of, person_of
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.messages.message import Message, plain
 from workbench.model.prediction import Predictions
 from workbench.words.words import Words, words_of
 
@@ -168,19 +169,19 @@ class Visitor:
                 action()
 
     def lacks(self, state: State, command: type) -> str:
-        """Why a command of this type is not this person's now; empty when it is.
+        """Why a command of this type is not this person's now, in their language; else empty.
 
         A recorded session is everybody's to look at, whoever was in control then.
         """
         if self.is_recorded:
             return ""
-        return lacks_right(state, command, self.person.name, self.person.role)
+        return self.words.render(lacks_right(state, command, self.person.name, self.person.role))
 
     def obstacle(self, state: State, command: type) -> str:
         """Why a command of this type from this browser is not in order now; empty when it is."""
         if self.is_recorded:
             return RECORDED
-        return self.lacks(state, command) or obstacle(state, command)
+        return self.lacks(state, command) or self.words.render(obstacle(state, command))
 
     def refusal(
         self,
@@ -188,18 +189,18 @@ class Visitor:
         command: Command,
         now: float,
         joints: Mapping[str, float] = NOT_REPORTED,
-    ) -> str:
-        """Why the rules would refuse a command from this browser now; empty when they would not."""
+    ) -> Message | None:
+        """Why the rules would refuse a command from this browser now; None when they would not."""
         if self.is_recorded:
-            return RECORDED
+            return plain(RECORDED)
         name = self.person.name
         if isinstance(command, Approve) and name == NOBODY:
             name = SOMEBODY
         try:
             allowed(state, command, name, now, joints, self.person.role)
         except CommandRefused as error:
-            return str(error)
-        return ""
+            return error.message
+        return None
 
     def admit(self, control: Control, state: State, command: type, *, otherwise: str = "") -> None:
         """Let a control be used while its command is in order; it says why not.
@@ -291,7 +292,7 @@ class Visitor:
         try:
             action()
         except WorkbenchError as error:
-            self.tell("Refused", str(error))
+            self.tell("Refused", self.words.render(error.message))
         except Exception as error:
             # A rim: nothing that goes wrong for one browser may end the page for all.
             log.exception("what the page was asked for failed")

@@ -14,7 +14,20 @@ from workbench.model.messages.plans import (
     StrategyText,
 )
 from workbench.model.messages.proofs import ProofText, ViolationText
-from workbench.model.messages.states import ClearanceText, LeftText, StateText, TaskText
+from workbench.model.messages.refusals import (
+    ChangeRefusal,
+    ControlRefusal,
+    Refusal,
+    ValueRefusal,
+)
+from workbench.model.messages.states import (
+    ClearanceText,
+    LeftText,
+    NextText,
+    RowStop,
+    StateText,
+    TaskText,
+)
 from workbench.model.messages.verdicts import (
     ReasonText,
     StageText,
@@ -42,6 +55,12 @@ SUBJECTS: tuple[type[Text], ...] = (
     StateText,
     ClearanceText,
     LeftText,
+    RowStop,
+    NextText,
+    Refusal,
+    ChangeRefusal,
+    ControlRefusal,
+    ValueRefusal,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

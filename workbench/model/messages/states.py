@@ -43,6 +43,36 @@ class StateText(Text, subject="state"):
     MORE_PLANS = "{count} more {count:plan|plans} in a row after it"
 
 
+class RowStop(Text, subject="row-stop"):
+    """Why the plans of a row that were to follow are not sent."""
+
+    ENDED = "the row has ended after {count} of {total} {total:plan|plans}: {why}"
+    LOOK_AT_STATION = "look whether a part is on station {station}, and take it away"
+    STOPPED_BY = "stopped by {person}"
+    NO_REPORT = "the robot link has not told what became of each part"
+    NOT_PICKED = "the {arm} arm has not reported its part as picked"
+    NOT_PICKED_SINCE = "the {arm} arm has not reported its part as picked: {why}"
+    PERSON_SAYS = "{part} was not picked, says {person}"
+    NOT_APPROVED = "nobody has approved what would follow"
+    NO_JOINTS = "the controller does not report where the robot stands"
+
+
+class NextText(Text, subject="next"):
+    """What has to be done before a command is in order."""
+
+    SCAN = "take a scan first"
+    FIND = "find the parts first"
+    PLAN = "make a plan first"
+    APPROVE = "have the plan approved first"
+    SEND = "send the plan, or make a new one"
+    WAIT = "the plan is on its way to the robot; stop it or wait for the end"
+    SCAN_AGAIN = "the cycle is done and the bin has changed; take a new scan first"
+    ACKNOWLEDGE = "acknowledge the fault first"
+    NOTHING_SENDING = "nothing is being sent"
+    NOTHING_SENT = "nothing was sent"
+    NO_FAULT = "there is no fault"
+
+
 class ClearanceText(Text, subject="clearance"):
     """How near a plan comes to anything."""
 

@@ -3,25 +3,34 @@
 import json
 from collections.abc import Mapping
 from http import HTTPStatus
+from typing import Any
 
 from aiohttp import web
 
 from workbench.model.errors import CommandRefused, InputError, NotAllowed, WorkbenchError
+from workbench.model.messages.message import Message, Others
 
 PROBLEM = "application/problem+json"
 
 
 def problem(
-    status: HTTPStatus, detail: str, *, headers: Mapping[str, str] | None = None
+    status: HTTPStatus, detail: Message | str, *, headers: Mapping[str, str] | None = None
 ) -> web.Response:
     """A refusal.
 
     Args:
         status: of the answer; its phrase is the title.
-        detail: a sentence for whoever asked, which says what to do instead.
+        detail: a sentence for whoever asked, which says what to do instead; of one with an id, the
+            answer has `said` as well, its id and arguments.
         headers: that the status wants beside.
     """
-    content = {"title": status.phrase, "status": status.value, "detail": detail}
+    content: dict[str, Any] = {
+        "title": status.phrase,
+        "status": status.value,
+        "detail": str(detail),
+    }
+    if isinstance(detail, Message) and detail.text is not Others.PLAIN:
+        content["said"] = detail.told
     return web.Response(
         body=json.dumps(content).encode(),
         status=status,
@@ -41,4 +50,4 @@ def problem_of(error: WorkbenchError) -> web.Response:
             status = HTTPStatus.BAD_REQUEST
         case _:
             status = HTTPStatus.INTERNAL_SERVER_ERROR
-    return problem(status, str(error))
+    return problem(status, error.message)

@@ -97,7 +97,7 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
         "kind": kind,
         "fault": "; ".join(filter(None, fault)),
         "can_stop": not why,
-        "why": why,
+        "why": why or "",
         "has_robot": True,
         "tour": tour_of(state, person),
     }

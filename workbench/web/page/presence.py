@@ -12,6 +12,7 @@ from typing import Any
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from workbench.app.core.people import Person
+from workbench.model.messages.message import Message
 from workbench.web.access.identity import session_of
 from workbench.web.page.bar import Bar, Stopper
 from workbench.web.page.connections import Connections
@@ -20,7 +21,7 @@ from workbench.web.page.languages import language_of
 from workbench.web.page.relay import HEARTBEAT
 from workbench.words.words import words_of
 
-Say = Callable[[str], str]
+Say = Callable[[Message | str], str]
 """Says in somebody's language what is said in English."""
 
 SAID = ("robot", "fault", "why")
@@ -58,7 +59,7 @@ class Presence:
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
             browser = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=1024)
             await browser.prepare(request)
-            say = words_of(language_of(request)).say
+            say = words_of(language_of(request)).render
             ways = (
                 asyncio.create_task(self._hear(browser, session.person, say)),
                 asyncio.create_task(seat.over.wait()),

@@ -26,6 +26,7 @@ from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import put
 from workbench.model.messages.message import plain
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part_edits import differ_in_grasps_only
 
@@ -49,7 +50,7 @@ class ChangeCell(Command):
         check_text("says", self.says)
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
-            raise CommandRefused("nothing of the cell was changed")
+            raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return changed_cell(state, self.cell, self.says)
@@ -63,7 +64,7 @@ class UndoCell(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.before:
-            raise CommandRefused("there is no change of the cell to undo")
+            raise CommandRefused(ChangeRefusal.NO_UNDO())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return undone(state)
@@ -77,7 +78,7 @@ class RedoCell(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.undone:
-            raise CommandRefused("there is no change of the cell to redo")
+            raise CommandRefused(ChangeRefusal.NO_REDO())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return redone(state)
@@ -94,7 +95,7 @@ class SaveCell(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_text("remark", self.remark)
         if state.saved == state.cell.digest:
-            raise CommandRefused("the cell is saved already")
+            raise CommandRefused(ChangeRefusal.SAVED_ALREADY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         write = WriteCell(state.cell, self.remark, entry.actor, entry.at)
@@ -133,7 +134,7 @@ class EmptyPallets(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.placed:
-            raise CommandRefused("the pallets are empty already")
+            raise CommandRefused(ChangeRefusal.PALLETS_EMPTY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return replace(state, placed=(), message="the pallets are empty"), ()

@@ -16,6 +16,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.prediction import CHANGE_KINDS, Emptying, Seen
 
 
@@ -57,7 +58,7 @@ def check_emptying(cell: Cell, command: TryEmptying) -> None:
     for kind in command.kinds:
         check_among("part", kind, known)
     if len(set(command.kinds)) < len(command.kinds):
-        raise CommandRefused(f"each part is named once, not {', '.join(command.kinds)}")
+        raise CommandRefused(ChangeRefusal.PART_TWICE(parts=command.kinds))
     check_integer("parts", command.count, 1, MOST_PARTS)
     check_integer("piles", command.piles, 1, MOST_PILES)
     check_integer("seed", command.seed, 0, SEED_LIMIT - MOST_PILES)

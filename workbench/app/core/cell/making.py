@@ -21,6 +21,7 @@ from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import frozen, put
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import Part
 
 DENSITIES = (10.0, 25_000.0)
@@ -133,19 +134,20 @@ def check_import(cell: Cell, command: ImportPart) -> None:
     except InputError as error:
         raise CommandRefused(str(error)) from error
     if command.name in (part.name for part in cell.parts):
-        raise CommandRefused(f"the cell has a part {command.name} already; choose another name")
+        raise CommandRefused(ChangeRefusal.PART_EXISTS(part=command.name))
     if len(cell.parts) >= MOST_KINDS:
-        raise CommandRefused(f"a cell has up to {MOST_KINDS} parts")
+        raise CommandRefused(ChangeRefusal.MOST_PARTS(most=MOST_KINDS))
     kind = PurePosixPath(command.file).suffix.lower()
     if kind not in KINDS:
-        raise CommandRefused(f"{command.file} is no CAD file: one of {', '.join(KINDS)} is")
+        raise CommandRefused(ChangeRefusal.NO_CAD(file=command.file, kinds=KINDS))
     if not 0 < command.content.size <= LARGEST_CAD:
         raise CommandRefused(
-            f"{command.file} has {command.content.size:,} bytes; up to {LARGEST_CAD / MB:g} MB "
-            "are taken"
+            ChangeRefusal.FILE_SIZE(
+                file=command.file, bytes=f"{command.content.size:,}", most=f"{LARGEST_CAD / MB:g}"
+            )
         )
     if len(command.solid) > LONGEST_SOLID:
-        raise CommandRefused(f"the name of a solid has up to {LONGEST_SOLID} letters")
+        raise CommandRefused(ChangeRefusal.SOLID_NAME(most=LONGEST_SOLID))
     check_among("unit", command.unit, ("", *UNITS))
     check_number("density", command.density, *DENSITIES, "kg/m3")
 
@@ -164,6 +166,6 @@ def check_tool(cell: Cell, command: AddTool) -> None:
         raise CommandRefused(str(error)) from error
     known = {tool.name for arm in cell.arms for tool in (arm.tool, *arm.tools)}
     if name in known:
-        raise CommandRefused(f"the cell has a tool {name} already; choose another name")
+        raise CommandRefused(ChangeRefusal.TOOL_EXISTS(tool=name))
     if len(cell.arm(command.arm).tools) >= MOST_TOOLS:
-        raise CommandRefused(f"an arm has up to {MOST_TOOLS} tools")
+        raise CommandRefused(ChangeRefusal.MOST_TOOLS(most=MOST_TOOLS))

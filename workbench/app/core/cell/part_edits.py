@@ -13,6 +13,7 @@ from workbench.app.core.value_checks import check_text
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspLibrary, GraspPair, GraspPattern, Part
 from workbench.model.part_edits import edited, with_part
@@ -94,7 +95,7 @@ def check_edit(cell: Cell, edit: EditPart) -> None:
     except InputError as error:
         raise CommandRefused(str(error)) from error
     if after.digest == part.digest:
-        raise CommandRefused(f"nothing of part {part.name} was changed")
+        raise CommandRefused(ChangeRefusal.PART_AS_IT_WAS(part=part.name))
 
 
 def edited_part(part: Part, edit: EditPart) -> Part:

@@ -20,7 +20,8 @@ from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import all_of, as_message, plain
+from workbench.model.messages.message import Message, all_of, as_message, plain
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
@@ -48,17 +49,15 @@ class GoOn(Command):
     placed: tuple[Detection, ...] | None = field(default_factory=lambda: None, metadata=LATER)
 
     @classmethod
-    def obstacle(cls, state: State) -> str:
-        if state.ahead is None:
-            return ""
-        return "it is gone on already once the plan lets the scanner see, or has ended"
+    def obstacle(cls, state: State) -> Message | None:
+        return None if state.ahead is None else Refusal.NEXT_CYCLE_ASKED()
 
     def check(self, state: State, asked: Asked) -> None:
         check_scan(state.cell, self.scan)
         check_search(self.find)
         check_planning(state.cell, self.plan)
         if self.find.is_compared:
-            raise CommandRefused("going on takes what it finds, so that is not only compared")
+            raise CommandRefused(Refusal.ONLY_COMPARED())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         if state.phase is Phase.SENDING:

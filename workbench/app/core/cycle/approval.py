@@ -13,6 +13,8 @@ from workbench.app.core.value_checks import check_number, check_person, named_pl
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote, manner_words
 from workbench.plugins.robot_link import misfit
@@ -39,12 +41,10 @@ class Approve(Command):
         manner = self.speed_share, self.is_stepped
         check_number("speed share", self.speed_share, SLOWEST, 1.0, "of the planned speed")
         if self.is_stepped not in (True, False):
-            raise CommandRefused(
-                f"step by step is either so or not, {self.is_stepped!r} is neither"
-            )
+            raise CommandRefused(Refusal.NO_MANNER(value=repr(self.is_stepped)))
         _check_scene(state, plan)
         if state.proof is None:
-            raise CommandRefused("the plan has no proof, so it cannot be approved")
+            raise CommandRefused(Refusal.NO_PROOF())
         plans = [proven_plan.plan for proven_plan in state.whole_row]
         refuse(other_row(state, self.row) or lacks_reports(state) or left_on_station(plans))
         for proven_plan in state.whole_row:
@@ -92,7 +92,7 @@ def approve(
     for proven_plan in row:
         check_approvable(cell, proven_plan.plan, proven_plan.proof, actor, manner)
         if proven_plan.plan.scan_digest != plan.scan_digest:
-            raise CommandRefused("plans of a row are made after one scan, these are not")
+            raise CommandRefused(Refusal.OTHER_SCANS())
     approval = Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,
@@ -122,81 +122,73 @@ def check_approvable(
     """
     check_person(actor)
     if is_same_person(actor, NOBODY):
-        raise CommandRefused(
-            f"{actor!r} is who acts without a login; a person approves by a name of their own"
-        )
+        raise CommandRefused(Refusal.NO_LOGIN(person=repr(actor)))
     if digest_of(plan, without=UNSIGNED) != plan.digest:
-        raise CommandRefused("the plan was changed after it was made; make a new one")
+        raise CommandRefused(Refusal.PLAN_CHANGED())
     if plan.cell_digest != cell.digest:
-        raise CommandRefused("the cell has changed since the plan was made; make a new plan")
+        raise CommandRefused(Refusal.CELL_CHANGED())
     if proof.plan_digest != plan.digest:
-        raise CommandRefused("the proof is that of another plan; make a new plan")
+        raise CommandRefused(Refusal.OTHER_PROOF())
     if proof.cell_digest != cell.digest or proof.scan_digest != plan.scan_digest:
-        raise CommandRefused("the proof was made for another cell or scan; make a new plan")
+        raise CommandRefused(Refusal.PROOF_OUTDATED())
     if not proof.holds:
-        raise CommandRefused(f"the proof does not hold: {proof.violations[0]}")
-    refuse(unwalked(cell, proof) or misfit(plan, cell, manner))
+        raise CommandRefused(Refusal.PROOF_FAILS(violation=proof.violations[0].message))
+    refuse(unwalked(cell, proof))
+    if problem := misfit(plan, cell, manner):
+        raise CommandRefused(problem)
 
 
-def unwalked(cell: Cell, proof: Proof | None) -> str:
-    """Why a proof says nothing about the cell's controller; empty when it does.
+def unwalked(cell: Cell, proof: Proof | None) -> Message | None:
+    """Why a proof says nothing about the cell's controller; None when it does.
 
     The controller is not in the cell's digest: a session may go on with another one.
     """
     if proof is None or cell.zone > proof.zone:
-        return (
-            f"the controller rounds corners by {cell.zone:g} of the segments, which the proof has "
-            "not walked; make a new plan"
-        )
-    return ""
+        return Refusal.CORNERS_UNPROVEN(zone=f"{cell.zone:g}")
+    return None
 
 
 def staleness(
     approval: Approval | None, plan: Plan, cell: Cell, scan_digest: str, now: float
-) -> str:
+) -> Message | None:
     """Why an approval does not cover this plan, in this cell, for this scan, now.
 
-    Empty when it does.  A clock that was set back to before the approval ends it too.
+    None when it does.  A clock that was set back to before the approval ends it too.
     """
     if approval is None:
-        return "nobody has approved the plan"
+        return Refusal.NOT_APPROVED()
     if digest_of(plan, without=UNSIGNED) != plan.digest:
-        return "the plan was changed after it was made; make a new one"
+        return Refusal.PLAN_CHANGED()
     if approval.plan_digest != plan.digest:
-        return "the approval is for another plan; have this one approved"
+        return Refusal.OTHER_APPROVED()
     if approval.cell_digest != cell.digest or plan.cell_digest != cell.digest:
-        return "the cell has changed since the approval; make a new plan"
+        return Refusal.CELL_CHANGED_SINCE()
     if approval.scan_digest != scan_digest or plan.scan_digest != scan_digest:
-        return "there is a newer scan than that of the approval; make a new plan"
+        return Refusal.SCAN_SINCE()
     if not approval.at <= now < approval.until:
-        return (
-            f"the approval by {approval.actor} was valid for "
-            f"{(approval.until - approval.at) / 60:.0f} minutes and has run out; approve again"
-        )
+        minutes = round((approval.until - approval.at) / 60)
+        return Refusal.APPROVAL_LAPSED(person=approval.actor, minutes=minutes)
     return lacks_people(cell, approval)
 
 
-def lacks_people(cell: Cell, approval: Approval) -> str:
-    """Why an approval is by too few people for the cell; empty when it is not."""
+def lacks_people(cell: Cell, approval: Approval) -> Message | None:
+    """Why an approval is by too few people for the cell; None when it is not."""
     different = {fold_name(name) for name in approval.people}
     if len(different) >= cell.approvers:
-        return ""
-    return (
-        f"the cell wants {cell.approvers} different people to approve a plan, "
-        f"this one has {', '.join(approval.people)}"
-    )
+        return None
+    return Refusal.TOO_FEW_PEOPLE(count=cell.approvers, people=approval.people)
 
 
-def said_already(state: State, actor: str, now: float, manner: Manner) -> str:
-    """Why a person need not approve again while somebody else's vote is missing; else empty."""
+def said_already(state: State, actor: str, now: float, manner: Manner) -> Message | None:
+    """Why a person need not approve again while somebody else's vote is missing; else None."""
     wanted = state.cell.approvers
     mine = any(
         is_same_person(vote.actor, actor) and vote.manner == manner
         for vote in standing_votes(state, now)
     )
     if not mine or len(votes_of_others(state, actor, now, manner)) + 1 >= wanted:
-        return ""
-    return f"{actor} has approved already; {wanted} different people have to"
+        return None
+    return Refusal.APPROVED_ALREADY(person=actor, count=wanted)
 
 
 def standing_votes(state: State, now: float) -> tuple[Vote, ...]:
@@ -226,12 +218,12 @@ def votes_of_others(state: State, actor: str, now: float, manner: Manner) -> tup
 
 def _check_scene(state: State, plan: Plan) -> None:
     if plan.scan_digest != state.scene_digest:
-        raise CommandRefused("there is a newer scan than that of the plan; make a new plan")
+        raise CommandRefused(Refusal.NEWER_SCAN())
 
 
 def _approve(state: State, entry: Entry, vote: Approve) -> State:
     if state.plan is None or state.proof is None:
-        raise CommandRefused("there is no proven plan to approve")
+        raise CommandRefused(Refusal.NO_PROVEN_PLAN())
     manner = vote.speed_share, vote.is_stepped
     before = votes_of_others(state, entry.actor, entry.at, manner)
     votes = (*before, Vote(state.plan.digest, entry.actor, entry.at, *manner))

@@ -12,6 +12,8 @@ from workbench.app.core.state import Phase, State
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Tool
 from workbench.model.errors import WorkbenchError
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText, task_message
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
@@ -59,8 +61,8 @@ class CancelJob(Command):
     right: ClassVar[Right] = Right("cancelling", EVERY, beside_job=True)
 
     @classmethod
-    def obstacle(cls, state: State) -> str:
-        return "no task is running" if state.job is None and state.ahead is None else ""
+    def obstacle(cls, state: State) -> Message | None:
+        return Refusal.NO_TASK() if state.job is None and state.ahead is None else None
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return _cancel(state, entry)

@@ -22,7 +22,9 @@ from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import FoundPart, Message, plain
+from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import NextText
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, number_in, parts_taken
 from workbench.model.release import PartReport
@@ -70,7 +72,7 @@ class ReportPick(Command):
     right: ClassVar[Right] = Right(
         "the outcome of a pick",
         frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT}),
-        "nothing was sent",
+        NextText.NOTHING_SENT,
         by_anybody=True,
         without_control=True,
     )
@@ -101,7 +103,7 @@ class ForgetAvoided(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.avoided:
-            raise CommandRefused("nothing is avoided")
+            raise CommandRefused(Refusal.NOTHING_AVOIDED())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return replace(state, avoided=(), message="no part is avoided any more"), ()
@@ -111,7 +113,7 @@ class ForgetAvoided(Command):
 class AcknowledgeFault(Command):
     """A person has seen the fault and cleared the cell."""
 
-    right: ClassVar[Right] = Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault")
+    right: ClassVar[Right] = Right("acknowledging", frozenset({Phase.FAULT}), NextText.NO_FAULT)
 
     def apply(self, state: State, entry: Entry) -> Decision:
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
@@ -195,21 +197,20 @@ def _still_placed(state: State, ended: SendingEnd) -> tuple[Detection, ...]:
     )
 
 
-def outcome_problem(state: State, command: ReportPick) -> str:
-    """Why an outcome cannot be taken; empty when it can."""
+def outcome_problem(state: State, command: ReportPick) -> Message | None:
+    """Why an outcome cannot be taken; None when it can."""
     sent = sent_for(state)
     if sent is None:
-        return "there is no plan whose parts were picked"
+        return Refusal.NOTHING_PICKED()
     if command.is_picked not in (True, False):
-        return f"a pick has succeeded or failed, {command.is_picked!r} is neither"
+        return Refusal.NO_OUTCOME(value=repr(command.is_picked))
     taken = [number for number, _ in parts_sent_for(state)]
     if command.detection not in taken:
-        parts = ", ".join(f"part-{number + 1}" for number in taken)
-        return f"the plan does not take that part; it takes {parts}"
+        return Refusal.OTHER_PARTS(parts=tuple(map(FoundPart, taken)))
     for outcome in sent.outcomes:
         if (outcome.detection, outcome.is_picked) == (command.detection, command.is_picked):
-            return f"{outcome.by} has said so already"
-    return ""
+            return Refusal.SAID_ALREADY(person=outcome.by)
+    return None
 
 
 def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> State:

@@ -17,6 +17,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import Detection, Remark, Search, SearchOverrides
 
@@ -44,9 +45,9 @@ class FindParts(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_search(self)
         if state.scan is None:
-            raise CommandRefused("finding parts is not possible now: take a scan first")
+            raise CommandRefused(Refusal.SCAN_FIRST())
         if self.is_compared and not state.detections:
-            raise CommandRefused("no parts were found yet that another search compares with")
+            raise CommandRefused(Refusal.NOTHING_TO_COMPARE())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return find_parts(state, entry, self)
@@ -95,7 +96,7 @@ def find_parts(
         CommandRefused: there is no scan.
     """
     if state.scan is None:
-        raise CommandRefused("there is no scan to find parts in")
+        raise CommandRefused(Refusal.NO_SCAN())
     arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
     return begin_task(
         state,

@@ -20,6 +20,7 @@ from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.plan import PlanResult, Proven, count_taken
 
@@ -84,7 +85,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
         CommandRefused: there are none.
     """
     if not state.detections:
-        raise CommandRefused("there are no parts to plan for")
+        raise CommandRefused(Refusal.NO_PARTS())
     arguments = {
         "detections": state.detections,
         "scan_digest": state.scene_digest,

@@ -11,7 +11,9 @@ from workbench.app.core.effects import Send
 from workbench.app.core.state import Phase, State, counted, without_approval
 from workbench.app.core.value_checks import check_integer, named_plan
 from workbench.model.cell import MOST_PICKS
-from workbench.model.messages.message import all_of, as_message, plain
+from workbench.model.messages.message import FoundPart, Message, Others, all_of, as_message, plain
+from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import RowStop
 from workbench.model.plan import Plan, Proven
 from workbench.model.release import Approval
 
@@ -41,13 +43,13 @@ class ShortenRow(Command):
         return shortened(state, self.picks, entry.actor), ()
 
 
-def length_problem(state: State, picks: int) -> str:
-    """Why a row cannot be made so long; empty when it can."""
+def length_problem(state: State, picks: int) -> Message | None:
+    """Why a row cannot be made so long; None when it can."""
     most = 1 + len(state.row) + len(state.left_out)
     if not 1 <= picks <= most:
-        return f"the row can have 1 to {most} picks, not {picks}"
+        return Refusal.ROW_LENGTH(most=most, count=picks)
     if picks == 1 + len(state.row):
-        return f"the row has {counted(picks, 'pick')} already"
+        return Refusal.ROW_IS_SO_LONG(count=picks)
     every = (state.plan, *(proven_plan.plan for proven_plan in (*state.row, *state.left_out)))
     return left_on_station([plan for plan in every[:picks] if plan is not None])
 
@@ -69,13 +71,13 @@ def shortened(state: State, picks: int, actor: str) -> State:
     )
 
 
-def unapproved_row(state: State, approval: Approval) -> str:
-    """Why an approval does not cover exactly the plans that follow; empty when it does."""
+def unapproved_row(state: State, approval: Approval) -> Message | None:
+    """Why an approval does not cover exactly the plans that follow; None when it does."""
     if approval.row == tuple(
         (proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in state.row
     ):
-        return ""
-    return "the approval is for another row of plans; have this one approved"
+        return None
+    return Refusal.OTHER_ROW_APPROVED()
 
 
 def following(state: State) -> Plan | None:
@@ -108,13 +110,12 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
     problem = _ends_because(after, ended, entry, proven_plan, approval)
     done = (*state.sent_before, Proven(state.plan, state.proof))
     if problem or approval is None:
-        count = f"{len(done)} of {counted(len(done) + len(state.row), 'plan')}"
-        words = f"the row has ended after {count}: {problem}"
+        why = RowStop.ENDED(
+            count=len(done), total=len(done) + len(state.row), why=problem or RowStop.NOT_APPROVED()
+        )
         if state.plan.stations:
-            words += (
-                f"; look whether a part is on station {state.plan.stations[0]}, and take it away"
-            )
-        why = plain(words)
+            look = RowStop.LOOK_AT_STATION(station=state.plan.stations[0])
+            why = Others.ALSO(first=why, last=look)
         message = after.message if ended.fault else all_of((as_message(after.message), why))
         # What was spent stays to be seen; nothing follows a row that is not there any more.
         return replace(after, row=(), row_ends=why, message=message), ()
@@ -140,28 +141,29 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
 
 def _ends_because(
     after: State, ended: SendingEnd, entry: Entry, proven_plan: Proven, approval: Approval | None
-) -> str:
-    """Why the next plan must not follow; empty when it may."""
+) -> Message | None:
+    """Why the next plan must not follow; None when it may."""
     if ended.fault:
-        return ended.fault
+        return plain(ended.fault)
     if after.stopped_by:
-        return f"stopped by {after.stopped_by}"
+        return RowStop.STOPPED_BY(person=after.stopped_by)
     if ended.row_ends:
-        return ended.row_ends
+        return plain(ended.row_ends)
     if after.plan is None or len(ended.parts) < len(after.plan.arms):
-        return "the robot link has not told what became of each part"
+        return RowStop.NO_REPORT()
     for part in ended.parts:
         if part.is_picked is not True:
-            why = f": {part.why}" if part.why else ""
-            return f"the {part.arm} arm has not reported its part as picked{why}"
+            if part.why:
+                return RowStop.NOT_PICKED_SINCE(arm=part.arm, why=plain(part.why))
+            return RowStop.NOT_PICKED(arm=part.arm)
     for said in after.outcomes:
         # A person has seen more than the gripper felt.
         if not said.is_picked:
-            return f"part-{said.detection + 1} was not picked, says {said.by}"
+            return RowStop.PERSON_SAYS(part=FoundPart(said.detection), person=said.by)
     if approval is None or approval.proof_digest != proven_plan.proof.digest:
-        return "nobody has approved what would follow"
+        return RowStop.NOT_APPROVED()
     if not entry.joints:
-        return "the controller does not report where the robot stands"
+        return RowStop.NO_JOINTS()
     return (
         staleness(approval, proven_plan.plan, after.cell, after.scene_digest, entry.at)
         or unwalked(after.cell, proven_plan.proof)

@@ -21,6 +21,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.scan import ALL_KINDS, Scan
 
 if TYPE_CHECKING:
@@ -81,9 +82,7 @@ class SightPlate(Command):
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_configuration(state.cell, self.arm, self.q)
         if len(state.observations) >= MOST_OBSERVATIONS:
-            raise CommandRefused(
-                f"up to {MOST_OBSERVATIONS} poses are taken; remove one of them first"
-            )
+            raise CommandRefused(ChangeRefusal.MOST_POSES_TAKEN(most=MOST_OBSERVATIONS))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return sight_plate(state, entry, self)
@@ -101,7 +100,7 @@ class UseObservations(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_text("says", self.says)
         if len(self.observations) > MOST_OBSERVATIONS:
-            raise CommandRefused(f"up to {MOST_OBSERVATIONS} poses are taken")
+            raise CommandRefused(ChangeRefusal.MOST_POSES(most=MOST_OBSERVATIONS))
         for observation in self.observations:
             check_text("name", observation.name)
             check_configuration(state.cell, observation.arm, observation.q)

@@ -14,6 +14,9 @@ from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, RunState, State, begun, row_said
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import NextText
 from workbench.model.plan import Plan
 from workbench.model.release import Receipt
 from workbench.plugins.robot_link import misfit
@@ -28,24 +31,22 @@ class SendPlan(Command):
     plan_digest: str
 
     @classmethod
-    def obstacle(cls, state: State) -> str:
+    def obstacle(cls, state: State) -> Message | None:
         if not state.changed:
-            return ""
-        return f"sending has to wait until an engineer acknowledges: {changes_said(state)}"
+            return None
+        return Refusal.ACKNOWLEDGE_FIRST(changes=changes_said(state))
 
     def check(self, state: State, asked: Asked) -> None:
         plan = named_plan(state, self.plan_digest)
         refuse(staleness(state.approval, plan, state.cell, state.scene_digest, asked.now))
         refuse(unwalked(state.cell, state.proof))
         if state.approval is not None:
-            refuse(misfit(plan, state.cell, state.approval.manner))
+            if problem := misfit(plan, state.cell, state.approval.manner):
+                raise CommandRefused(problem)
             refuse(unapproved_row(state, state.approval) or lacks_reports(state))
         refuse(stale_because(state, plan, asked.joints))
         if state.row and not asked.joints:
-            raise CommandRefused(
-                "the controller reports no joints, so nobody knows where the robot stands "
-                "between two plans; shorten the row to one plan"
-            )
+            raise CommandRefused(Refusal.ROW_NEEDS_JOINTS())
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return _send(state, entry)
@@ -55,7 +56,7 @@ class SendPlan(Command):
 class NextStep(Command):
     """Let the step of the plan run that the robot waits before, which is `number`, from 1 on."""
 
-    right: ClassVar[Right] = Right("a step", frozenset({Phase.SENDING}), "nothing is being sent")
+    right: ClassVar[Right] = Right("a step", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING)
 
     number: int
 
@@ -73,7 +74,7 @@ class Stop(Command):
 
     # Nobody who sees that something goes wrong has to ask first.
     right: ClassVar[Right] = Right(
-        "a stop", frozenset({Phase.SENDING}), "nothing is being sent", without_control=True
+        "a stop", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, without_control=True
     )
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -88,7 +89,7 @@ class Sent(Command):
     """The robot link reports one message that went out."""
 
     right: ClassVar[Right] = Right(
-        "a message sent", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
+        "a message sent", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, by_machine=True
     )
 
     receipt: Receipt
@@ -102,7 +103,7 @@ class LinkEnded(SendingEnd, Command):
     """The robot link is closed."""
 
     right: ClassVar[Right] = Right(
-        "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
+        "the end of sending", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, by_machine=True
     )
 
     def check(self, state: State, asked: Asked) -> None:
@@ -117,7 +118,7 @@ class LinkEnded(SendingEnd, Command):
 
 def _send(state: State, entry: Entry) -> Decision:
     if state.plan is None or state.approval is None:
-        raise CommandRefused("there is no approved plan to send")
+        raise CommandRefused(Refusal.NO_APPROVED_PLAN())
     message = f"{entry.actor} sends {row_said(state)}"
     until = state.approval.until
     after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
@@ -153,21 +154,17 @@ def step_said(plan: Plan, number: int) -> str:
     return f"step {number} of {len(plan.sequence)}, {plan.sequence[number - 1].words}"
 
 
-def step_problem(state: State, number: int, now: float) -> str:
-    """Why a step may not run now; empty when it may."""
+def step_problem(state: State, number: int, now: float) -> Message | None:
+    """Why a step may not run now; None when it may."""
     if state.approval is None or not state.approval.is_stepped:
-        return "the plan is not sent step by step"
+        return Refusal.NOT_STEPPED()
     if not state.waits:
-        return "the robot waits before no step now; wait until it stands"
+        return Refusal.WAITS_NOWHERE()
     if number != state.waits:
-        return f"the robot waits before step {state.waits}, not {number!r}: look and decide again"
+        return Refusal.OTHER_STEP(step=state.waits, named=number)
     if not state.approval.at <= now < state.let_until:
-        minutes = state.cell.policy.approval_minutes
-        return (
-            f"nobody has let a step run for {minutes:g} minutes, or the clock was set back: the "
-            "approval holds no longer; stop, and begin with a new scan"
-        )
-    return ""
+        return Refusal.STEPS_LAPSED(minutes=f"{state.cell.policy.approval_minutes:g}")
+    return None
 
 
 def with_step(state: State, number: int, actor: str, at: float) -> State:

@@ -9,6 +9,8 @@ import numpy as np
 from workbench.app.core.state import State
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 from workbench.model.plan import Plan
 
 LEAST_MOVED = 0.001
@@ -19,8 +21,8 @@ SAME_THRESHOLD = 0.0005
 """[m] Thresholds are typed in whole millimetres."""
 
 
-def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
-    """What has made a plan stale, and by how much; empty when it still stands.
+def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> Message | None:
+    """What has made a plan stale, and by how much; None when it still stands.
 
     Another scan or cell is not looked for: with that the plan would be gone.
     """
@@ -29,8 +31,8 @@ def stale_because(state: State, plan: Plan, joints: Mapping[str, float]) -> str:
     )
 
 
-def other_pallets(state: State, plan: Plan) -> str:
-    """Why a pallet is not as a plan counts on; empty when every part that it knows lies there."""
+def other_pallets(state: State, plan: Plan) -> Message | None:
+    """Why a pallet is not as a plan counts on; None when every part that it knows lies there."""
     for box in plan.obstacles:
         T = box.T_world_put
         if T is not None and not any(
@@ -39,26 +41,20 @@ def other_pallets(state: State, plan: Plan) -> str:
             and detection.T_world_part.isApprox(T, 1e-6)
             for detection in state.placed
         ):
-            return (
-                "a part that the plan counts on does not lie on the pallet any more, or nobody "
-                "knows whether it does; make a new plan"
-            )
-    return ""
+            return Refusal.PALLET_CHANGED()
+    return None
 
 
-def other_threshold(state: State) -> str:
-    """Why the threshold wanted is no longer that of the plan; empty when it is."""
+def other_threshold(state: State) -> Message | None:
+    """Why the threshold wanted is no longer that of the plan; None when it is."""
     planned, wanted = state.planned_threshold, state.wanted_threshold
     if planned is None or wanted is None or abs(planned - wanted) < SAME_THRESHOLD:
-        return ""
-    return (
-        f"the plan was made with a threshold of {planned * 1000:.0f} mm, "
-        f"now it is {wanted * 1000:.0f} mm; make a new plan"
-    )
+        return None
+    return Refusal.OTHER_THRESHOLD(planned=planned, wanted=wanted)
 
 
-def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
-    """By how much the robot does not stand where the plan starts; empty when it does.
+def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message | None:
+    """By how much the robot does not stand where the plan starts; None when it does.
 
     No point of an arm may be further from there than the policy's margin, which the plan's start
     keeps to everything: on its way there the robot touches nothing.  Joints that are not reported
@@ -72,25 +68,22 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
     allowed = max(cell.policy.margin, LEAST_MOVED)
     for arm in cell.arms:
         q, levers = start_of(cell, plan, arm.name), _levers(cell, arm)
-        shift, worst, where = 0.0, 0.0, ""
+        shift, worst, worst_axis = 0.0, 0.0, 0
         for axis, place in enumerate(arm.axis_order):
             reported = joints.get(arm.joints[place])
             if reported is None:
                 continue
-            name = f"axis {axis + 1} of the {arm.name} arm"
             if not math.isfinite(reported):
-                return f"nobody knows where the robot stands: {name} is reported at {reported}"
+                return Refusal.JOINT_UNKNOWN(axis=axis + 1, arm=arm.name, value=str(reported))
             off = float(abs(reported - q[place]))
             shift += off * levers[place]
             if off > worst:
-                worst, where = off, name
+                worst, worst_axis = off, axis + 1
         if shift > allowed:
-            return (
-                f"the robot has moved: {where} stands {np.rad2deg(worst):.2f} degrees from where "
-                f"the plan starts, so that a point of the arm may be {shift * 1000:.1f} mm away; "
-                f"{allowed * 1000:g} are allowed (margin_mm); bring it back"
+            return Refusal.ROBOT_MOVED(
+                axis=worst_axis, arm=arm.name, off=worst, away=shift, allowed=allowed
             )
-    return ""
+    return None
 
 
 @lru_cache(maxsize=16)
@@ -113,27 +106,21 @@ def start_of(cell: Cell, plan: Plan, arm: str) -> Floats:
     return cell.arm(arm).home
 
 
-def left_on_station(plans: Sequence[Plan]) -> str:
-    """Why plans are no whole row, as a part would stay on a station; empty when none does."""
+def left_on_station(plans: Sequence[Plan]) -> Message | None:
+    """Why plans are no whole row, as a part would stay on a station; None when none does."""
     for number, plan in enumerate(plans):
         after = plans[number + 1] if number + 1 < len(plans) else None
         taken = [] if after is None else [after.detections[arm.detection] for arm in after.arms]
         if plan.stations and sum(detection.T_world_found is not None for detection in taken) < len(
             plan.stations
         ):
-            return (
-                f"plan {number + 1} puts a part on station {plan.stations[0]}, and no plan that "
-                "follows takes it from there"
-            )
-    return ""
+            return Refusal.LEFT_ON_STATION(plan=number + 1, station=plan.stations[0])
+    return None
 
 
-def lacks_reports(state: State) -> str:
-    """Why nobody could know, between two plans of the row, how it stands; else empty."""
+def lacks_reports(state: State) -> Message | None:
+    """Why nobody could know, between two plans of the row, how it stands; else None."""
     motion = state.cell.controller.motion
     if not state.row or motion.reports_progress:
-        return ""
-    return (
-        f"the robot link {motion.link} does not tell what became of each part, so one plan can be "
-        "sent at a time; shorten the row to one plan"
-    )
+        return None
+    return Refusal.ROW_NEEDS_REPORTS(link=motion.link)

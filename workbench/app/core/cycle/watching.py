@@ -8,8 +8,8 @@ from workbench.app.core.people import NOBODY, is_same_person
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import named_plan
 from workbench.model.digest import LATER
-
-NOT_PLAYED = "the plan has not been played to its end; play it first"
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,13 +50,13 @@ def with_watched(state: State, actor: str, *, is_told: bool) -> State:
     return replace(state, watched=watched, told=reported, message=message)
 
 
-def unwatched(state: State, actor: str) -> str:
-    """Why a person has to see the plan before approving it; empty when that has happened.
+def unwatched(state: State, actor: str) -> Message | None:
+    """Why a person has to see the plan before approving it; None when that has happened.
 
     What was played in a browser without a login was played before whoever was there.
     """
     seen = any(is_same_person(name, actor) or name == NOBODY for name in state.watched)
-    return "" if seen else NOT_PLAYED
+    return None if seen else Refusal.NOT_PLAYED()
 
 
 def has_seen(state: State, actor: str) -> bool:
@@ -65,16 +65,14 @@ def has_seen(state: State, actor: str) -> bool:
     return any(is_same_person(name, actor) or name == NOBODY for name in drawn)
 
 
-def other_row(state: State, named: tuple[str, ...]) -> str:
-    """Why the plans named are not those that follow the plan; empty when they are.
+def other_row(state: State, named: tuple[str, ...]) -> Message | None:
+    """Why the plans named are not those that follow the plan; None when they are.
 
     Who has seen or read one row has said nothing about another one.
     """
     have = tuple(proven_plan.plan.digest for proven_plan in state.row)
     if named == have:
-        return ""
-    there = ", ".join(digest[:12] for digest in have) or "none"
-    return (
-        f"the plans that follow this one are {there}, not those that were named: look at the "
-        "current row and decide again"
-    )
+        return None
+    if not have:
+        return Refusal.NOTHING_FOLLOWS()
+    return Refusal.OTHER_ROW(plans=tuple(digest[:12] for digest in have))
