@@ -1,6 +1,6 @@
 """What other tool or bin would take the parts that no grip of the tools takes."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +9,13 @@ import pinocchio as pin
 from workbench.app.emptying.changes import changes_of
 from workbench.app.filling.clearing import Stays
 from workbench.app.filling.hand import hands_for
+from workbench.app.filling.work import Work
 from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Cylinder, Solid
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.planning.collision.world import World
+from workbench.planning.collision.surroundings import Surroundings
+from workbench.planning.collision.tool_check import ToolCheck
 
 KINDS = ("fingers", "bin")
 """Kinds of changes of the cell that are tried."""
@@ -32,7 +34,7 @@ TOLD = 3
 
 
 def advice(
-    cell: Cell, stuck: Sequence[Stays], seed: int, is_over: Callable[[], bool]
+    cell: Cell, stuck: Sequence[Stays], seed: int, work: Work
 ) -> tuple[tuple[tuple[str, int], ...], int]:
     """The changes that let a hand hold most of some parts, the best first, and how many they hold.
 
@@ -40,7 +42,7 @@ def advice(
         cell: that the parts lie in; it picks them alone.
         stuck: the parts.
         seed: of what is left to chance.
-        is_over: asked now and then; True ends it with what is known.
+        work: is counted; once it is done, what is known is the answer.
 
     Returns:
         Changes in words with how many of the parts a hand would hold, and of how many.
@@ -52,14 +54,14 @@ def advice(
     found: list[tuple[str, int]] = []
     for words, other in _others(cell):
         other = replace(other, parts=(part,))
-        hands = hands_for(other, part, seed)
+        hands = hands_for(other, part, seed, work)
         count = 0
         for k in chosen:
-            if is_over():
+            if work.is_over():
                 return _best(found), len(chosen)
-            world = World(other, _in_bin(cell, other, stuck[k].pile))
+            tools = ToolCheck(Surroundings(other, _in_bin(cell, other, stuck[k].pile)))
             for hand in hands:
-                free = np.flatnonzero(hand.free(world, stuck[k].number))
+                free = np.flatnonzero(hand.free(tools, stuck[k].number))
                 some = np.random.default_rng(seed).permutation(free)[:HOLDING].tolist()
                 if any(hand.grip(n) is not None for n in some):
                     count += 1
