@@ -54,7 +54,7 @@ def test_every_grasp_of_a_filled_library_holds_the_part(yumi, rod, filling):
 
 def test_a_filled_library_takes_most_of_what_lies_in_its_piles(filling):
     assert filling.parts >= 4 and filling.taken >= 0.7 * filling.parts
-    assert filled_words(filling)[0].startswith(f"{filling.taken} of {filling.parts} parts")
+    assert str(filled_words(filling)[0]).startswith(f"{filling.taken} of {filling.parts} parts")
 
 
 def test_families_come_in_the_order_of_what_they_are_looked_at(filling):

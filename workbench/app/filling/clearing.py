@@ -12,6 +12,8 @@ from workbench.app.filling.hand import Hand
 from workbench.app.filling.work import CHECK, FALL, REACH, WORLD
 from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
+from workbench.model.messages.changes import FillText
+from workbench.model.messages.message import Message
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
@@ -45,7 +47,7 @@ class Stays:
 
     pile: Pile
     number: int
-    reason: str
+    reason: Message
 
 
 def cleared(
@@ -85,7 +87,7 @@ def cleared(
                 if is_over():
                     return taken + len(gone), why
                 reason = _add_family(hands, world, number, seed, rng)
-                if reason:
+                if reason is not None:
                     why.append(Stays(tuple(rest), number, reason))
                 else:
                     gone.append(number)
@@ -110,7 +112,7 @@ def _takes(
             for k in rng.permutation(free)[:WAYS].tolist():
                 tried += 1
                 reason = _refuse_reach(hand, world, number, family.grasp(k), seed)
-                if not reason:
+                if reason is None:
                     family.took.append((world.detections, number))
                     return True
                 if tried >= TRIED or reason == COVERED:
@@ -118,43 +120,43 @@ def _takes(
     return False
 
 
-COVERED = "others lie on it"
+COVERED = FillText.COVERED()
 
 
-def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
-    """Why no arm takes a part by a grasp; empty when one does."""
-    reason = ""
+def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> Message | None:
+    """Why no arm takes a part by a grasp; None when one does."""
+    reason = None
     for arm in hand.arms:
         before = world.checks
         result = resolve(world, candidate_of(world, number, grasp, arm), seed=seed)
         hand.grower.work.add(REACH + CHECK * (world.checks - before))
         if isinstance(result, Pick):
-            return ""
+            return None
         if result.reason is Reason.EXTRACT_BLOCKED and result.q is None:
             return COVERED
-        reason = str(result.reason)
+        reason = result.reason.message
     return reason
 
 
 def _add_family(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
-) -> str:
-    """Have a grip that takes a part add its family; else why none does."""
-    reasons: Counter[str] = Counter()
+) -> Message | None:
+    """Have a grip that takes a part add its family, None; else why none does."""
+    reasons: Counter[Message] = Counter()
     work = hands[0].grower.work
     until = work.done + LOOKS
     for hand in hands:
         for k, found in _firmest(hand, world, number, rng):
             narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)
             reason = _refuse_reach(hand, world, number, narrow, seed)
-            if not reason:
+            if reason is None:
                 _add(hand, world, number, found[0])
-                return ""
+                return None
             reasons[reason] += 1
             is_late = work.done > until and reasons.total() >= LEAST
             if reason == COVERED or is_late:
                 break
-    return reasons.most_common(1)[0][0] if reasons else str(Reason.TOOL_COLLISION)
+    return reasons.most_common(1)[0][0] if reasons else Reason.TOOL_COLLISION.message
 
 
 def _firmest(

@@ -17,9 +17,10 @@ from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, kept
 from workbench.app.filling.naming import named
 from workbench.app.filling.work import FALL, WORK, Work
-from workbench.model.candidate import Reason
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.messages.message import Message
+from workbench.model.messages.verdicts import ReasonText
 from workbench.model.part import Entry, GraspPattern, Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
@@ -62,10 +63,10 @@ class Filled:
     adds: tuple[float, ...]
     parts: int
     taken: int
-    stays: tuple[tuple[str, int], ...]
+    stays: tuple[tuple[Message, int], ...]
     lifts: int
     looked: int
-    helps: tuple[tuple[str, int], ...]
+    helps: tuple[tuple[Message, int], ...]
     seconds: float
 
 
@@ -106,7 +107,7 @@ def filled(
     first = [next(piles) for _ in range(FIRST)]
     for number, hand in enumerate(hands, start=1):
         choose(cell, hand, first, seed, lambda n=number: work.is_over(CHOOSING * n / len(hands)))
-    stays: Counter[str] = Counter()
+    stays: Counter[Message] = Counter()
     stuck: list[Stays] = []
     for pile in _on(first[::-1], piles):
         if work.is_over(CLEARING):
@@ -115,7 +116,9 @@ def filled(
         taken, parts = taken + out, parts + out + len(why)
         work.note = f"{taken} of {parts} parts taken in simulated piles"
         stays.update(left_part.reason for left_part in why)
-        stuck += [left_part for left_part in why if left_part.reason == str(Reason.TOOL_COLLISION)]
+        stuck += [
+            left_part for left_part in why if left_part.reason.text is ReasonText.TOOL_COLLISION
+        ]
     helps, looked = advice(cell, stuck, seed, work)
     worth = kept(cell, hands, known, seed)
     return Filled(

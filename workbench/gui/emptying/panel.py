@@ -161,7 +161,7 @@ class EmptyingPanel:
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
         self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, self._visitor.words))
         if self._brought.visible:
-            self._ranked.content = changes_html(ranked(found.piles, **takes))
+            self._ranked.content = changes_html(ranked(found.piles, **takes), self._visitor.words)
 
     def _seconds(self) -> tuple[float, float]:
         """What a scan and an approval take; a browser may send any number."""
