@@ -119,6 +119,18 @@ def test_a_part_larger_than_the_bin_is_refused_in_one_sentence(yumi):
         filled(yumi, part_of(trimesh.creation.box((500, 20, 20))))
 
 
+def test_a_mesh_inside_out_is_refused_with_what_turns_it(yumi):
+    body = trimesh.creation.cylinder(6, 60, sections=24)
+    body.invert()
+    with pytest.raises(InputError, match="part made is inside out; `workbench part import`"):
+        filled(yumi, part_of(body))
+
+
+def test_a_part_of_a_few_milligrams_is_filled_as_any_other(yumi, rod, filling):
+    light = filled(yumi, replace(rod, mass=5e-6), most=WORK)
+    assert light.entries and light.taken >= 0.7 * light.parts
+
+
 def test_a_tool_without_opening_is_refused_with_its_opening(yumi, rod):
     shut = tuple(replace(arm, tool=replace(arm.tool, stroke=(0.0, 0.0))) for arm in yumi.arms)
     with pytest.raises(InputError, match="smart_gripper opens 0 to 0 mm"):

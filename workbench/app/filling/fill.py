@@ -17,6 +17,7 @@ from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, kept
 from workbench.app.filling.naming import named
 from workbench.app.filling.work import FALL, WORK, Work
+from workbench.formats.meshes.repair import examined
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
@@ -90,13 +91,17 @@ def filled(
         cancelled: asked now and then; True ends it.
 
     Raises:
-        InputError: the part does not fit into the bin, or no tool of the cell can hold anything.
+        InputError: the part does not fit into the bin, its mesh is inside out, or no tool of the
+            cell can hold anything.
         JobCancelled: `cancelled` said so.
     """
     began = processor_time()
     cell = replace(cell, parts=(part,))
     check_room((part,), cell.bin)
-
+    if examined(part.mesh).is_inside_out:
+        raise InputError(
+            f"the mesh of part {part.name} is inside out; `workbench part import` turns it"
+        )
     work = Work(most, report, cancelled)
     hands = hands_for(cell, part, seed, work)
     if not hands:
