@@ -1,13 +1,13 @@
 """The budget of a filling in counted work: it ends the same on every machine.
 
-A point is about 0.8 ms of processor time on two shared cores of an AMD EPYC.
+A point is 0.8 to 1.3 ms of processor time on two shared cores of an AMD EPYC.
 """
 
 from workbench.model.errors import JobCancelled
 from workbench.plugins.progress import Cancelled, Report, silent
 from workbench.plugins.progress import never as nobody
 
-WORK = 55_000.0
+WORK = 48_000.0
 """Points of a filling."""
 
 WAY, PIECE = 0.0045, 0.00004
@@ -19,7 +19,7 @@ FIT = 0.3
 GRIP, TRIANGLE = 3.4, 0.0008
 """A grip that is checked on the part alone, and as much more for each triangle of its mesh."""
 
-REACH, CHECK = 1.0, 0.12
+REACH, CHECK = 2.0, 0.2
 """An arm that is tried at a part, and each check of collisions in that."""
 
 FALL = 1.2
