@@ -109,7 +109,7 @@ class Refusal(Text, subject="refusal"):
     NOTHING_AVOIDED = "no part is avoided"
 
 
-class ChangeRefusal(Text, subject="change"):
+class ChangeRefusal(Text, subject="cell-change"):
     """Why the cell, its parts or the session are not changed."""
 
     CELL_AS_IT_WAS = "nothing of the cell was changed"
