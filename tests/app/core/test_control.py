@@ -66,8 +66,8 @@ def held(idle) -> State:
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if not c.right.by_machine])
 def test_a_viewer_may_give_no_command_and_an_engineer_every_one(idle, command):
-    assert "you are a viewer" in lacks_right(idle, command, "Vic", Role.VIEWER)
-    assert lacks_right(idle, command, "Ada", Role.ENGINEER) == ""
+    assert "you are a viewer" in str(lacks_right(idle, command, "Vic", Role.VIEWER))
+    assert lacks_right(idle, command, "Ada", Role.ENGINEER) is None
 
 
 def test_a_role_that_is_not_enough_is_refused_with_a_sentence(idle):

@@ -74,7 +74,7 @@ def test_the_table_knows_every_command_and_every_phase():
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(cell, phase, command):
     state = State(cell, phase, fault="link lost" if phase is Phase.FAULT else "")
-    problem = obstacle(state, command)
+    problem = str(obstacle(state, command) or "")
     in_order = phase in command.right.phases and command is not CancelJob
     assert (problem == "") == in_order
     assert in_order or len(problem) > 10
@@ -198,7 +198,7 @@ def test_an_approval_names_everything_it_stands_for(planned):
     assert approval.cell_digest == planned.cell.digest
     assert approval.scan_digest == planned.scan.digest
     assert (approval.actor, approval.at, approval.until) == ("ada", NOW, NOW + 300)
-    assert staleness(approval, planned.plan, planned.cell, planned.scan.digest, NOW) == ""
+    assert staleness(approval, planned.plan, planned.cell, planned.scan.digest, NOW) is None
 
 
 def test_a_plan_whose_proof_does_not_hold_cannot_be_approved(planned, samples):
@@ -241,10 +241,10 @@ def test_an_approval_ends_after_its_minutes_and_before_its_time(approved):
 def test_an_approval_does_not_cover_another_plan_cell_or_scan(approved, samples, make_cell):
     approval, plan, cell = approved.approval, approved.plan, approved.cell
     scan = approved.scene_digest
-    assert "another plan" in staleness(approval, samples.plan(scan, seed=5), cell, scan, NOW)
-    assert "cell has changed" in staleness(approval, plan, make_cell("other"), scan, NOW)
-    assert "newer scan" in staleness(approval, plan, cell, samples.scan(seed=9).digest, NOW)
-    assert "nobody" in staleness(None, plan, cell, scan, NOW)
+    assert "another plan" in str(staleness(approval, samples.plan(scan, seed=5), cell, scan, NOW))
+    assert "cell has changed" in str(staleness(approval, plan, make_cell("other"), scan, NOW))
+    assert "newer scan" in str(staleness(approval, plan, cell, samples.scan(seed=9).digest, NOW))
+    assert "nobody" in str(staleness(None, plan, cell, scan, NOW))
 
 
 def test_a_plan_bent_in_memory_after_approval_is_not_sent(approved):

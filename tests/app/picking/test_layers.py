@@ -111,7 +111,7 @@ def test_a_plan_that_counts_on_a_pallet_is_stale_when_that_was_emptied(cell, on_
     state = State(cell, Phase.PLANNED, plan=on_top, placed=lying(cell, 4))
     assert other_pallets(state, on_top) == ""
     empty, _ = decide(state, Entry(9, 1.0, "ada", EmptyPallets()))
-    assert "does not lie on the pallet any more" in stale_because(empty, on_top, {})
+    assert "does not lie on the pallet any more" in str(stale_because(empty, on_top, {}))
     doubted = replace(state, placed=(*lying(cell, 3), replace(state.placed[3], score=0.0)))
     assert "or nobody knows whether it does; make a new plan" in other_pallets(doubted, on_top)
 

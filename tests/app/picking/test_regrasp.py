@@ -250,9 +250,9 @@ def test_a_part_of_unknown_roll_is_put_on_no_station(cell, row, one):
 
 def test_a_row_that_leaves_a_part_on_the_station_is_no_whole_one(row):
     first, second = row.plans
-    assert left_on_station(row.plans) == ""
-    assert left_on_station((first,)).startswith("plan 1 puts a part on station post, and no plan")
-    assert left_on_station((first, first)) and left_on_station((second,)) == ""
+    assert left_on_station(row.plans) is None
+    assert str(left_on_station((first,))).startswith("plan 1 puts a part on station post, and no plan")
+    assert left_on_station((first, first)) and left_on_station((second,)) is None
 
 
 def test_the_rest_of_the_bin_is_where_it_was_where_the_part_lay_alone(cell, parts):

@@ -85,7 +85,7 @@ def test_nothing_is_sent_before_it_is_acknowledged(samples, cell, ran):
     line.do(Started(another(ran), ("numpy 1 is 2 now",), "session x"), SESSION_START)
     digest = planned(samples, line)
     assert line.state.approval.ran == another(ran).digest
-    assert "numpy 1 is 2 now" in obstacle(line.state, SendPlan)
+    assert "numpy 1 is 2 now" in str(obstacle(line.state, SendPlan))
     with pytest.raises(CommandRefused, match="an engineer acknowledges: this has changed"):
         line.do(SendPlan(digest))
     line.do(AcknowledgeChanges(another(ran).digest))

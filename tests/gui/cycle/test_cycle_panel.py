@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.cycle.ahead import GoOn
-from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Ahead, Phase
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.panel import CyclePanel
@@ -64,7 +63,7 @@ def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of
 
 
 def test_what_is_to_be_done_next_is_no_fault(states):
-    assert "wb-bad" not in approval_line(states.planned, NOW, NOT_PLAYED)
+    assert "wb-bad" not in approval_line(states.planned, NOW, "play it first", is_next=True)
     waits = "an approval has to wait until the planning ends or is cancelled"
     assert "wb-bad" not in approval_line(replace(states.planned, job=object()), NOW, waits)
     assert "wb-bad" in approval_line(states.planned, NOW, "the robot has moved")
