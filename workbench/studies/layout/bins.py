@@ -169,9 +169,11 @@ def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:
         f"{spot.reached:.0%} of the poses tried in it are reached: bin in cell.toml"
     )
     if not spot.takes:
+        axes = min(len(arm.joints) for arm in usual.arms)
+        few = f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
         yield (
-            "there is no plan for a simulated pile of two parts in the bin: another tool, --flange "
-            "or --part may help, or a bin that you place yourself"
+            f"there is no plan for a simulated pile of two parts in the bin{few}: another tool, "
+            "--flange or --part may help, or a bin that you place yourself"
         )
 
 
