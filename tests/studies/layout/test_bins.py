@@ -24,7 +24,7 @@ def moved(cell: Cell, x: float) -> Cell:
 def laid_out(cell: Cell, monkeypatch, spots, serves) -> bins.LaidOut:
     """What becomes of whole cells at shifts [m] with shares that are reached."""
     found = [bins._Spot(moved(cell, x), reached, reached) for x, reached in spots]
-    monkeypatch.setattr(bins, "_complete", lambda cell, report: iter(found))
+    monkeypatch.setattr(bins, "_complete", lambda *_: iter(found))
     monkeypatch.setattr(bins, "takes_parts", lambda tried: shift(cell, tried) in serves)
     return bins.laid_out(cell)
 
@@ -49,6 +49,25 @@ def test_where_no_bin_serves_the_best_reached_is_taken_and_that_is_said(cell, mo
 def test_a_bin_of_which_little_is_reached_serves_where_no_better_one_does(cell, monkeypatch):
     found = laid_out(cell, monkeypatch, [(0.1, 1.0), (0.2, 0.3)], {0.2})
     assert shift(cell, found.cell) == 0.2
+
+
+def test_a_search_that_takes_long_ends_with_the_best_bin_so_far(cell, monkeypatch):
+    now = iter(range(0, 1000, 30))
+    monkeypatch.setattr(bins, "processor_time", lambda: float(next(now)))
+    found = [bins._Spot(moved(cell, 0.1), 0.3, 0.3), bins._Spot(moved(cell, 0.2), 1.0, 1.0)]
+    tried = []
+
+    def complete(cell, report, is_late):
+        for spot in found:
+            if is_late():
+                return
+            tried.append(spot)
+            yield spot
+
+    monkeypatch.setattr(bins, "_complete", complete)
+    monkeypatch.setattr(bins, "takes_parts", lambda tried: False)
+    assert shift(cell, bins.laid_out(cell).cell) == 0.2
+    assert len(tried) == 2, "the first bin of all is found however long it takes"
 
 
 def test_parts_are_taken_on_trial_where_arms_reach_them_alone(cell):

@@ -5,7 +5,7 @@ pointing down, and where they also find homes and places, and a plan for a simul
 smaller one where none of the usual size will do.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -17,6 +17,7 @@ from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.layout.bases import front_of
 from workbench.studies.layout.homes import with_homes
@@ -39,6 +40,9 @@ SAMPLES = 400
 
 ENOUGH = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is looked for."""
+
+PATIENCE = 40.0
+"""[s] Processor time after which the best bin so far is taken; without one the search goes on."""
 
 TURNS_TRIED = (0.0, np.pi / 2)
 """[rad] Of the tool about the vertical, at each place in a bin."""
@@ -92,10 +96,17 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
             raise InputError(f"robot {cell.robot.name}: {_no_home(cell)}")
         return LaidOut(with_places(found), ())
     best: _Spot | None = None
+    until = processor_time() + PATIENCE
+
+    def is_late() -> bool:
+        return best is not None and processor_time() > until
+
     for number, share in enumerate(SIZES):
         size = np.round(share * np.asarray(cell.bin.size), 2)
         report(number / len(SIZES), f"a place for a bin of {_mm(size)} mm")
-        for spot in _complete(replace(cell, bin=replace(cell.bin, size=size)), report):
+        if is_late():
+            break
+        for spot in _complete(replace(cell, bin=replace(cell.bin, size=size)), report, is_late):
             report(0.5, f"a plan for parts in the bin of {_mm(size)} mm")
             tried = replace(spot, takes=takes_parts(spot.cell))
             if best is None or (tried.takes, tried.reached) > (best.takes, best.reached):
@@ -107,10 +118,12 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
     return LaidOut(best.cell, tuple(_describe(cell, best)))
 
 
-def _complete(cell: Cell, report: Report) -> Iterator[_Spot]:
+def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterator[_Spot]:
     """Whole cells with bins of one size, the best first, `MOST_WHOLE` of them."""
     spots, whole = sorted(_spots(cell), key=lambda spot: -spot.worth), 0
     for number, spot in enumerate(spots[:MOST_TRIED]):
+        if is_late():
+            return
         report(0.5, f"homes and places around bin {number + 1} of {_mm(cell.bin.size)} mm")
         found = with_homes(_with_scanner(spot.cell))
         if found is not None:
