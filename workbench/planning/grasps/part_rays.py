@@ -132,7 +132,7 @@ class Surface:
 
 
 def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
-    """For one question: points (n, 3) nearest to others (n, 3), distances (n,), all [m], triangles."""
+    """For one question: points (n, 3) nearest to others (n, 3), distances (n,) [m], triangles."""
     return Surface(mesh).nearest(points)
 
 
