@@ -2,12 +2,20 @@
 
 import dataclasses
 
+import pinocchio as pin
 import pytest
 
+from workbench.app.picking.part_import import excess_of
+from workbench.app.runtime import work
 from workbench.app.runtime.work import JOBS
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
+from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.plan import PlanResult
+from workbench.model.scan import Detection
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +59,29 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
     shares = [done for done, _ in told]
     assert shares == sorted(shares)
     assert 0 <= shares[0] <= shares[-1] <= 1
+
+
+def test_a_refusal_within_the_accuracy_of_the_bodies_says_so(yumi, monkeypatch):
+    cell = dataclasses.replace(yumi, parts=(read_part("bracket"),))
+    part = cell.parts[0]
+    grasp = part.library.grasps[0]
+    verdict = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, ("left finger_a", "part-1"), 0.0)
+    one = Candidate(0, grasp, "left", grasp.T_part_tcp, 0.0, verdict)
+    result = PlanResult((one,), None, None, verdict, {})
+    monkeypatch.setattr(work, "plan_row", lambda *_, **__: result)
+    arguments = {
+        "detections": (Detection(part.name, pin.SE3.Identity()),),
+        "scan_digest": "",
+        "scan": None,
+        "strategy": "auto",
+        "threshold": 0.2,
+        "overrides": PlanOverrides(),
+        "placed": (),
+        "avoided": (),
+        "seed": 0,
+    }
+    found, _ = run("plan", cell, arguments)
+    assert found.candidates[0].verdict.note == VerdictNote.INEXACT(excess=excess_of(part))
 
 
 def test_a_cancelled_job_ends_as_cancelled(yumi):

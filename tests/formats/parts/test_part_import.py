@@ -166,6 +166,12 @@ def test_files_that_are_none_are_refused(tmp_path):
     assert "cannot be read" in refusal("garbage.step", bytes(range(256)) * 20)
     cut = refusal("cut.step", step_of_prism(BRACKET, 15).encode()[:2000])
     assert "is cut off: END-ISO-10303-21 is missing" in cut
+    names = (
+        "#1=DOCUMENT_FILE('foot.stp','','',#2,'',$);\n#3=DOCUMENT_FILE('arm.stp','','',#2,'',$);\n"
+    )
+    others = f"ISO-10303-21;\nDATA;\n{names}ENDSEC;\nEND-ISO-10303-21;\n"
+    apart = refusal("assembly.stp", others.encode())
+    assert "its parts are in other files, import 'foot.stp', 'arm.stp'" in apart
     pointer = b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"
     for name in ("pointer.step", "pointer.stl", "pointer.glb"):
         assert "git lfs pull" in refusal(name, pointer)

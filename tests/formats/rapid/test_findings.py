@@ -125,3 +125,9 @@ def test_an_argument_that_the_interpreter_does_not_take_is_told_by_its_name(tmp_
 def test_code_that_is_never_reached_is_no_mistake(tmp_path):
     found = program(tmp_path, 'RETURN;\nTPWrite "x";')
     assert [(one.kind, one.what) for one in found.problems] == [("remark", "this is never reached")]
+
+
+def test_what_options_and_newer_robotware_bring_is_no_mistake(tmp_path):
+    body = "frame:=OFrameChange(frame,p);\ns:=ReadStr(file\\RemoveCR\\Status:=s);"
+    rest = "VAR wobjdata frame; VAR robtarget p; VAR string s; VAR iodev file;"
+    assert wrong(program(tmp_path, body, rest)) == []

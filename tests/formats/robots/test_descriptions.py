@@ -17,6 +17,12 @@ LIMIT = 'lower="-2.97" upper="2.97" velocity="3.5"'
 MESHES = """<visual><geometry><mesh filename="{0}"{2}/></geometry></visual>
 <collision><geometry><mesh filename="{1}"{3}/></geometry></collision>"""
 
+EMPTY_DAE = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><up_axis>Z_UP</up_axis></asset><library_geometries/><library_visual_scenes>
+<visual_scene id="all"/></library_visual_scenes><scene><instance_visual_scene url="#all"/></scene>
+</COLLADA>"""
+
 
 def described(tmp_path: Path, text: str, **options) -> Description:
     return read_description(made_arm.written(tmp_path / "urdf" / "arm.urdf", text), **options)
@@ -94,6 +100,18 @@ def test_a_flat_mesh_may_be_drawn(tmp_path):
         found = described(tmp_path, text)
         assert size_of(found, "extra") == pytest.approx(0.2)
         assert any("is not drawn as it is" in note for note in found.notes)
+
+
+def test_a_link_whose_mesh_file_is_whole_and_empty_has_no_shape(tmp_path):
+    made_arm.written(tmp_path / "urdf" / "nothing.dae", EMPTY_DAE)
+    found = described(tmp_path, with_meshes("nothing.dae", "nothing.dae"))
+    assert found.robot.link("extra").collision == found.robot.link("extra").visual == ()
+    assert any("nothing.dae holds no triangles: nothing is checked" in one for one in found.notes)
+    box_file(tmp_path / "urdf" / "foot.stl", 0.2)
+    found = described(tmp_path, with_meshes("foot.stl", "nothing.dae"))
+    assert any("what is drawn is checked in its place" in note for note in found.notes)
+    with pytest.raises(FileError, match=r"nothing\.dae: holds no triangles"):
+        read_urdf(tmp_path / "urdf" / "arm.urdf")
 
 
 def test_a_pointer_of_git_lfs_is_named_whatever_it_stands_for(tmp_path):

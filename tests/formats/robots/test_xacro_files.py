@@ -126,12 +126,16 @@ def test_an_argument_is_taken_from_below_when_it_is_asked_for_above(tmp_path):
         ("\n<link name='${no_such + 1}'/>", "line 2: name 'no_such' is not defined"),
         ("\n\n<xacro:gone x='1'/>", "line 3: unknown macro name: xacro:gone"),
         (
+            "<xacro:macro name='foot' params='size'/>\n<xacro:foot/>",
+            r"line 2: Undefined parameters \[size\]",
+        ),
+        (
             "<link name=\"${xacro.load_yaml('wrong.yaml')}\"/>",
             r"wrong\.yaml, line 2: is not valid YAML: expected",
         ),
         ("<xacro:include filename='again.xacro'/>", r"leads back to itself \(arm\.xacro, again"),
     ],
-    ids=["expression", "macro", "yaml", "circle"],
+    ids=["expression", "macro", "parameter", "yaml", "circle"],
 )
 def test_what_cannot_be_expanded_is_said_with_its_place(tmp_path, body, problem):
     made_arm.written(tmp_path / "wrong.yaml", "a: [1, 2\nb: }\n")

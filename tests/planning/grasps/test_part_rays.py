@@ -68,6 +68,32 @@ def test_nearest_points_are_those_of_a_dense_sampling():
     assert np.abs(off).max() < 1e-12
 
 
+def test_of_many_triangles_none_nearer_is_passed_over():
+    ball = trimesh.creation.icosphere(4, radius=0.03)
+    mesh = Mesh(ball.vertices * [1.0, 0.5, 0.2], ball.faces)
+    points = np.random.default_rng(4).uniform(-0.05, 0.05, (40, 3))
+    found, distances, triangles = nearest_points(mesh, points)
+    every = [
+        nearest_points(Mesh(mesh.points, triangle[None]), points) for triangle in mesh.triangles
+    ]
+    assert distances == pytest.approx(np.min([one[1] for one in every], axis=0), abs=1e-15)
+    for point, (place, triangle) in enumerate(zip(found, triangles, strict=True)):
+        assert every[triangle][0][point] == pytest.approx(place, abs=1e-15)
+
+
+def test_of_equally_near_triangles_the_first_one_counts():
+    box = trimesh.creation.box((0.02, 0.02, 0.02)).subdivide().subdivide()
+    mesh = Mesh(box.vertices, box.faces)
+    corners = mesh.points[np.unique(mesh.triangles)]
+    _, distances, triangles = nearest_points(
+        mesh, 1.5 * corners[np.abs(corners).min(axis=1) > 0.009]
+    )
+    assert len(triangles) == 8 and (distances > 0.008).all()
+    for number, corner in zip(triangles, corners[np.abs(corners).min(axis=1) > 0.009], strict=True):
+        touching = (mesh.points[mesh.triangles] == corner).all(axis=2).any(axis=1)
+        assert number == np.flatnonzero(touching)[0]
+
+
 def test_samples_are_spread_by_area_and_the_same_for_the_same_seed(box):
     points, triangles = samples_of(box, 5000, np.random.default_rng(1))
     again, _ = samples_of(box, 5000, np.random.default_rng(1))

@@ -6,6 +6,7 @@ from typing import Any
 
 from workbench.app.calibration.held_plate import simulated_sight
 from workbench.app.emptying.film import Filmed
+from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.glance import Glance, apply_change, glance_at
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.part_import import imported_part
@@ -85,11 +86,14 @@ def make_tool(
 def plan(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
-    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_row`."""
+    """Candidates, plan and proof for `detections` in `scan`, if there is one; see `plan_row`.
+
+    Refusals say so where only the bodies that stand for a part may be too near.
+    """
     scan, detections = arguments["scan"], arguments["detections"]
     report(0.0, "looking for obstacles that no model explains")
     around = Unexplained() if scan is None else look_around(cell, scan, detections)
-    return plan_row(
+    result = plan_row(
         cell,
         detections,
         arguments["scan_digest"],
@@ -104,6 +108,7 @@ def plan(
         report=report,
         cancelled=cancelled,
     )
+    return replace(result, candidates=with_exactness(cell, detections, result.candidates))
 
 
 def glance(

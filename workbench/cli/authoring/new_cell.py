@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
 from workbench.cli.authoring.first_tools import gripper, suction_cup
@@ -77,6 +78,7 @@ def new_cell(typed: CellNew) -> int:
         cell = _standing(typed, _bare(typed, robot, arms.flanges), world)
         unchecked = pairs_without_check(cell)
         cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
+        make_ready(report, ("planning",))
         found = laid_out(
             cell,
             moves_bin=typed.bin is None,

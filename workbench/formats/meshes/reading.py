@@ -40,6 +40,10 @@ class WrongUnit(FileError):
     """A mesh would be as large as none is; it has another unit."""
 
 
+class EmptyMesh(FileError):
+    """A whole file of a mesh without a triangle, as makers publish where a link has no shape."""
+
+
 def read_mesh(
     path: Path,
     scale: Floats | float = 1.0,
@@ -98,7 +102,7 @@ def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mes
         raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
     triangles = np.asarray(loaded.faces)
     if len(triangles) == 0:
-        raise FileError(path, "holds no triangles")
+        raise EmptyMesh(path, "holds no triangles")
     if len(triangles) > most:
         raise FileError(path, f"has {len(triangles)} triangles, {most} are allowed")
     points = np.asarray(loaded.vertices, dtype=np.float64) * scale

@@ -13,6 +13,9 @@ from workbench.model.errors import FileError
 FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
 
+MOST_NAMED = 5
+"""Other files that a message names."""
+
 STEP_ENDS = b"END-ISO-10303-21"
 
 LENGTH = re.compile(rb"=\s*\(((?:[^;()]|\([^;()]*\))*LENGTH_UNIT(?:[^;()]|\([^;()]*\))*)\)\s*;")
@@ -22,6 +25,11 @@ PREFIXED = re.compile(rb"SI_UNIT\s*\(\s*(?:\.([A-Z]+)\.|\$)\s*,\s*\.METRE\.")
 
 NAMED = {b"INCH": 0.0254, b"FOOT": 0.3048, b"MILLIMETRE": 0.001, b"MM": 0.001, b"METRE": 1.0}
 PREFIXES = {b"MILLI": 0.001, b"CENTI": 0.01, b"DECI": 0.1, b"MICRO": 1e-6, b"": 1.0}
+
+SHAPE = re.compile(rb"=\s*\(?\s*(?:[A-Z_]*SHELL|[A-Z_]*BREP|TESSELLATED_[A-Z_]*)\s*\(")
+"""An entity that is a solid or a surface."""
+DOCUMENT = re.compile(rb"DOCUMENT_FILE\s*\(\s*'([^']+)'")
+"""The name of another file, of which a part of an assembly is."""
 
 USUAL = 0.001
 """[m] The unit of a STEP file in which none is found, or several."""
@@ -51,6 +59,10 @@ def converted_step(path: Path, target: Path) -> Path:
         raise FileError(path, "cannot be read as STEP: ISO-10303-21 is missing at its beginning")
     if STEP_ENDS not in content[-2000:]:
         raise FileError(path, "is cut off: END-ISO-10303-21 is missing at its end")
+    others = list(dict.fromkeys(DOCUMENT.findall(content)))
+    if others and not SHAPE.search(content):
+        names = ", ".join(shown(name.decode(errors="replace")) for name in others[:MOST_NAMED])
+        raise FileError(path, f"holds no shape: its parts are in other files, import {names}")
     import cascadio  # OpenCASCADE: large, and seldom needed
 
     try:

@@ -1,5 +1,8 @@
 """What is wrong with a robot file and need not end its reading."""
 
+from pathlib import Path
+
+from workbench.formats.meshes.reading import KINDS
 from workbench.model.errors import FileError
 
 
@@ -26,7 +29,7 @@ class Remarks:
         """
         if self._is_strict:
             raise error
-        self._faults.setdefault(instead, []).append(error.problem)
+        self._faults.setdefault(instead, []).append(_problem(error))
 
     def add(self, sentence: str, what: str = "") -> None:
         """Keep something that is no fault, and what it is about."""
@@ -36,6 +39,12 @@ class Remarks:
     def sentences(self) -> tuple[str, ...]:
         """One for each kind of fault; of several alike the first is told, and how many more."""
         return tuple(_sentence(instead, what) for instead, what in self._faults.items())
+
+
+def _problem(error: FileError) -> str:
+    """What is wrong; a mesh's own fault is told with the name of its file."""
+    file = Path(error.path)
+    return f"{file.name} {error.problem}" if file.suffix.lower() in KINDS else error.problem
 
 
 def _sentence(instead: str, what: list[str]) -> str:

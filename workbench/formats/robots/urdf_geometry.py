@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.formats.files.whole_files import PointerError
 from workbench.formats.files.xml_elements import Element
 from workbench.formats.meshes.pieces.convex_pieces import hull_of
-from workbench.formats.meshes.reading import WrongUnit, read_mesh
+from workbench.formats.meshes.reading import EmptyMesh, WrongUnit, read_mesh
 from workbench.formats.robots.mesh_places import MissingMesh, mesh_file
 from workbench.formats.robots.packages import Packages
 from workbench.formats.robots.remarks import Remarks
@@ -85,10 +85,11 @@ class Shapes:
         visual = self._read_visuals(element, name)
         try:
             collision = self._solids(element, "collision", name, hull=hull)
-        except MissingMesh as error:
-            if not visual:
+        except (MissingMesh, EmptyMesh) as error:
+            if not visual and isinstance(error, MissingMesh):
                 raise
-            self._remarks.pass_over(error, "what is drawn is checked in its place")
+            instead = "what is drawn is checked in its place" if visual else "nothing is checked"
+            self._remarks.pass_over(error, instead)
             collision = ()
         if not self._remarks.is_strict:
             self._compare(element, visual, collision)

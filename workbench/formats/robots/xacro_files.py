@@ -237,16 +237,20 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
         )
     said = " ".join(str(error).split())[:MOST_SAID] or type(error).__name__
     said = "".join(letter if letter.isprintable() else "?" for letter in said)
-    return f"cannot be expanded by xacro{where}{_line_of(inner, str(error))}: {said}"
+    return f"cannot be expanded by xacro{where}{_line_of(inner, error)}: {said}"
 
 
-def _line_of(file: Path, said: str) -> str:
+def _line_of(file: Path, error: BaseException) -> str:
     """In which line of a file the expression or the macro stands that an error speaks of."""
-    named = EXPRESSION.search(said)
-    if named is None:
+    named = EXPRESSION.search(str(error))
+    called = [macro for cause in _causes(error) for macro in getattr(cause, "macros", ())]
+    if named is not None:
+        wanted = next(filter(None, named.groups()))
+    elif called:
+        wanted = f"<xacro:{called[0].body.getAttribute('name')}"
+    else:
         return ""
     lines = read_whole(file, LARGEST_FILE).decode(errors="replace").splitlines()
-    wanted = next(filter(None, named.groups()))
     there = [number for number, line in enumerate(lines, start=1) if wanted in line]
     return f", line {there[0]}" if there else ""
 

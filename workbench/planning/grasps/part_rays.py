@@ -1,18 +1,27 @@
-"""Rays against the surface of a part, and the nearest point on it: compiled, without a tree.
+"""Rays against the surface of a part, and the nearest point on it: compiled.
 
-A part has some hundred triangles and is asked about in batches: going through all of them takes
-some microseconds a ray, and gives the same answer on every processor (decision 1).
+A part has some hundred triangles and is asked about in batches: rays go through all of them in
+some microseconds.  Nearest points pass over groups of triangles that are too far away, since
+meshes of scanners and catalogues have 100,000.  Both give the same answer on every processor
+(decision 1).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from scipy.spatial import KDTree
 
 from workbench.model.geometry import Floats, Ints, Mesh
 
 NOTHING = -1
 """The triangle that a ray without a hit met."""
+
+GROUP = 24
+"""Neighbouring triangles that one sphere stands for when the nearest point is looked for."""
+
+ROUNDING = 1e-12
+"""[m] By which distances from spheres may be rounded."""
 
 ON_EDGE = 1e-9
 """Barycentric coordinates this far below zero are on the edge: no ray slips between two."""
@@ -87,20 +96,56 @@ def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats,
     )
 
 
-def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
-    """The points (n, 3) of a surface nearest to others (n, 3), distances (n,), all [m], triangles.
+class Surface:
+    """The surface of a mesh, made ready once to be asked for its nearest points many times.
 
     Triangles without an area have no normal and are passed over: in a closed surface their
     neighbours have the same points.
     """
-    solid = np.flatnonzero(normals_of(mesh)[1] > 0)
-    corners = mesh.points[mesh.triangles[solid]]
+
+    def __init__(self, mesh: Mesh):
+        solid = np.flatnonzero(normals_of(mesh)[1] > 0)
+        corners = mesh.points[mesh.triangles[solid]]
+        order = KDTree(corners.mean(axis=1), leafsize=GROUP).indices
+        self._numbers = solid[order]
+        self._corners = np.ascontiguousarray(corners[order])
+        centres, radii = _spheres(self._corners)
+        starts = np.arange(0, len(order), GROUP)
+        ends = np.append(starts[1:], len(order))
+        groups = [
+            _sphere_around(centres[i:k], radii[i:k]) for i, k in zip(starts, ends, strict=True)
+        ]
+        self._spheres = (
+            centres,
+            radii,
+            np.array([p for p, _ in groups]),
+            np.array([r for _, r in groups]),
+        )
+
+    def nearest(self, points: Floats) -> tuple[Floats, Floats, Ints]:
+        """The nearest points (n, 3) to others (n, 3), distances (n,), all [m], and triangles (n,).
+
+        Of triangles that are equally near the first of the mesh counts.
+        """
+        points = np.ascontiguousarray(points, np.float64)
+        return _nearest(self._corners, self._numbers, *self._spheres, points)
+
+
+def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
+    """For one question: points (n, 3) nearest to others (n, 3), distances (n,) [m], triangles."""
+    return Surface(mesh).nearest(points)
+
+
+def _spheres(corners: Floats) -> tuple[Floats, Floats]:
+    """Centres (m, 3) and radii (m,) [m] of spheres around triangles with corners (m, 3, 3)."""
     centres = corners.mean(axis=1)
-    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-    found, distances, numbers = _nearest(
-        np.ascontiguousarray(corners), centres, radii, np.ascontiguousarray(points, np.float64)
-    )
-    return found, distances, solid[numbers]
+    return centres, np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+
+
+def _sphere_around(centres: Floats, radii: Floats) -> tuple[Floats, float]:
+    """A sphere around spheres at centres (k, 3) with radii (k,), all [m]."""
+    middle = (centres.min(axis=0) + centres.max(axis=0)) / 2
+    return middle, float((np.linalg.norm(centres - middle, axis=1) + radii).max())
 
 
 def tops(
@@ -202,40 +247,83 @@ def _first_hits(
 
 @njit(cache=True)
 def _nearest(
-    corners: Floats, centres: Floats, radii: Floats, points: Floats
+    corners: Floats,
+    numbers: Ints,
+    centres: Floats,
+    radii: Floats,
+    middles: Floats,
+    reaches: Floats,
+    points: Floats,
 ) -> tuple[Floats, Floats, Ints]:
     found, distances = np.empty((len(points), 3)), np.full(len(points), np.inf)
     triangles = np.full(len(points), NOTHING)
-    q = np.empty(3)
+    least = np.empty(len(middles))
     for n in range(len(points)):
-        best = np.inf
-        for t in range(len(corners)):
-            x = points[n, 0] - centres[t, 0]
-            y = points[n, 1] - centres[t, 1]
-            z = points[n, 2] - centres[t, 2]
-            room = best + radii[t]
-            if x * x + y * y + z * z > room * room:
-                continue
-            _on_triangle(corners, t, points, n, q)
-            d = 0.0
-            for i in range(3):
-                d += (q[i] - points[n, i]) ** 2
-            d = np.sqrt(d)
-            if d < best:
-                best = d
-                triangles[n] = t
-                for i in range(3):
-                    found[n, i] = q[i]
-        distances[n] = best
+        for g in range(len(middles)):
+            least[g] = _apart(middles[g], points[n]) - reaches[g]
+        first = int(np.argmin(least))
+        _nearest_of(
+            corners,
+            numbers,
+            centres,
+            radii,
+            first,
+            points[n],
+            found[n],
+            distances[n : n + 1],
+            triangles[n : n + 1],
+        )
+        for g in range(len(middles)):
+            if g != first and least[g] <= distances[n] + ROUNDING:
+                _nearest_of(
+                    corners,
+                    numbers,
+                    centres,
+                    radii,
+                    g,
+                    points[n],
+                    found[n],
+                    distances[n : n + 1],
+                    triangles[n : n + 1],
+                )
     return found, distances, triangles
 
 
 @njit(cache=True)
-def _on_triangle(corners: Floats, t: int, points: Floats, n: int, q: Floats) -> None:
+def _nearest_of(
+    corners: Floats,
+    numbers: Ints,
+    centres: Floats,
+    radii: Floats,
+    group: int,
+    point: Floats,
+    found: Floats,
+    distance: Floats,
+    triangle: Ints,
+) -> None:
+    """Take over what is nearer, or as near with a lower number, among one group of triangles."""
+    q = np.empty(3)
+    for t in range(group * GROUP, min((group + 1) * GROUP, len(corners))):
+        if _apart(centres[t], point) > distance[0] + radii[t] + ROUNDING:
+            continue
+        _on_triangle(corners[t], point, q)
+        d = _apart(q, point)
+        if d < distance[0] or (d == distance[0] and numbers[t] < triangle[0]):
+            distance[0], triangle[0] = d, numbers[t]
+            found[:] = q
+
+
+@njit(cache=True)
+def _apart(p: Floats, q: Floats) -> float:
+    return np.sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
+
+
+@njit(cache=True)
+def _on_triangle(corners: Floats, point: Floats, q: Floats) -> None:
     """Write the nearest point; regions after Ericson, "Real-Time Collision Detection", 5.1.5."""
     d1, d2, d3, d4, d5, d6 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(3):
-        a, b, c, p = corners[t, 0, i], corners[t, 1, i], corners[t, 2, i], points[n, i]
+        a, b, c, p = corners[0, i], corners[1, i], corners[2, i], point[i]
         ab, ac = b - a, c - a
         d1 += ab * (p - a)
         d2 += ac * (p - a)
@@ -261,5 +349,5 @@ def _on_triangle(corners: Floats, t: int, points: Floats, n: int, q: Floats) -> 
         whole = va + vb + vc
         s, r = (vb / whole, vc / whole) if whole > 0 else (0.0, 0.0)
     for i in range(3):
-        a = corners[t, 0, i]
-        q[i] = a + s * (corners[t, 1, i] - a) + r * (corners[t, 2, i] - a)
+        a = corners[0, i]
+        q[i] = a + s * (corners[1, i] - a) + r * (corners[2, i] - a)

@@ -8,7 +8,7 @@ import pinocchio as pin
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.symmetry import Symmetry, SymmetryAxis, turn_about
-from workbench.planning.grasps.part_rays import nearest_points, normals_of, samples_of
+from workbench.planning.grasps.part_rays import Surface, normals_of, samples_of
 
 TOLERANCE = 0.004
 """Share of the part's diameter by which the turned surface may differ from the unturned one."""
@@ -143,6 +143,7 @@ class _Itself:
 
     def __init__(self, mesh: Mesh):
         self.mesh = mesh
+        self._surface = Surface(mesh)
         _, areas = normals_of(mesh)
         corners = mesh.points[mesh.triangles]
         self.centre = areas @ corners.mean(axis=1) / areas.sum()
@@ -159,7 +160,7 @@ class _Itself:
     def deviation(self, R: Floats, about: Floats, count: int) -> float:
         """How far points lie from the surface at most after a turn about a point [m]."""
         moved = (self._points[: 2 * count] - about) @ R.T + about
-        return float(nearest_points(self.mesh, moved)[1].max())
+        return float(self._surface.nearest(moved)[1].max())
 
     def worst(self, symmetry: Symmetry) -> float:
         """How far points lie from the surface at most after any turn of a group [m]."""

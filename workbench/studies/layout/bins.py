@@ -1,11 +1,11 @@
 """Where the bin of a first cell could be, and how large, found by trying.
 
 It is a start for a person to change: the bin goes where the arms reach most of it with the tool
-pointing down, and where they also find homes and places; a smaller one where none of the usual
-size will do.
+pointing down, and where they also find homes and places, and a plan for a simulated pile; a
+smaller one where none of the usual size will do.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -17,10 +17,12 @@ from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
+from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Report, silent
 from workbench.studies.layout.bases import front_of
 from workbench.studies.layout.homes import with_homes
 from workbench.studies.layout.places import with_places
+from workbench.studies.layout.trial import takes_parts
 from workbench.studies.targets import judged
 
 DISTANCES = (0.4, 0.5, 0.6, 0.7)
@@ -39,11 +41,17 @@ SAMPLES = 400
 ENOUGH = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is looked for."""
 
+PATIENCE = 40.0
+"""[s] Processor time after which the best bin so far is taken; without one the search goes on."""
+
 TURNS_TRIED = (0.0, np.pi / 2)
 """[rad] Of the tool about the vertical, at each place in a bin."""
 
 MOST_TRIED = 32
 """Bins of one size for which homes and places are looked for, the best first."""
+
+MOST_WHOLE = 2
+"""Bins of one size, with homes and places, from which parts are taken on trial."""
 
 TABLE_SIDE, TABLE_END = 0.5, 0.2
 """[m] How far a table reaches beyond its bin, to either side, and before and behind it."""
@@ -59,11 +67,15 @@ class LaidOut:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Spot:
-    """A bin that was tried; `reached` is the share of poses in it of the worse arm."""
+    """A bin that was tried; `reached` is the share of poses in it of the worse arm.
+
+    `takes` is whether there is a plan for a simulated pile in it.
+    """
 
     cell: Cell
     reached: float
     worth: float
+    takes: bool = False
 
 
 def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> LaidOut:
@@ -83,30 +95,44 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
         if found is None:
             raise InputError(f"robot {cell.robot.name}: {_no_home(cell)}")
         return LaidOut(with_places(found), ())
-    fallback: _Spot | None = None
+    best: _Spot | None = None
+    until = processor_time() + PATIENCE
+
+    def is_late() -> bool:
+        return best is not None and processor_time() > until
+
     for number, share in enumerate(SIZES):
         size = np.round(share * np.asarray(cell.bin.size), 2)
         report(number / len(SIZES), f"a place for a bin of {_mm(size)} mm")
-        for spot in _complete(replace(cell, bin=replace(cell.bin, size=size)), report):
-            if spot.reached >= ENOUGH:
-                return LaidOut(spot.cell, tuple(_describe(cell, spot)))
-            if fallback is None or spot.reached > fallback.reached:
-                fallback = spot
-    if fallback is None:
+        if is_late():
+            break
+        for spot in _complete(replace(cell, bin=replace(cell.bin, size=size)), report, is_late):
+            report(0.5, f"a plan for parts in the bin of {_mm(size)} mm")
+            tried = replace(spot, takes=takes_parts(spot.cell))
+            if best is None or (tried.takes, tried.reached) > (best.takes, best.reached):
+                best = tried
+            if best.takes and best.reached >= ENOUGH:
+                return LaidOut(best.cell, tuple(_describe(cell, best)))
+    if best is None:
         raise InputError(_nothing(cell))
-    return LaidOut(fallback.cell, tuple(_describe(cell, fallback)))
+    return LaidOut(best.cell, tuple(_describe(cell, best)))
 
 
-def _complete(cell: Cell, report: Report) -> Iterator[_Spot]:
-    """Whole cells with bins of one size, the best first."""
-    spots = sorted(_spots(cell), key=lambda spot: -spot.worth)
+def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterator[_Spot]:
+    """Whole cells with bins of one size, the best first, `MOST_WHOLE` of them."""
+    spots, whole = sorted(_spots(cell), key=lambda spot: -spot.worth), 0
     for number, spot in enumerate(spots[:MOST_TRIED]):
+        if is_late():
+            return
         report(0.5, f"homes and places around bin {number + 1} of {_mm(cell.bin.size)} mm")
         found = with_homes(_with_scanner(spot.cell))
         if found is not None:
             placed = with_places(found)
             if all(arm.Ts_world_place for arm in placed.arms):
+                whole += 1
                 yield replace(spot, cell=placed)
+        if whole == MOST_WHOLE:
+            return
 
 
 def _spots(cell: Cell) -> Iterator[_Spot]:
@@ -155,6 +181,13 @@ def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:
         f"{_mm(bin.T_world_bin.translation, ', ')} mm{why}; "
         f"{spot.reached:.0%} of the poses tried in it are reached: bin in cell.toml"
     )
+    if not spot.takes:
+        axes = min(len(arm.joints) for arm in usual.arms)
+        few = f" (with {axes} axes an arm cannot turn its tool every way)" if axes < 6 else ""
+        yield (
+            f"there is no plan for a simulated pile of two parts in the bin{few}: another tool, "
+            "--flange or --part may help, or a bin that you place yourself"
+        )
 
 
 def _no_home(cell: Cell) -> str:

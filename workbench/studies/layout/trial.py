@@ -1,0 +1,27 @@
+"""Whether a cell that was laid out takes parts of a pile, as `workbench demo` would."""
+
+from dataclasses import replace
+
+from workbench.app.picking.pipeline import plan_pick
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.perception.simulation.piles import drop_parts
+
+PARTS, SEED = 2, 0
+"""The pile with which `workbench demo` begins."""
+
+PATIENCE = 8.0
+"""[s] Of processor time for a plan: where one takes longer, another bin is better."""
+
+
+def takes_parts(cell: Cell) -> bool:
+    """Whether there is a proven plan for a simulated pile of the cell's first part."""
+    try:
+        pile = drop_parts(cell.parts[:1] * PARTS, cell.bin, seed=SEED)
+    except InputError:  # the bin is too small for the part
+        return False
+    if not pile:
+        return False
+    hasty = replace(cell, policy=replace(cell.policy, seconds=PATIENCE))
+    result = plan_pick(hasty, pile, "")
+    return result.proof is not None and result.proof.holds
