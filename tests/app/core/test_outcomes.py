@@ -89,7 +89,7 @@ def test_an_outcome_needs_something_sent_and_is_taken_once(line, samples):
     assert "nothing was sent" in refused(line, ReportPick(0, True))
     cycle(line, samples)
     line.do(ReportPick(0, True))
-    assert "ada has said so already" in refused(line, ReportPick(0, True), "bob")
+    assert "ada has reported that already" in refused(line, ReportPick(0, True), "bob")
 
 
 def test_a_failed_part_is_avoided_where_it_lies_for_some_scans(line, samples):
@@ -135,7 +135,7 @@ def test_avoiding_ends_with_time_and_by_a_word(line, samples):
     line.do(ReportPick(0, False))
     assert avoided_parts(line.state, NOW + 599) and not avoided_parts(line.state, NOW + 600)
     assert line.do(ForgetAvoided()).avoided == ()
-    assert "nothing is avoided" in refused(line, ForgetAvoided())
+    assert "no part is avoided" in refused(line, ForgetAvoided())
 
 
 def test_a_part_picked_after_all_is_not_avoided(line, samples):
@@ -164,7 +164,7 @@ def test_what_became_of_a_part_can_be_said_after_a_fault_until_the_next_scan(lin
     state = line.do(AcknowledgeFault())
     assert (state.phase, state.plan) == (Phase.IDLE, None)
     assert parts_sent_for(state) == ((0, "right"),)
-    assert "ada has said so already" in refused(line, ReportPick(0, True))
+    assert "ada has reported that already" in refused(line, ReportPick(0, True))
     state = line.do(ReportPick(0, False, "it fell"))
     (outcome,) = sent_for(state).outcomes
     assert (outcome.is_picked, outcome.why) == (False, "it fell")

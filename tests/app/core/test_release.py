@@ -38,7 +38,7 @@ def watched(line) -> Line:
 @pytest.mark.parametrize("name", ["operator", "Operator", " ｏperator "])
 def test_nobody_approves_as_who_has_no_login(watched, name):
     said = refused(watched, Approve(watched.state.plan.digest), name)
-    assert "a person approves by a name of their own" in said
+    assert "a person approves by their own name" in said
 
 
 @pytest.fixture
@@ -221,7 +221,7 @@ def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, sh
         assert watched.do(SendPlan(digest)).phase is Phase.SENDING
         return
     said = refused(watched, SendPlan(digest))
-    assert f"axis 1 of the right arm stands {np.rad2deg(off):.2f} degrees" in said
+    assert f"axis 1 of the right arm stands {np.rad2deg(off):.2f} deg" in said
     assert "may be 5.5 mm away; 5 are allowed (margin_mm)" in said
     assert said in refused(watched, Approve(digest))
     watched.joints = {"joint_1": 0.0}

@@ -256,7 +256,7 @@ def test_each_plan_of_a_row_is_stepped_from_its_first_step(in_rows):
     ends(line)
     assert (line.state.let, line.state.waits) == (0, 0)
     assert line.state.approval.is_stepped
-    assert "before no step" in refused(line, NextStep(1))
+    assert "not wait before a step" in refused(line, NextStep(1))
     line.do(Sent(Receipt(NOW, "", "waits", "", 1, 4, waits=1)))
     line.do(NextStep(1))
 

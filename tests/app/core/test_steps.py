@@ -99,7 +99,7 @@ def test_votes_for_another_manner_do_not_count_together(samples, cell):
 def test_each_step_runs_by_one_word_of_a_person(sending):
     total = len(sending.state.plan.sequence)
     for number in range(1, total + 1):
-        assert "waits before no step now" in refused(sending, NextStep(number))
+        assert "does not wait before a step now" in refused(sending, NextStep(number))
         waits(sending, number)
         assert sending.state.waits == number
         assert f"waits before step {number} of {total}, " in sending.state.message
@@ -122,7 +122,7 @@ def test_a_report_of_a_step_that_ran_already_lets_nothing_run(sending):
     sending.do(NextStep(1))
     for number in (1, 3):
         waits(sending, number)
-        assert "waits before no step now" in refused(sending, NextStep(number))
+        assert "does not wait before a step now" in refused(sending, NextStep(number))
 
 
 def test_nobody_lets_a_step_run_after_the_minutes_of_an_approval(sending):
@@ -133,7 +133,7 @@ def test_nobody_lets_a_step_run_after_the_minutes_of_an_approval(sending):
     waits(sending, 2)
     # Counted from the last word of a person.
     sending.now += minutes - 1
-    assert step_problem(sending.state, 2, sending.now) == ""
+    assert step_problem(sending.state, 2, sending.now) is None
     sending.now += 1
     for late in (sending.now, NOW - 1):
         sending.now = late

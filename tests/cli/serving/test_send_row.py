@@ -193,7 +193,7 @@ def test_a_link_that_tells_nothing_of_parts_takes_one_plan_at_a_time(files, robo
     _, plans = files
     told = say("send", *plans, *words, "--protocol", "abb-socket")
     assert told.code == 2
-    assert "does not tell what became of each part, so only one plan" in told.problem
+    assert "does not report what became of each part, so only one plan" in told.problem
 
 
 def test_a_row_has_an_end(files, robot, words, say):

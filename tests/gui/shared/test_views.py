@@ -212,7 +212,7 @@ def test_where_the_robot_stands_is_among_the_facts(cell, states):
 
     assert "stands where the plan starts" in facts(home)
     away = home | {cell.arms[0].joints[0]: home[cell.arms[0].joints[0]] + np.deg2rad(3)}
-    assert "axis 1 of the right arm stands 3.00 degrees" in facts(away)
+    assert "axis 1 of the right arm stands 3.00 deg" in facts(away)
     assert "see for yourself" in facts({})
 
 
