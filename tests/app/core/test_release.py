@@ -222,7 +222,7 @@ def test_a_robot_elsewhere_makes_the_plan_stale_and_says_by_how_much(watched, sh
         return
     said = refused(watched, SendPlan(digest))
     assert f"axis 1 of the right arm stands {np.rad2deg(off):.2f} deg" in said
-    assert "may be 5.5 mm away; 5 are allowed (margin_mm)" in said
+    assert "may be 5.5 mm away; 5.0 mm are allowed (margin_mm)" in said
     assert said in refused(watched, Approve(digest))
     watched.joints = {"joint_1": 0.0}
     assert watched.do(SendPlan(digest)).phase is Phase.SENDING

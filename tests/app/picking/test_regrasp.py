@@ -251,7 +251,8 @@ def test_a_part_of_unknown_roll_is_put_on_no_station(cell, row, one):
 def test_a_row_that_leaves_a_part_on_the_station_is_no_whole_one(row):
     first, second = row.plans
     assert left_on_station(row.plans) is None
-    assert str(left_on_station((first,))).startswith("plan 1 puts a part on station post, and no plan")
+    says = "plan 1 puts a part on station post, and no plan"
+    assert str(left_on_station((first,))).startswith(says)
     assert left_on_station((first, first)) and left_on_station((second,)) is None
 
 

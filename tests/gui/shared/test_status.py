@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.results import with_result
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
@@ -36,7 +35,7 @@ def test_a_long_status_is_set_smaller_and_a_fault_is_not(view_of):
 
 def ended(state, name, brought):
     """The state in which a task has brought something, or an error."""
-    return with_result(replace(state, job=Job(7, name)), JobEnded(7, brought), NOW)
+    return with_result(replace(state, job=Job(7, name)), 7, brought, NOW)
 
 
 def test_what_has_failed_is_told_in_the_colour_of_a_fault(states, view_of, result):
