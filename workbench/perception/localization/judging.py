@@ -33,7 +33,8 @@ class Sought:
     `maps` are those of the scan for this part, `glance` the same, coarser; `tolerance` [m] see
     `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
     may be at all, (k,).  `least_ends` see `outline.ends_there`,
-    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`.
+    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
+    `scene_model.SceneModel`.
     """
 
     part: Part
@@ -47,6 +48,7 @@ class Sought:
     least_ends: float = LEAST_ENDS
     most: float = MOST
     is_loose: bool = False
+    filled: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
