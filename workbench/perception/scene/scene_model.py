@@ -20,7 +20,6 @@ from workbench.perception.scene.bin_fit import (
 from workbench.perception.scene.sensor import FEWEST_POINTS, SensorModel, sensor_model
 from workbench.perception.views.filling import densify, spacing_of
 
-
 FEWEST_ACROSS, WANTED_ACROSS = 45, 100
 """Points across a part below which a sparse scan is filled in, and how many there are then."""
 

@@ -92,9 +92,9 @@ def fill_in(
     for k in range(len(points)):
         u = int((points[k, 0] / points[k, 2] - low[0]) / step)
         v = int((points[k, 1] / points[k, 2] - low[1]) / step)
-        if 0 <= u < columns and 0 <= v < rows:
-            if held[v, u] < 0 or points[k, 2] < points[held[v, u], 2]:
-                held[v, u] = k
+        is_in = 0 <= u < columns and 0 <= v < rows
+        if is_in and (held[v, u] < 0 or points[k, 2] < points[held[v, u], 2]):
+            held[v, u] = k
     filled = np.empty((rows * columns, 3))
     count = 0
     reach, around = REACH * spacing, int(np.ceil(AROUND * spacing))
