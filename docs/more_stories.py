@@ -14,7 +14,8 @@ from page_stories import cycle, fault, plan, show_time
 from picture_tools import ROOT, SIZE, Desk, desk, save, settled, window
 from playwright.sync_api import Browser
 
-from workbench.app.core.commands import ReportPick, UseScan
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.review.history import History
 from workbench.cli.serving.demo import Cycle
 from workbench.formats.cells.reading import read_cell

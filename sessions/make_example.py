@@ -12,7 +12,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from workbench.app.core.commands import ReportPick
+from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.runtime.bench import Bench
 from workbench.cli.serving.demo import Cycle
 from workbench.devices.abb_simulated.controller import SimulatedController

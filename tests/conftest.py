@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import workbench  # noqa: F401 - before NumPy is: it says which instructions that takes
+from workbench.cli import terminal
 
 # How long an example takes is a matter of the machine; what is slow shows in the benchmarks.
 settings.register_profile("workbench", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -28,6 +29,9 @@ if platform.libc_ver()[0] == "glibc":
     # tests of scans with millions of points took.  So up to a gigabyte that is free is kept.
     ctypes.CDLL(None).mallopt(M_MMAP_MAX, 0)
     ctypes.CDLL(None).mallopt(M_TRIM_THRESHOLD, 2**30)
+
+# A busy machine would have commands print that they are still at work, among what tests read.
+terminal.PATIENCE = 3600.0
 
 HERE = Path(__file__).parent
 

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from workbench.app.core.rights import RIGHTS, Right
+from workbench.app.core.command import Right
+from workbench.app.core.commands import COMMANDS
 
 PAGE = Path(__file__).parents[1] / "docs" / "rights.md"
 
@@ -14,5 +15,5 @@ def row(command: type, right: Right) -> str:
 
 def test_every_command_of_people_stands_there_with_its_rights():
     stands = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:3] == "| `"]
-    expected = [row(command, right) for command, right in RIGHTS.items() if not right.by_machine]
+    expected = [row(command, command.right) for command in COMMANDS if not command.right.by_machine]
     assert stands == expected

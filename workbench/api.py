@@ -14,8 +14,8 @@ import pinocchio as pin
 from workbench.app.calibration import calibration as calibrations
 from workbench.app.calibration import held_plate
 from workbench.app.calibration.calibration import with_calibration
-from workbench.app.core import rules
-from workbench.app.core.commands import Entry
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle import approval
 from workbench.app.core.state import State
 from workbench.app.filling.fill import Filled, filled
 from workbench.app.picking.pipeline import judge
@@ -221,7 +221,7 @@ def approve(cell: Cell, plan: Plan, proof: Proof, actor: str) -> Approval:
     Raises:
         CommandRefused: the proof does not hold, or plan, proof and cell do not belong together.
     """
-    return rules.approve(cell, plan, proof, actor, time.time())
+    return approval.approve(cell, plan, proof, actor, time.time())
 
 
 def open_session(folder: str | Path) -> Journal:

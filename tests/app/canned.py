@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.app.core.commands import (
-    JobEnded,
-    LinkEnded,
-)
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.effects import Send, StartJob, StopSending
 from workbench.app.core.people import ROBOT_LINK, WORKER
 from workbench.app.picking.pipeline import plan_pick

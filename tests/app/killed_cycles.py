@@ -16,16 +16,14 @@ from conftest import Samples, made_cell
 from patient import PATIENT
 from waiting import PATIENCE
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    FindParts,
-    JobEnded,
-    MakePlan,
-    SendPlan,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench

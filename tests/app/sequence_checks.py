@@ -6,9 +6,12 @@ import numpy as np
 from hypothesis.stateful import invariant
 from line import Line
 
-from workbench.app.core.commands import Approve, Command, JobEnded, LinkEnded, SendPlan, WatchPlan
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.approval import Approve, staleness
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob
-from workbench.app.core.rules import staleness
 from workbench.app.core.state import Phase, State
 from workbench.model.digest import digest_of
 from workbench.model.plan import UNSIGNED

@@ -12,7 +12,8 @@ import pytest
 from hands import Camera, first_look, settle
 from waiting import wait_until
 
-from workbench.app.core.commands import UseDetections, UseScan
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.work import JOBS

@@ -7,7 +7,8 @@ import pytest
 from hands import field, pause
 from playwright.sync_api import expect
 
-from workbench.app.core.commands import ChangeCell, UseScan
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.page.server import serve
 from workbench.gui.shared.things import BIN, moved

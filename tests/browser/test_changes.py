@@ -1,7 +1,7 @@
 """What has changed since the start before is read on the page, and acknowledged there."""
 
-from workbench.app.core.commands import Started
 from workbench.app.core.people import SESSION_START
+from workbench.app.core.session import Started
 from workbench.app.provenance.gathering import inventory
 
 

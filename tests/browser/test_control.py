@@ -9,7 +9,7 @@ from playwright.sync_api import expect
 
 import workbench.gui.page.renderer
 import workbench.gui.shared.visitor
-from workbench.app.core.commands import AskForControl, ReleaseControl, TakeControl
+from workbench.app.core.control import AskForControl, ReleaseControl, TakeControl
 from workbench.app.core.people import Person, Role
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.scene.held import DrawnHeld

@@ -5,7 +5,7 @@ import pytest
 from hands import field, settle
 from playwright.sync_api import expect
 
-from workbench.app.core.commands import UseScan
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.gui.page.server import serve
 from workbench.perception.simulation.synthesize import synthesize
 

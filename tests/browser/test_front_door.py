@@ -7,7 +7,12 @@ from fronted import Window, open_front
 from playwright.sync_api import expect
 from waiting import wait_until
 
-from workbench.app.core.commands import Approve, FindParts, MakePlan, SendPlan, TakeScan, WatchPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Role
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users

@@ -5,7 +5,9 @@ import pytest
 from hands import field
 from idle import Idle
 
-from workbench.app.core.commands import FindParts, JobEnded, UseDetections, UseScan
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.records.cases import read_case
 from workbench.app.records.kept_cases import case_files
 from workbench.app.runtime.bench import Bench

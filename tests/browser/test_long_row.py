@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import expect
 
-from workbench.app.core.commands import FindParts, JobEnded, MakePlan, UseScan, WatchPlan
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell

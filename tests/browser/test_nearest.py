@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from workbench.app.core.commands import WatchPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY
 from workbench.app.picking.facts import nearest_place
 from workbench.app.picking.proving import check

@@ -9,7 +9,9 @@ import pytest
 from hands import field, pause, settle, watch
 from playwright.sync_api import expect
 
-from workbench.app.core.commands import TakeScan, WantThreshold, WatchPlan
+from workbench.app.core.cycle.planning import WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY
 from workbench.gui.cycle import threshold
 from workbench.gui.scene.slider_drag import SliderDrag

@@ -10,7 +10,7 @@ from patient import PATIENT
 from playwright.sync_api import expect
 from test_page import approve, watch
 
-from workbench.app.core.commands import SendPlan
+from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench

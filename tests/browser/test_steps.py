@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import expect
 from test_page import run_to_plan, seen
 
-from workbench.app.core.commands import NextStep
+from workbench.app.core.cycle.sending import NextStep
 from workbench.app.records.replay import replay
 from workbench.journal.journal import Journal
 

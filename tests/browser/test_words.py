@@ -8,7 +8,10 @@ from fronted import Window, open_front
 from hands import settle
 from playwright.sync_api import expect
 
-from workbench.app.core.commands import FindParts, MakePlan, TakeScan, WatchPlan
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Role
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users

@@ -10,8 +10,8 @@ import pytest
 from idle import Idle
 
 import workbench.gui.shared.visitor
+from workbench.app.core.cycle.approval import approve
 from workbench.app.core.people import Person, Role
-from workbench.app.core.rules import approve
 from workbench.app.core.state import Job, Phase, State
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.bench import Bench

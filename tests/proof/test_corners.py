@@ -7,7 +7,7 @@ import pytest
 from bending import with_leg
 from rounded import curves_of
 
-from workbench.app.core.rules import approve
+from workbench.app.core.cycle.approval import approve
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.errors import CommandRefused

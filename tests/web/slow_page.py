@@ -19,7 +19,9 @@ from pathlib import Path
 from slow_line import Line, slow_line
 
 import workbench.web.server as server
-from workbench.app.core.commands import FindParts, MakePlan, TakeScan
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import Role
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench

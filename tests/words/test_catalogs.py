@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from workbench.app.core.rights import RIGHTS
+from workbench.app.core.commands import COMMANDS
 from workbench.model.scan import Objection
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog, places_in
 from workbench.words.extract import ALONE, messages
@@ -89,7 +89,7 @@ def test_buttons_that_a_text_names_are_called_in_it_as_they_are(catalog):
 
 def test_objections_and_refusals_of_the_rules_are_said(language):
     words = words_of(language)
-    texts = [*Objection, *(one.says for one in RIGHTS.values())]
+    texts = [*Objection, *(command.right.says for command in COMMANDS)]
     # A word that another language has as well is said, too.
     assert [one for one in texts if words.say(one) == one and one not in words._messages] == []
 

@@ -13,7 +13,9 @@ from workbench.app.calibration.calibration import (
     with_calibration,
 )
 from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
-from workbench.app.core.commands import ChangeCell, JobEnded, SightPlate, UndoCell, UseObservations
+from workbench.app.core.cell.changes import ChangeCell, UndoCell
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.people import WORKER
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.app.review.recompute import recomputed

@@ -5,23 +5,16 @@ from dataclasses import replace
 import pytest
 from line import NOW, Line, make_plan, refused
 
-from workbench.app.core.commands import (
-    Approve,
-    CancelJob,
-    FindParts,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    ReleaseControl,
-    ReportPick,
-    SendPlan,
-    Sent,
-    Stop,
-    TakeControl,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.control import ReleaseControl, TakeControl
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob, StopJob, StopSending
 from workbench.app.core.state import Phase
 from workbench.model.errors import InputError

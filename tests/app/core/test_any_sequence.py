@@ -15,33 +15,22 @@ from hypothesis.stateful import (
 from line import NOW, Line
 from sequence_checks import Checks, row_of, shown_of
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    CancelJob,
-    ChangeCell,
-    Command,
-    FindParts,
-    ForgetAvoided,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    Opened,
-    ReportPick,
-    SendPlan,
-    Sent,
-    ShortenRow,
-    Stop,
-    TakeScan,
-    TryEmptying,
-    UseDetections,
-    UseScan,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.rows import ShortenRow
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send
 from workbench.app.core.people import ROBOT_LINK, SESSION_START
+from workbench.app.core.session import Opened
 from workbench.app.core.state import Phase, State
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy

@@ -8,22 +8,21 @@ import pytest
 from idle import Idle
 from waiting import wait_until
 
-from workbench.app.core.cell_changes import MOST_UNDO
-from workbench.app.core.commands import (
-    Approve,
+from workbench.app.core.cell.changes import (
+    MOST_UNDO,
     CellRead,
     ChangeCell,
-    Entry,
     RedoCell,
     SaveCell,
-    SendPlan,
     UndoCell,
-    UseDetections,
 )
-from workbench.app.core.decide import decide
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.effects import UseCell, WriteCell
 from workbench.app.core.people import CELL_FILE
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.replay import replay

@@ -9,27 +9,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 from idle import Idle
 
-from workbench.app.core.commands import (
-    Approve,
+from workbench.app.core.cell.changes import SaveCell
+from workbench.app.core.command import Entry
+from workbench.app.core.commands import COMMANDS
+from workbench.app.core.control import (
+    MOST_ASKING,
     AskForControl,
-    CancelJob,
-    Command,
+    ControlCommand,
     DenyControl,
-    Entry,
     GiveControl,
-    JobEnded,
     ReleaseControl,
-    SaveCell,
-    Stop,
     TakeControl,
-    TakeScan,
-    UseDetections,
 )
-from workbench.app.core.control import MOST_ASKING, ControlCommand
-from workbench.app.core.decide import decide
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import Stop
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.people import FRONT_DOOR, MACHINES, POSES_FOLDER, Role
-from workbench.app.core.rights import RIGHTS, lacks_right
-from workbench.app.core.rules import allowed
+from workbench.app.core.rights import lacks_right
 from workbench.app.core.state import Phase, State
 from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
@@ -65,7 +64,7 @@ def held(idle) -> State:
     return after(idle, TakeControl(), "Bob")
 
 
-@pytest.mark.parametrize("command", [c for c in RIGHTS if not RIGHTS[c].by_machine])
+@pytest.mark.parametrize("command", [c for c in COMMANDS if not c.right.by_machine])
 def test_a_viewer_may_give_no_command_and_an_engineer_every_one(idle, command):
     assert "you are a viewer" in lacks_right(idle, command, "Vic", Role.VIEWER)
     assert lacks_right(idle, command, "Ada", Role.ENGINEER) == ""
@@ -180,7 +179,7 @@ def test_no_sequence_of_words_takes_control_from_a_person_but_an_engineer_does(c
 
 
 def test_every_word_about_control_is_a_command():
-    assert set(typing.get_args(ControlCommand)) <= set(typing.get_args(Command))
+    assert set(typing.get_args(ControlCommand)) <= set(COMMANDS)
 
 
 def test_a_session_from_before_there_were_roles_is_that_of_engineers(cell):

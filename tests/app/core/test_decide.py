@@ -5,22 +5,14 @@ import dataclasses
 import pytest
 from line import NOW, Line
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    CancelJob,
-    FindParts,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    Sent,
-    Stop,
-    TakeScan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StopJob, StopSending
 from workbench.app.core.state import Phase
 from workbench.model.cell import PlanOverrides

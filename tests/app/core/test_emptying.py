@@ -5,11 +5,13 @@ from dataclasses import replace
 import pytest
 from line import Line, planned_line, refused
 
-from workbench.app.core.commands import CancelJob, JobEnded, TakeScan, TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.decide import allowed
 from workbench.app.core.effects import Send, StartJob, StopJob
 from workbench.app.core.people import WORKER, Role
 from workbench.app.core.rights import lacks_right
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES
 from workbench.model.errors import InputError, JobCancelled, NotAllowed

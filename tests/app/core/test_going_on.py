@@ -5,22 +5,15 @@ import dataclasses
 import pytest
 from line import Line, planned_line, refused
 
-from workbench.app.core.commands import (
-    Approve,
-    CancelJob,
-    FindParts,
-    GiveControl,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    ReleaseControl,
-    SendPlan,
-    TakeControl,
-    TakeScan,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core.control import GiveControl, ReleaseControl, TakeControl
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob
 from workbench.app.core.people import FRONT_DOOR
 from workbench.app.core.state import Phase

@@ -7,29 +7,23 @@ import pinocchio as pin
 import pytest
 from line import NOW, Line
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    ChangeCell,
-    FindParts,
-    ForgetAvoided,
-    LinkEnded,
-    MakePlan,
-    ReportPick,
-    SendPlan,
-    TakeScan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
-from workbench.app.core.outcomes import (
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.outcomes import (
     AVOID_SCANS,
     MOST_FAILURES,
+    AcknowledgeFault,
+    ForgetAvoided,
+    ReportPick,
     avoided_parts,
     parts_sent_for,
-    sent_for,
 )
-from workbench.app.core.state import Phase
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.state import Phase, sent_for
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import plain
 from workbench.model.messages.verdicts import VerdictNote

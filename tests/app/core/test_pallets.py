@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from through import deepest, nearest
 
-from workbench.app.core.commands import EmptyPallets, Entry, LinkEnded
-from workbench.app.core.decide import decide
+from workbench.app.core.cell.changes import EmptyPallets
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.sending import LinkEnded
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import put_down, with_facts
 from workbench.app.picking.pipeline import plan_pick

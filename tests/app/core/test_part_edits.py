@@ -9,18 +9,11 @@ import numpy as np
 import pytest
 from waiting import wait_until
 
-from workbench.app.core.commands import (
-    ChangeCell,
-    DropDraft,
-    EditPart,
-    Entry,
-    RedoCell,
-    SaveCell,
-    UndoCell,
-)
-from workbench.app.core.decide import decide
+from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, UndoCell
+from workbench.app.core.cell.part_edits import DropDraft, EditPart
+from workbench.app.core.command import Entry
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.effects import KeepDrafts, RemoveDraft, UseCell
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.sessions import new_session

@@ -7,21 +7,15 @@ import numpy as np
 import pytest
 from line import NOW, Line, planned_line, refused
 
-from workbench.app.core.cell_changes import cell_read
-from workbench.app.core.commands import (
-    Approve,
-    CellRead,
-    ChangeCell,
-    MakePlan,
-    SendPlan,
-    UndoCell,
-    UseScan,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core.cell.changes import CellRead, ChangeCell, UndoCell, cell_read
+from workbench.app.core.cycle.approval import Approve, approve, staleness
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.standing import moved_away, start_of
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send
-from workbench.app.core.release import is_same_person, moved_away, start_of
-from workbench.app.core.rules import approve, staleness
+from workbench.app.core.people import is_same_person
 from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import CommandRefused

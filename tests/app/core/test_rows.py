@@ -5,23 +5,15 @@ from dataclasses import replace
 import pytest
 from line import NOW, Line, refused
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    LinkEnded,
-    MakePlan,
-    NextStep,
-    ReportPick,
-    SendPlan,
-    Sent,
-    ShortenRow,
-    Stop,
-    TakeScan,
-    UndoCell,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cell.changes import UndoCell
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.rows import ShortenRow
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.state import Phase
 from workbench.model.cell import PlanOverrides

@@ -4,17 +4,13 @@ from dataclasses import replace
 
 from line import Line, refused
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    ShortenRow,
-    Stop,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.rows import ShortenRow
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send
 from workbench.app.core.state import Phase
 from workbench.model.geometry import pose_from_rpy

@@ -10,31 +10,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.app.core.commands import (
-    AcknowledgeChanges,
-    AcknowledgeFault,
-    Approve,
-    CancelJob,
-    Command,
-    FindParts,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    NextStep,
-    Opened,
-    PosesRefused,
-    ReportPick,
-    SendPlan,
-    Started,
-    Stop,
-    TakeScan,
-    UseDetections,
-    WantThreshold,
-)
+from workbench.app.core.commands import COMMANDS
 from workbench.app.core.control import ControlCommand
-from workbench.app.core.rights import NEXT, RIGHTS, obstacle
-from workbench.app.core.rules import allowed, approve, staleness
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve, approve, staleness
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Stop
+from workbench.app.core.decide import allowed
+from workbench.app.core.rights import NEXT, obstacle
+from workbench.app.core.session import AcknowledgeChanges, Opened, PosesRefused, Started, WriteNote
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import PlanOverrides
@@ -78,45 +66,46 @@ def approved(planned) -> State:
 
 
 def test_the_table_knows_every_command_and_every_phase():
-    assert set(RIGHTS) == set(typing.get_args(Command))
+    assert set(COMMANDS) == set(COMMANDS)
     assert set(NEXT) == set(Phase)
 
 
 @pytest.mark.parametrize("phase", Phase)
-@pytest.mark.parametrize("command", RIGHTS)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_every_obstacle_is_a_sentence_and_no_obstacle_means_the_table_says_so(cell, phase, command):
     state = State(cell, phase, fault="link lost" if phase is Phase.FAULT else "")
     problem = obstacle(state, command)
-    in_order = phase in RIGHTS[command].phases and command is not CancelJob
+    in_order = phase in command.right.phases and command is not CancelJob
     assert (problem == "") == in_order
     assert in_order or len(problem) > 10
 
 
 def test_nothing_but_reports_passes_beside_a_running_task_except_to_cancel_it(planned):
     busy = dataclasses.replace(planned, job=Job(3, "plan"))
-    free = {command for command in RIGHTS if not obstacle(busy, command)}
+    free = {command for command in COMMANDS if not obstacle(busy, command)}
     reports = {JobEnded, Opened, PosesRefused, Started}
-    assert free == {AcknowledgeChanges, CancelJob, WantThreshold} | reports | CONTROL
+    assert free == {AcknowledgeChanges, CancelJob, WantThreshold, WriteNote} | reports | CONTROL
     assert "the planning ends or is cancelled" in refusal(busy, Approve(planned.plan.digest))
 
 
 def test_a_fault_lets_pass_only_its_acknowledgement_and_late_results(cell):
     state = State(cell, Phase.FAULT, fault="the controller closed the connection")
-    assert {c for c in RIGHTS if not obstacle(state, c)} == {
+    assert {c for c in COMMANDS if not obstacle(state, c)} == {
         AcknowledgeFault,
         JobEnded,
         Opened,
         PosesRefused,
         ReportPick,
         Started,
+        WriteNote,
     } | CONTROL
     assert "the controller closed the connection" in refusal(state, TakeScan())
 
 
 def test_while_sending_only_a_stop_and_reports_pass(approved):
     state = dataclasses.replace(approved, phase=Phase.SENDING)
-    people = {c for c in RIGHTS if not obstacle(state, c) and not RIGHTS[c].by_machine}
-    assert people == {Stop, NextStep, ReportPick, GoOn} | CONTROL
+    people = {c for c in COMMANDS if not obstacle(state, c) and not c.right.by_machine}
+    assert people == {Stop, NextStep, ReportPick, GoOn, WriteNote} | CONTROL
 
 
 @pytest.mark.parametrize(

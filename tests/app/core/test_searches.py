@@ -6,15 +6,11 @@ import numpy as np
 import pytest
 from idle import Idle
 
-from workbench.app.core.commands import (
-    ChangeCell,
-    FindParts,
-    JobEnded,
-    MakePlan,
-    TakeScan,
-    UseDetections,
-    UseScan,
-)
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.people import WORKER
 from workbench.app.picking.facts import bin_check_of
 from workbench.app.runtime.bench import Bench

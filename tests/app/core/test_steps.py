@@ -5,19 +5,12 @@ from dataclasses import replace
 import pytest
 from line import NOW, Line, planned_line, refused
 
-from workbench.app.core.commands import (
-    Approve,
-    LinkEnded,
-    NextStep,
-    SendPlan,
-    Sent,
-    Stop,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent, Stop, step_problem
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.decide import allowed
 from workbench.app.core.effects import LetStep, Send, StopSending
-from workbench.app.core.outcomes import step_problem
 from workbench.app.core.people import Role
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase
 from workbench.model.errors import CommandRefused
 from workbench.model.release import Approval, Receipt, Vote

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.emptying.piles import emptied_piles
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError, JobCancelled

@@ -8,17 +8,14 @@ import pytest
 from idle import Idle
 from tampering import AT, OURS, PUBLIC, Opened, verified
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.evidence import verify
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import EmptyPallets, Entry, LinkEnded, ReportPick
-from workbench.app.core.decide import decide
+from workbench.app.core.cell.changes import EmptyPallets
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.sending import LinkEnded
+from workbench.app.core.cycle.standing import other_pallets, stale_because
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.release import other_pallets, stale_because
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import with_facts
 from workbench.app.picking.pallets import at_rest, boxes_around, pallet_problems, pallets_of

@@ -11,7 +11,9 @@ import trimesh
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.commands import ImportPart, SaveCell, TakeScan, UndoCell
+from workbench.app.core.cell.changes import SaveCell, UndoCell
+from workbench.app.core.cell.making import ImportPart
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
 from workbench.app.picking.part_import import excess_of

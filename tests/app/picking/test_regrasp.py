@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.core.release import left_on_station
+from workbench.app.core.cycle.standing import left_on_station
 from workbench.app.picking.facts import put_down
 from workbench.app.picking.pipeline import judge
 from workbench.app.picking.proving import prove as prove_alone

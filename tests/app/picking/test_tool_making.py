@@ -10,18 +10,12 @@ from drawn import PALM, drawn_gripper, stl
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.cell_changes import carrying
-from workbench.app.core.commands import (
-    AddTool,
-    CancelJob,
-    ChangeCell,
-    FindParts,
-    JobEnded,
-    MakePlan,
-    SaveCell,
-    TakeScan,
-    UndoCell,
-)
+from workbench.app.core.cell.changes import ChangeCell, SaveCell, UndoCell
+from workbench.app.core.cell.making import AddTool, carrying
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import WORKER, Role
 from workbench.app.core.state import Phase
 from workbench.app.picking.tool_making import tool_for

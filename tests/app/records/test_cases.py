@@ -9,7 +9,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.core.commands import Entry, FindParts, JobEnded, UseDetections, UseScan
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State

@@ -12,29 +12,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    CancelJob,
-    Entry,
-    FindParts,
-    ForgetAvoided,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    ReportPick,
-    SendPlan,
-    Sent,
-    Stop,
-    TakeScan,
-    TryEmptying,
-    UseDetections,
-    UseObservations,
-    UseScan,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan, UseObservations, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.decide import decide
+from workbench.app.core.session import WriteNote
 from workbench.app.core.state import Phase, State
 from workbench.app.records.forms import large_arrays, restored
 from workbench.app.records.record import command_form, entry_of, entry_record
@@ -80,6 +69,7 @@ def commands(samples):
         Stop(),
         ReportPick(1, False, "slipped"),
         ForgetAvoided(),
+        WriteNote("pads of the left gripper changed"),
         CancelJob(),
         AcknowledgeFault(),
         JobEnded(1, scan),

@@ -8,16 +8,13 @@ import pytest
 from idle import Idle
 from line import Line, make_plan
 
-from workbench.app.core.commands import (
-    AcknowledgeChanges,
-    Approve,
-    SendPlan,
-    Started,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import SESSION_START, Role
 from workbench.app.core.rights import obstacle
+from workbench.app.core.session import AcknowledgeChanges, Started
 from workbench.app.core.state import Phase
 from workbench.app.provenance.gathering import inventory
 from workbench.app.records import starts

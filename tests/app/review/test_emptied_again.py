@@ -3,7 +3,8 @@
 import pytest
 from idle import Idle
 
-from workbench.app.core.commands import JobEnded, TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.emptying.piles import emptied_piles
 from workbench.app.review.likeness import Likeness
 from workbench.app.review.recompute import recomputed

@@ -4,15 +4,13 @@ import pytest
 from canned import Canned, make_results
 from waiting import PATIENCE
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    GoOn,
-    MakePlan,
-    SendPlan,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.review import recompute
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal

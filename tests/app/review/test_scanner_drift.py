@@ -9,17 +9,14 @@ import pytest
 from line import Line
 
 from workbench.app.calibration.drift_words import drift_words
-from workbench.app.core.commands import (
-    Approve,
-    Entry,
-    FindParts,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import ROBOT_LINK, WORKER
 from workbench.app.picking.facts import with_facts
 from workbench.app.picking.pallets import at_rest

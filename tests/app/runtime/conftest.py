@@ -8,14 +8,12 @@ from idle import Idle
 from job_listener import Listener, workers
 from patient import PATIENT, in_threads
 
-from workbench.app.core.commands import (
-    Approve,
-    JobEnded,
-    MakePlan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.jobs import Jobs

@@ -9,18 +9,13 @@ import pytest
 from patient import PATIENT
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    GoOn,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    Stop,
-    TakeScan,
-    UseDetections,
-    WatchPlan,
-)
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.app.evidence.steps import approval_problems, step_problems
 from workbench.app.records.replay import replay

@@ -10,7 +10,11 @@ import pytest
 from idle import Idle
 from waiting import wait_until
 
-from workbench.app.core.commands import Approve, JobEnded, MakePlan, UseDetections, WatchPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.evidence.verify import Entry, anchor_problems, anchors_from
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.anchors import Anchors, place

@@ -10,20 +10,13 @@ from contextlib import closing
 import pytest
 from waiting import PATIENCE
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    Sent,
-    Stop,
-    TakeScan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StartJob, StopSending
 from workbench.app.core.state import Phase
 from workbench.app.picking import facts

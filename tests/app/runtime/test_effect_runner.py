@@ -18,20 +18,14 @@ from full_disk import FullDisk
 from idle import Idle
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    CancelJob,
-    DropDraft,
-    FindParts,
-    MakePlan,
-    SendPlan,
-    Stop,
-    TakeScan,
-    TryEmptying,
-    UseDetections,
-    UseScan,
-    WantThreshold,
-)
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cell.part_edits import DropDraft
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.state import Phase
 from workbench.app.picking import facts
 from workbench.app.records.replay import replay

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import CancelJob, FindParts, TakeScan, UseScan
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner

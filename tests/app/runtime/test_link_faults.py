@@ -16,17 +16,13 @@ import pytest
 from patient import PATIENT, Hurried
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    Stop,
-    UseDetections,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.replay import replay

@@ -16,17 +16,14 @@ import pytest
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.commands import (
-    AcknowledgeFault,
-    Approve,
-    JobEnded,
-    MakePlan,
-    SendPlan,
-    Stop,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.state import Phase
 from workbench.app.records.replay import replay

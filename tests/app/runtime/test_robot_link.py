@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import LinkEnded
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.runtime import robot_link
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.model.errors import JobCancelled, LinkError, ProtocolError

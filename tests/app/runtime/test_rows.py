@@ -12,16 +12,12 @@ import pytest
 from idle import Idle
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import (
-    Approve,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    SendPlan,
-    Stop,
-    UseDetections,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.app.evidence.bundle import write_bundle
 from workbench.app.evidence.steps import approval_problems, step_problems

@@ -11,15 +11,11 @@ from full_disk import FullDisk
 from idle import Idle
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import (
-    CancelJob,
-    CellRead,
-    ChangeCell,
-    EditPart,
-    FindParts,
-    SaveCell,
-    UseScan,
-)
+from workbench.app.core.cell.changes import CellRead, ChangeCell, SaveCell
+from workbench.app.core.cell.part_edits import EditPart
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime import effect_runner, insisting
 from workbench.app.runtime.bench import Bench

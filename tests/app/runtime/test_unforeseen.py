@@ -7,7 +7,9 @@ import pytest
 from addressed import at
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import ChangeCell, DropDraft, SaveCell, SendPlan, Stop
+from workbench.app.core.cell.changes import ChangeCell, SaveCell
+from workbench.app.core.cell.part_edits import DropDraft
+from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.state import Phase
 from workbench.app.runtime import effect_runner
 from workbench.app.runtime.robot_link import LinkRunner

@@ -9,9 +9,12 @@ import pytest
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.commands import CancelJob, ChangeCell, TakeScan, UseDetections
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.decide import allowed
 from workbench.app.core.people import POSES_FOLDER
-from workbench.app.core.rules import allowed
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.watch_poses import PosesWatch

@@ -8,23 +8,16 @@ from dataclasses import replace
 import pytest
 from line import Line
 
-from workbench.app.core.commands import (
-    Approve,
-    CancelJob,
-    Entry,
-    FindParts,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    ReportPick,
-    SendPlan,
-    Sent,
-    TakeScan,
-    UseDetections,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.statistics.grasp_use import GraspUse
 from workbench.app.statistics.statistics import (

@@ -6,7 +6,7 @@ import time
 import pytest
 from canned import Canned, make_results
 
-from workbench.app.core.commands import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner

@@ -15,7 +15,7 @@ import pytest
 from idle import Idle
 
 from workbench import __version__
-from workbench.app.core.commands import SendPlan
+from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase
 from workbench.app.provenance.gathering import inventory

@@ -17,7 +17,7 @@ import pytest
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.commands import UseDetections
+from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.people import Role
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench

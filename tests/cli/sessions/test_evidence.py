@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.app.core.reports import Started
+from workbench.app.core.session import Started
 from workbench.app.provenance.gathering import inventory
 from workbench.app.records.approvals import ApprovalRecord
 from workbench.app.records.certified import certificates

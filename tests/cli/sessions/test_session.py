@@ -6,14 +6,12 @@ import time
 
 import pytest
 
-from workbench.app.core.commands import (
-    Approve,
-    ChangeCell,
-    FindParts,
-    MakePlan,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from drawn import BAR, CUP, PALM, WITH_BAR, drawn_gripper, stl
 
-from workbench.app.core.cell_changes import carrying
+from workbench.app.core.cell.making import carrying
 from workbench.formats.cells.drawn_tools import Drawing, SuctionLip, TwoFingers, made_of
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell

@@ -2,7 +2,7 @@
 
 import pytest
 
-from workbench.app.core.commands import TakeControl
+from workbench.app.core.control import TakeControl
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.live import Live
 from workbench.gui.candidates.panel import CandidatesPanel

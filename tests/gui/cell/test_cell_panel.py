@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.app.core.commands import ChangeCell, UndoCell
+from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.people import Role
 from workbench.app.runtime.live import Live
 from workbench.gui.cell.panel import CellPanel

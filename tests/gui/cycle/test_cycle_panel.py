@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.core.commands import GoOn
-from workbench.app.core.release import NOT_PLAYED
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Ahead, Phase
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.panel import CyclePanel

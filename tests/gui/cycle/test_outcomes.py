@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.core.commands import ReportPick
+from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.state import Outcome, Phase, SentFor, State
 from workbench.gui.cycle.outcomes import OutcomeInputs
 

@@ -13,7 +13,10 @@ from idle import Idle
 from raw_browser import raw_browser
 from waiting import wait_until
 
-from workbench.app.core.commands import ChangeCell, TakeControl, TakeScan, UseDetections
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import Role
 from workbench.app.picking.glance import Glance
 from workbench.app.runtime.bench import Bench

@@ -7,7 +7,10 @@ import pytest
 from raw_browser import sitting
 from waiting import wait_until
 
-from workbench.app.core.commands import FindParts, JobEnded, MakePlan, UseScan
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.page.server import serve
 from workbench.gui.plan.panel import PlanPanel

@@ -7,16 +7,13 @@ import pytest
 from filmed import filmed_of
 from waiting import wait_until
 
-from workbench.app.core.commands import (
-    Approve,
-    ChangeCell,
-    JobEnded,
-    SendPlan,
-    TakeScan,
-    TryEmptying,
-    UseScan,
-    WatchPlan,
-)
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live

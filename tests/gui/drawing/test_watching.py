@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import Approve, SendPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.calibration.panel import CalibrationPanel

@@ -9,7 +9,7 @@ import pytest
 
 import workbench.gui.grasps.coverage
 import workbench.gui.shared.visitor
-from workbench.app.core.commands import ChangeCell, UndoCell
+from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.people import Role
 from workbench.app.filling import fill_apart
 from workbench.app.filling.fill import Filled

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import ChangeCell, UndoCell
+from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.people import Role
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.offset import NONE, GraspOffset

@@ -13,10 +13,13 @@ from shown_page import CHOICE, FILE, TEXT, USED
 from sitter import PASSWORD, PEOPLE, sitting
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import FindParts, JobEnded, MakePlan, TakeScan, WatchPlan
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import StartJob
 from workbench.app.core.people import WORKER, Role
-from workbench.app.core.rights import RIGHTS
 from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal
@@ -177,7 +180,7 @@ def test_what_no_page_offers_is_not_done_and_leaves_no_trace(
     for command, actor, role in done:
         if actor in PEOPLE:
             assert role is PEOPLE[actor]
-            assert role.covers(RIGHTS[command].role), (command, actor)
+            assert role.covers(command.right.role), (command, actor)
     time.sleep(0.5)  # threads that were begun by the last messages
     written = "".join(capfd.readouterr()) + caplog.text
     assert "Traceback" not in written, written[written.index("Traceback") - 200 :][:3000]

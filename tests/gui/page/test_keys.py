@@ -8,16 +8,13 @@ import pytest
 from raw_browser import raw_browser
 from waiting import wait_until
 
-from workbench.app.core.commands import (
-    Approve,
-    FindParts,
-    JobEnded,
-    MakePlan,
-    NextStep,
-    SendPlan,
-    TakeScan,
-    WatchPlan,
-)
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import NextStep, SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import WORKER
 from workbench.app.core.state import Phase
 from workbench.gui.page.server import serve

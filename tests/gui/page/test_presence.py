@@ -2,7 +2,7 @@
 
 import pytest
 
-from workbench.app.core.commands import TakeControl
+from workbench.app.core.control import TakeControl
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.page.control import control_words
 from workbench.gui.page.presence import GRACE, Presence

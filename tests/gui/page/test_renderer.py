@@ -10,7 +10,8 @@ from raw_browser import raw_browser
 from waiting import wait_until
 
 import workbench.gui.page.server
-from workbench.app.core.commands import ChangeCell, TakeControl
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.control import TakeControl
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.page.renderer import _needs_other_controls

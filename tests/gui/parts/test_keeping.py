@@ -2,7 +2,10 @@
 
 import pytest
 
-from workbench.app.core.commands import FindParts, JobEnded, TakeControl, UseDetections, UseScan
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.app.records.cases import read_case
 from workbench.app.records.kept_cases import case_files

@@ -5,7 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.core.commands import FindParts, JobEnded, TakeControl, UseDetections, UseScan
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.live import Live
 from workbench.gui.parts.panel import PartsPanel

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from workbench.app.core.commands import MakePlan
+from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import Outline
 from workbench.gui.plan.panel import PlanPanel
 from workbench.gui.plan.views import outlines_html

@@ -4,7 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.core.commands import ChangeCell, FindParts, JobEnded, MakePlan, UseScan
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.fixing import make_fix_command
 from workbench.app.picking.pipeline import judge
 from workbench.gui.scene.fix_inputs import FixInputs

@@ -7,13 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from workbench.app.core.commands import (
-    FindParts,
-    JobEnded,
-    MakePlan,
-    TakeControl,
-    UseScan,
-)
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.app.picking.facts import nearest_place
 from workbench.app.runtime.live import Live

@@ -2,7 +2,10 @@
 
 import pytest
 
-from workbench.app.core.commands import FindParts, JobEnded, TakeControl, UseScan
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.gui.scene.searches import SearchInputs
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.core.commands import JobEnded
-from workbench.app.core.results import with_result
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.results import with_result
 from workbench.app.core.state import Job, Phase, State
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.shared import views

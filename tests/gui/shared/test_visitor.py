@@ -5,7 +5,10 @@ from types import SimpleNamespace
 import pytest
 
 import workbench.gui.shared.visitor
-from workbench.app.core.commands import MakePlan, SaveCell, TakeControl, TakeScan
+from workbench.app.core.cell.changes import SaveCell
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.shared.look import SharedLook
 from workbench.gui.shared.visitor import Visitor

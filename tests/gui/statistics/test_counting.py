@@ -5,7 +5,10 @@ from dataclasses import replace
 
 from waiting import PATIENCE
 
-from workbench.app.core.commands import FindParts, JobEnded, MakePlan, UseScan
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.review.history import History
 from workbench.gui.statistics.counting import Counted
 from workbench.gui.statistics.panel import WHOLE, StatisticsPanel

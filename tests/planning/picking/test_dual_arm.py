@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bending import with_leg
 
-from workbench.app.core.rules import approve
+from workbench.app.core.cycle.approval import approve
 from workbench.app.picking import pipeline
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove

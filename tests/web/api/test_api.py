@@ -11,7 +11,7 @@ import pytest
 import requests
 from waiting import PATIENCE
 
-from workbench.app.core.commands import JobEnded
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.people import NOBODY, WORKER, Person, Role
 from workbench.app.picking.proving import check
 from workbench.app.runtime.live import Live

@@ -7,7 +7,7 @@ import pytest
 import requests
 from aiohttp import web
 
-from workbench.app.core.commands import TakeControl
+from workbench.app.core.control import TakeControl
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.web.api import events

@@ -12,7 +12,9 @@ from asyncua import Client, ua
 from idle import Idle
 from waiting import PATIENCE
 
-from workbench.app.core.commands import Approve, TakeControl, WatchPlan
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal

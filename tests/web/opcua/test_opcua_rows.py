@@ -7,7 +7,8 @@ from canned import make_row
 from foreign_opcua import foreign
 from waiting import PATIENCE
 
-from workbench.app.core.commands import Approve, WatchPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase
 from workbench.gui.cycle.approval import row_of

@@ -10,7 +10,12 @@ from foreign_opcua import ROBOTICS, UA, Official, answer, begin, foreign
 from patient import PATIENT, in_threads
 from waiting import PATIENCE, wait_until
 
-from workbench.app.core.commands import Approve, FindParts, MakePlan, SendPlan, TakeScan, WatchPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.effects import Send, StopSending
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase

@@ -16,7 +16,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from foreign_opcua import foreign
 from waiting import PATIENCE
 
-from workbench.app.core.commands import ReleaseControl
+from workbench.app.core.control import ReleaseControl
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.bench import Bench
 from workbench.journal.journal import Journal

@@ -1,21 +1,99 @@
 """Who is in control: asked for, taken, handed over, given back."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
-from workbench.app.core.commands import (
-    AskForControl,
-    DenyControl,
-    GiveControl,
-    ReleaseControl,
-    TakeControl,
-)
-from workbench.app.core.people import MACHINES, Role
+from workbench.app.core.command import EVERY, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.ahead import given_up
+from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
-
-ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl
+from workbench.model.messages.message import all_of, as_message
+from workbench.model.messages.states import StateText
 
 MOST_ASKING = 20
 """People who have asked and wait for an answer."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AskForControl(Command):
+    """A person would like to be in control; who is may hand it over, or keep it."""
+
+    right: ClassVar[Right] = Right(
+        "asking for control", EVERY, beside_job=True, without_control=True
+    )
+
+    def check(self, state: State, asked: Asked) -> None:
+        refuse(control_problem(state, self, asked.actor, asked.role))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _waiting_for(state, with_control(state, self, entry.actor))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeControl(Command):
+    """A person is in control from now on: nobody was, or an engineer takes it over."""
+
+    right: ClassVar[Right] = Right("taking control", EVERY, beside_job=True, without_control=True)
+
+    def check(self, state: State, asked: Asked) -> None:
+        refuse(control_problem(state, self, asked.actor, asked.role))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _waiting_for(state, with_control(state, self, entry.actor))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GiveControl(Command):
+    """Hand control over to somebody who has asked for it."""
+
+    right: ClassVar[Right] = Right("handing control over", EVERY, beside_job=True)
+
+    to: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        refuse(control_problem(state, self, asked.actor, asked.role))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _waiting_for(state, with_control(state, self, entry.actor))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DenyControl(Command):
+    """Keep control: what `to` has asked for is answered with no."""
+
+    right: ClassVar[Right] = Right("keeping control", EVERY, beside_job=True)
+
+    to: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        refuse(control_problem(state, self, asked.actor, asked.role))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _waiting_for(state, with_control(state, self, entry.actor))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReleaseControl(Command):
+    """Nobody is in control any more.
+
+    `of` is whose it was when that person's last browser has gone, as the front door saw it;
+    empty: of the one who gives this.
+    """
+
+    right: ClassVar[Right] = Right(
+        "giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR
+    )
+
+    of: str = ""
+
+    def check(self, state: State, asked: Asked) -> None:
+        refuse(control_problem(state, self, asked.actor, asked.role))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _waiting_for(state, with_control(state, self, entry.actor))
+
+
+ControlCommand = AskForControl | TakeControl | GiveControl | DenyControl | ReleaseControl
 
 
 def control_problem(state: State, command: ControlCommand, actor: str, role: Role) -> str:
@@ -93,3 +171,15 @@ def with_control(state: State, command: ControlCommand, actor: str) -> State:
 def _held_by(state: State, name: str, message: str) -> State:
     asking = tuple(person for person in state.asking if person != name)
     return replace(state, control=name, asking=asking, message=message)
+
+
+def _waiting_for(before: State, after: State) -> Decision:
+    """The state after a word about control: nobody goes on in the name of who has given it away."""
+    if after.ahead is not None and after.control != before.control:
+        return given_up(after, "somebody else is in control, or nobody")
+    job = after.job
+    if job is None or job.then is None or after.control == before.control:
+        return after, ()
+    words = StateText.ENDS_AFTER_TASK()
+    message = all_of((as_message(after.message), words))
+    return replace(after, job=replace(job, then=None), message=message), ()

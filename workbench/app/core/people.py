@@ -1,5 +1,6 @@
 """People, and machines beside them: who asks for what, what they are there for, and control."""
 
+import unicodedata
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -45,36 +46,11 @@ class Person:
     role: Role
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AskForControl:
-    """A person would like to be in control; who is may hand it over, or keep it."""
+def is_same_person(first: str, second: str) -> bool:
+    """Whether two names are one: case, spaces and ways to write a letter make no other person."""
+    return fold_name(first) == fold_name(second)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TakeControl:
-    """A person is in control from now on: nobody was, or an engineer takes it over."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GiveControl:
-    """Hand control over to somebody who has asked for it."""
-
-    to: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DenyControl:
-    """Keep control: what `to` has asked for is answered with no."""
-
-    to: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ReleaseControl:
-    """Nobody is in control any more.
-
-    `of` is whose it was when that person's last browser has gone, as the front door saw it;
-    empty: of the one who gives this.
-    """
-
-    of: str = ""
+def fold_name(name: str) -> str:
+    """A name without what makes no other person of it."""
+    return " ".join(unicodedata.normalize("NFKC", name).casefold().split())

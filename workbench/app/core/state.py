@@ -2,10 +2,9 @@
 
 import dataclasses
 import enum
-from dataclasses import dataclass, field
-from typing import Any, cast
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, cast
 
-from workbench.app.core.commands import GoOn
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.calibration import PlateObservation
 from workbench.model.candidate import Candidate, Verdict
@@ -16,6 +15,9 @@ from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchOverrides
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
 
 
 class Phase(enum.StrEnum):
@@ -51,7 +53,7 @@ class Job:
     strategy: str = ""
     planning: PlanOverrides = field(default_factory=PlanOverrides)
     is_compared: bool = False
-    then: GoOn | None = field(default_factory=lambda: None, metadata=LATER)
+    then: "GoOn | None" = field(default_factory=lambda: None, metadata=LATER)
     arm: str = field(default_factory=str, metadata=LATER)
 
 
@@ -126,7 +128,7 @@ class Ahead:
     and when that came [s since the epoch].
     """
 
-    wanted: GoOn
+    wanted: "GoOn"
     brought: tuple[tuple[Job, Any, float], ...] = ()
 
 
@@ -314,3 +316,32 @@ def stale_by(state: State, by: str) -> str:
 def counted(number: int, noun: str) -> str:
     """So many of something, as sentences have it."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def without_approval(state: State) -> State:
+    """The state without approval: who asks for something newer takes back every vote given."""
+    phase = Phase.PLANNED if state.phase is Phase.APPROVED else state.phase
+    return replace(state, phase=phase, approval=None, votes=())
+
+
+def sent_for(state: State) -> SentFor | None:
+    """The plans of whose parts people can say what became of them; None where nothing was sent."""
+    return state.unscanned if state.plan is None else SentFor(plans_begun(state), state.outcomes)
+
+
+def before_a_scan(state: State) -> State:
+    """The state that remembers what was sent when its plan goes and no scan has come since."""
+    if state.phase not in (Phase.DONE, Phase.FAULT):
+        return state
+    return replace(state, unscanned=sent_for(state))
+
+
+def plans_begun(state: State) -> tuple[Plan, ...]:
+    """The plans that were sent, the one on its way among them."""
+    return state.plans[: len(state.sent_before) + 1]
+
+
+def row_said(state: State) -> str:
+    """The plan and those after it, for people."""
+    plan = "" if state.plan is None else state.plan.digest[:12]
+    return f"plan {plan}" + (f" and {len(state.row)} after it" if state.row else "")

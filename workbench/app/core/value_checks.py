@@ -10,9 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.core.people import MACHINES
+from workbench.app.core.state import State
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
+from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
 MOST_PARTS = 30
@@ -191,3 +193,20 @@ def check_cell(cell: Cell) -> None:
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
             raise CommandRefused(f"the home of the {arm.name} arm lies outside its limits")
+
+
+def named_plan(state: State, digest: str) -> Plan:
+    """The current plan, provided that it is the one meant.
+
+    Raises:
+        CommandRefused: there is none, or it is another one.
+    """
+    check_text("plan", digest)
+    if state.plan is None:
+        raise CommandRefused("there is no plan; make a plan first")
+    if state.plan.digest != digest:
+        raise CommandRefused(
+            f"the current plan is {state.plan.digest[:12]}, not {digest[:12]}: "
+            "look at the current one and decide again"
+        )
+    return state.plan

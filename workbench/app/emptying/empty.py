@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.app.core.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
+from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_PLACE
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.app.core.outcomes import MOST_FAILURES, SAME_PLACE
+from workbench.app.core.cycle.outcomes import MOST_FAILURES, SAME_PLACE
 from workbench.app.picking.pipeline import judge
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell

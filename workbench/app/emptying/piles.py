@@ -1,6 +1,6 @@
 """Piles emptied one after the other, with single changes of the cell where that is wanted."""
 
-from workbench.app.core.commands import TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.emptying.changes import changed
 from workbench.app.emptying.empty import emptied, fallen
 from workbench.app.emptying.film import Film, Filmed, Numbered, Shot

@@ -9,25 +9,17 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
-from workbench.app.core.commands import (
-    AcknowledgeChanges,
-    Approve,
-    Entry,
-    FindParts,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    NextStep,
-    SendPlan,
-    Sent,
-    Started,
-    Stop,
-    TakeScan,
-    WantThreshold,
-    WatchPlan,
-)
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent, Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import MACHINES
+from workbench.app.core.session import AcknowledgeChanges, Started
 from workbench.app.core.state import Phase, State, counted
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words

@@ -7,7 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.commands import Command, GoOn, LinkEnded, MakePlan, TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.app.picking.sightlines import sees_from

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from workbench.app.core.commands import ChangeCell, EditPart
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.state import State
 from workbench.model.errors import InputError
 from workbench.model.part_edits import grasp_of, with_grasp

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.app.core.commands import ImportPart
+from workbench.app.core.cell.making import ImportPart
 from workbench.formats.files.whole_files import uploaded
 from workbench.formats.meshes.cad_files import PLASTIC
 from workbench.formats.meshes.pieces import convex_pieces

@@ -1,6 +1,6 @@
 """From drawings to a tool that an arm can carry: made, and looked at on the arm."""
 
-from workbench.app.core.cell_changes import carrying
+from workbench.app.core.cell.making import carrying
 from workbench.formats.cells.drawn_tools import DrawnTool, made_of
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from workbench.app.core.release import is_same_person
+from workbench.app.core.people import is_same_person
 from workbench.journal.journal import Journal
 from workbench.model.digest import canonical
 from workbench.model.errors import CommandRefused, JournalError

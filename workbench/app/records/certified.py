@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from workbench.app.core.commands import JobEnded
-from workbench.app.core.reports import Started
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.session import Started
 from workbench.app.provenance.inventory import Inventory
 from workbench.app.records.forms import ReadFile, restored
 from workbench.app.records.record import SESSION, entry_of

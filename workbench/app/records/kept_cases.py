@@ -6,9 +6,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, get_args
 
-from workbench.app.core.commands import UseDetections
+from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.people import Role
-from workbench.app.core.rights import RIGHTS, lacks_right
+from workbench.app.core.rights import lacks_right
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import check_among, check_text
 from workbench.app.records.cases import Case, write_case
@@ -37,7 +37,7 @@ def keeping_problem(state: State, actor: str, role: Role) -> str:
 
     Whoever may correct what was found may keep it.
     """
-    wanted = RIGHTS[UseDetections].role
+    wanted = UseDetections.right.role
     if not role.covers(wanted):
         return f"keeping a case is for {wanted}s; you are {role.said}"
     if problem := lacks_right(state, UseDetections, actor, role):

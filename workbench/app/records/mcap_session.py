@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.commands import Entry, SendPlan
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.state import Phase, State
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import told

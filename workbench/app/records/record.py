@@ -9,15 +9,13 @@ import functools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any
 
 from workbench import __version__
-from workbench.app.core.commands import (
-    Command,
-    Entry,
-    JobEnded,
-    UseObservations,
-)
+from workbench.app.core import commands
+from workbench.app.core.command import Command, Entry
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.scanning import UseObservations
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
 from workbench.app.records.forms import Content, ReadFile, large_arrays, restored
@@ -45,8 +43,8 @@ Result = (
 SESSION = "Session"
 SESSION_FORMAT = "workbench-session/1"
 
-COMMANDS: Mapping[str, type] = {
-    **{kind.__name__: kind for kind in get_args(Command)},
+COMMANDS: Mapping[str, type[Command]] = {
+    **{kind.__name__: kind for kind in commands.COMMANDS},
     "UseSightings": UseObservations,
 }
 """The commands by their names on record; those of older sessions are among them."""

@@ -3,9 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from workbench.app.core.commands import Entry
-from workbench.app.core.decide import decide
-from workbench.app.core.rules import allowed
+from workbench.app.core.command import Entry
+from workbench.app.core.decide import allowed, decide
 from workbench.app.core.state import State
 from workbench.app.picking.facts import with_facts
 from workbench.app.records.record import check_session, entry_of, summary

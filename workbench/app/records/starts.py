@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from workbench.app.core.reports import Started
+from workbench.app.core.session import Started
 from workbench.app.provenance.inventory import Inventory, differences
 from workbench.app.records.forms import restored
 from workbench.journal.journal import DATABASE, Journal

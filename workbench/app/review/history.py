@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Never
 
-from workbench.app.core.commands import Command
+from workbench.app.core.command import Command
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
 from workbench.app.records.replay import replay

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from workbench.app.core.commands import JobEnded
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.decide import decide
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import State

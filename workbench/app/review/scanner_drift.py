@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.core.commands import Entry, LinkEnded
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import State
 from workbench.app.picking.pallets import at_rest
 from workbench.app.records.replay import replay

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from workbench.app.core.commands import Approve
+from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import InputError, JournalError

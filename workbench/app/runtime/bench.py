@@ -7,21 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from workbench.app.core.commands import (
-    Approve,
-    Command,
-    Entry,
-    JobEnded,
-    LinkEnded,
-    Opened,
-    SendPlan,
-    Started,
-    Stop,
-)
-from workbench.app.core.decide import decide
+from workbench.app.core.command import Command, Entry
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.decide import NOT_REPORTED, allowed, decide
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
-from workbench.app.core.rules import NOT_REPORTED, allowed
+from workbench.app.core.session import Opened, Started
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import check_installed, with_facts
 from workbench.app.records.record import CommandForm, command_form, entry_record

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, assert_never
 
-from workbench.app.core.commands import CellRead, JobEnded
+from workbench.app.core.cell.changes import CellRead
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.effects import (
     Effect,
     KeepDrafts,

@@ -4,7 +4,7 @@ import logging
 import threading
 from collections.abc import Callable
 
-from workbench.app.core.commands import Command
+from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.model.errors import CommandRefused, NotRecorded
 

@@ -9,9 +9,10 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from typing import cast
 
-from workbench.app.core.commands import Command, LinkEnded, Sent
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.sending import LinkEnded, Sent
+from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.release import moved_away
 from workbench.app.core.state import State
 from workbench.app.runtime.insisting import insist
 from workbench.model.cell import Cell

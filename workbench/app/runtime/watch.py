@@ -4,7 +4,7 @@ import logging
 import threading
 from pathlib import Path
 
-from workbench.app.core.commands import CellRead
+from workbench.app.core.cell.changes import CellRead
 from workbench.app.core.people import CELL_FILE
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import part_folders, read_cell

@@ -5,8 +5,10 @@ import threading
 import time
 from pathlib import Path
 
-from workbench.app.core.commands import Command, PosesRefused, UseDetections
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.people import POSES_FOLDER
+from workbench.app.core.session import PosesRefused
 from workbench.app.core.state import State, counted
 from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench

@@ -10,19 +10,13 @@ from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import Any, Literal
 
-from workbench.app.core.commands import (
-    CancelJob,
-    FindParts,
-    GoOn,
-    JobEnded,
-    LinkEnded,
-    MakePlan,
-    ReportPick,
-    SendPlan,
-    TakeScan,
-    UseDetections,
-    UseScan,
-)
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row

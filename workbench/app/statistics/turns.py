@@ -1,14 +1,16 @@
 """Entries of a session one cycle after the other, also where two of them overlap.
 
-What is worked on for the next cycle while a plan is sent (`app.core.ahead`) is held back until that
-plan has ended, and told then if it has become the next cycle's; else it is told not at all.
+What is worked on for the next cycle while a plan is sent (`app.core.cycle.ahead`) is held back
+until that plan has ended.  It is listed then if it has become the next cycle's, else not at all.
 """
 
 import json
 from collections.abc import Collection, Iterator
 from typing import Any
 
-from workbench.app.core.commands import CancelJob, GoOn, JobEnded, LinkEnded, Sent
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.sending import LinkEnded, Sent
 from workbench.journal.journal import Row
 
 Told = tuple[str, int, Any]

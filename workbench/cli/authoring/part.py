@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.core.cell_changes import DENSITIES
+from workbench.app.core.cell.making import DENSITIES
 from workbench.app.picking.part_import import MadePart, make_part, symmetry_words
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartImport, PartList

@@ -8,7 +8,8 @@ from collections.abc import Hashable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from workbench.app.core.commands import Command, JobEnded
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.effects import Effect, StartJob
 from workbench.app.core.people import WORKER
 from workbench.app.core.state import State

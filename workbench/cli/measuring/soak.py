@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.core.commands import AcknowledgeFault, LinkEnded, SendPlan, TakeScan
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.records.sessions import new_session

@@ -4,7 +4,7 @@ import sys
 import threading
 from collections.abc import Mapping, Sequence
 
-from workbench.app.core.release import moved_away
+from workbench.app.core.cycle.standing import moved_away
 from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell

@@ -4,18 +4,16 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any
 
-from workbench.app.core.commands import (
-    Approve,
-    Command,
-    FindParts,
-    GoOn,
-    MakePlan,
-    SendPlan,
-    TakeScan,
-    WatchPlan,
-)
-from workbench.app.core.release import moved_away
-from workbench.app.core.reports import Started
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.standing import moved_away
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.session import Started
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.provenance.gathering import inventory

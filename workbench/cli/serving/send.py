@@ -8,8 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from workbench.app.core.release import left_on_station, moved_away
-from workbench.app.core.rules import approve, check_approvable
+from workbench.app.core.cycle.approval import approve, check_approvable
+from workbench.app.core.cycle.standing import left_on_station, moved_away
 from workbench.app.picking.proving import adopted
 from workbench.app.picking.row import prove_row
 from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord

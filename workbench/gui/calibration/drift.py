@@ -9,7 +9,8 @@ from functools import partial
 import numpy as np
 import viser
 
-from workbench.app.core.commands import ChangeCell, Command
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.command import Command
 from workbench.app.core.state import State, counted
 from workbench.app.records.session_archive import sessions_in
 from workbench.app.runtime.bench import Bench

@@ -7,7 +7,9 @@ import numpy as np
 import viser
 
 from workbench.app.calibration.calibration import calibrated, with_calibration
-from workbench.app.core.commands import ChangeCell, Command, SaveCell, SightPlate, UseObservations
+from workbench.app.core.cell.changes import ChangeCell, SaveCell
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.drift import DriftGroup
 from workbench.gui.help.groups import group

@@ -6,7 +6,7 @@ from functools import partial
 
 import viser
 
-from workbench.app.core.commands import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View

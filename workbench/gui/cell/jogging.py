@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import viser
 
-from workbench.app.core.commands import ChangeCell, Command, TakeScan
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase
 from workbench.gui.cell.jog import led
 from workbench.gui.cell.views import contacts_html

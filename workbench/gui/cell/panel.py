@@ -7,7 +7,8 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.app.core.commands import ChangeCell, RedoCell, SaveCell, TakeScan, UndoCell
+from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, UndoCell
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.gui.cell.jogging import JogControls
 from workbench.gui.cell.tool_upload import ToolUpload
 from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html

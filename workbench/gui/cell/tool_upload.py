@@ -3,7 +3,8 @@
 import numpy as np
 import viser
 
-from workbench.app.core.commands import AddTool, Command
+from workbench.app.core.cell.making import AddTool
+from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.formats.cells.drawn_tools import Drawing, DrawnTool, SuctionLip, TwoFingers
 from workbench.gui.shared.things import ANGLES, typed_pose

@@ -8,8 +8,7 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import Approve
-from workbench.app.core.release import standing_votes
+from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.state import State
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.scene.nearest import PlanLinks

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
-from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
+from workbench.app.core.cycle.approval import standing_votes
+from workbench.app.core.cycle.standing import moved_away
+from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Phase, State, counted
 from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificate_row, free_words, straight_words

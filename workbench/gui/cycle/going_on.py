@@ -8,7 +8,10 @@ from collections.abc import Callable
 
 import viser
 
-from workbench.app.core.commands import FindParts, GoOn, MakePlan, TakeScan
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.gui.shared.look import View

@@ -2,9 +2,9 @@
 
 import viser
 
-from workbench.app.core.commands import Command, ReportPick
-from workbench.app.core.outcomes import parts_sent_for, sent_for
-from workbench.app.core.state import Outcome
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.outcomes import ReportPick, parts_sent_for
+from workbench.app.core.state import Outcome, sent_for
 from workbench.app.core.value_checks import LONGEST_TEXT
 from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View

@@ -6,17 +6,15 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import (
-    Approve,
-    ChangeCell,
-    Command,
-    FindParts,
-    MakePlan,
-    SendPlan,
-    Stop,
-    TakeScan,
-)
-from workbench.app.core.release import NOT_PLAYED, moved_away, standing_votes
+from workbench.app.core.cell.changes import ChangeCell
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.approval import Approve, standing_votes
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.cycle.standing import moved_away
+from workbench.app.core.cycle.watching import NOT_PLAYED
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of

@@ -4,7 +4,8 @@ from html import escape
 
 import viser
 
-from workbench.app.core.commands import Command, ShortenRow
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.state import Phase, State, counted
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short

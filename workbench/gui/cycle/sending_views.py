@@ -1,6 +1,6 @@
 """How far a sending is: by the steps that the robot reports, not by the messages that went out."""
 
-from workbench.app.core.outcomes import step_reported
+from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.views import line, sentence
 

@@ -2,7 +2,7 @@
 
 import viser
 
-from workbench.app.core.commands import NextStep
+from workbench.app.core.cycle.sending import NextStep
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor

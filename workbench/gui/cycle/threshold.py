@@ -8,8 +8,8 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import WantThreshold
-from workbench.app.core.outcomes import avoided_parts
+from workbench.app.core.cycle.outcomes import avoided_parts
+from workbench.app.core.cycle.planning import WantThreshold
 from workbench.app.core.state import State
 from workbench.gui.scene.slider_drag import SliderDrag
 from workbench.gui.shared.views import forecast_line, line

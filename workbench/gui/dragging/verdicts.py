@@ -8,7 +8,7 @@ from typing import Any
 
 import pinocchio as pin
 
-from workbench.app.core.outcomes import avoided_parts
+from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import State
 from workbench.app.picking.glance import Glance
 from workbench.app.runtime.bench import Bench

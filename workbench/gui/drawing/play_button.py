@@ -2,8 +2,7 @@
 
 import viser
 
-from workbench.app.core.commands import WatchPlan
-from workbench.app.core.release import unwatched
+from workbench.app.core.cycle.watching import WatchPlan, unwatched
 from workbench.app.core.state import Phase, State
 from workbench.gui.drawing.in_view import hidden_words
 from workbench.gui.shared.look import View

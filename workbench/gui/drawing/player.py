@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Mapping
 
-from workbench.app.core.commands import WatchPlan
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Person
 from workbench.app.core.state import Phase, State
 from workbench.app.review.history import History

@@ -6,7 +6,8 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import Command, TryEmptying
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES, SEED_LIMIT
 from workbench.app.emptying.summary import summary

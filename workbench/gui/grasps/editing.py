@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import pinocchio as pin
 
-from workbench.app.core.commands import EditPart
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.picking.glance import Change
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool

@@ -5,7 +5,7 @@ import threading
 
 import viser
 
-from workbench.app.core.commands import EditPart
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor

@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import EditPart
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import (
     MOST_SUGGESTIONS,

@@ -6,7 +6,8 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import DropDraft, SaveCell
+from workbench.app.core.cell.changes import SaveCell
+from workbench.app.core.cell.part_edits import DropDraft
 from workbench.app.core.state import State, counted
 from workbench.app.picking.part_import import PARTS
 from workbench.formats.parts.grasp_words import changes_in_words

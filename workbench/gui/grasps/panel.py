@@ -8,7 +8,8 @@ import numpy as np
 import pinocchio as pin
 import viser
 
-from workbench.app.core.commands import EditPart, RedoCell, UndoCell
+from workbench.app.core.cell.changes import RedoCell, UndoCell
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.statistics.grasp_use import NO_USES, Uses
 from workbench.gui.grasps.copies import GraspCopies
 from workbench.gui.grasps.coverage import CoverageControls

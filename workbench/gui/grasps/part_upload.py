@@ -2,7 +2,8 @@
 
 import viser
 
-from workbench.app.core.commands import Command, ImportPart
+from workbench.app.core.cell.making import ImportPart
+from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.formats.parts.new_part import PLASTIC
 from workbench.gui.shared.views import line

@@ -7,7 +7,7 @@ import pinocchio as pin
 import viser
 from viser._messages import HotkeyKey
 
-from workbench.app.core.commands import EditPart
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import dragged_html

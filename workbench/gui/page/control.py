@@ -2,9 +2,9 @@
 
 import viser
 
-from workbench.app.core.commands import (
+from workbench.app.core.command import Command
+from workbench.app.core.control import (
     AskForControl,
-    Command,
     DenyControl,
     GiveControl,
     ReleaseControl,

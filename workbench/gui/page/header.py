@@ -2,7 +2,9 @@
 
 import viser
 
-from workbench.app.core.commands import AcknowledgeChanges, AcknowledgeFault, CancelJob
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.outcomes import AcknowledgeFault
+from workbench.app.core.session import AcknowledgeChanges
 from workbench.app.core.state import Phase, State
 from workbench.gui.cycle.sending_views import share_sent
 from workbench.gui.page.control import ControlStrip

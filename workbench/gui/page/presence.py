@@ -2,7 +2,7 @@
 
 import logging
 
-from workbench.app.core.commands import ReleaseControl, TakeControl
+from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.people import FRONT_DOOR, NOBODY, Person, Role
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import CommandRefused

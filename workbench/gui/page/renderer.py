@@ -10,7 +10,7 @@ from pathlib import Path
 
 import viser
 
-from workbench.app.core.commands import TakeScan
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import bin_check_of
 from workbench.app.review.history import History

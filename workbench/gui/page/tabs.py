@@ -4,8 +4,8 @@ import logging
 from collections.abc import Callable
 from functools import partial
 
-from workbench.app.core.commands import EditPart, SightPlate
-from workbench.app.core.rights import RIGHTS
+from workbench.app.core.cell.part_edits import EditPart
+from workbench.app.core.cycle.scanning import SightPlate
 from workbench.app.review.history import History
 from workbench.gui.calibration.panel import CalibrationPanel
 from workbench.gui.candidates.panel import CandidatesPanel
@@ -46,9 +46,9 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
         ("Statistics", lambda: StatisticsPanel(visitor)),
     ]
     # Nothing in these is for anybody else, ever; the others are worth looking at.
-    if visitor.person.role.covers(RIGHTS[EditPart].role):
+    if visitor.person.role.covers(EditPart.right.role):
         made.insert(5, ("Grasps", lambda: GraspsPanel(visitor)))
-    if visitor.person.role.covers(RIGHTS[SightPlate].role):
+    if visitor.person.role.covers(SightPlate.right.role):
         made.insert(-1, ("Calibration", lambda: CalibrationPanel(visitor)))
     if isinstance(bench, History):
         made.insert(0, ("Recorded", lambda: RecordedPanel(visitor, bench)))

@@ -7,7 +7,10 @@ from typing import Any
 import pinocchio as pin
 import viser
 
-from workbench.app.core.commands import Command, ForgetAvoided, TakeScan, UseDetections, UseScan
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.outcomes import ForgetAvoided
+from workbench.app.core.cycle.parts import UseDetections
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.state import counted
 from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs

@@ -4,8 +4,7 @@ import math
 
 import viser
 
-from workbench.app.core.commands import MakePlan
-from workbench.app.core.results import MOST_OUTLINES
+from workbench.app.core.cycle.planning import MOST_OUTLINES, MakePlan
 from workbench.app.core.state import State
 from workbench.gui.drawing.play_button import PlayButton, play_problem
 from workbench.gui.plan.curves import doing, lanes_html, now_html, plots_of

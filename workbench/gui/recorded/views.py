@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-from workbench.app.core.rights import RIGHTS
 from workbench.app.core.state import Phase, State
 from workbench.app.records.record import COMMANDS
 from workbench.app.review.history import Moment
@@ -46,7 +45,7 @@ def events_of(
             continue
         is_more = moment.kind in MANY and moment.kind == before
         first = found.pop().first if is_more else number
-        what = sentence(RIGHTS[COMMANDS[moment.kind]].says)
+        what = sentence(COMMANDS[moment.kind].right.says)
         is_fault = state.phase is Phase.FAULT
         says = state.fault if is_fault else said(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))

@@ -2,7 +2,7 @@
 
 import viser
 
-from workbench.app.core.commands import EmptyPallets
+from workbench.app.core.cell.changes import EmptyPallets
 from workbench.app.core.state import Phase
 from workbench.app.picking.pallets import pallets_of
 from workbench.gui.shared.link_views import link_html

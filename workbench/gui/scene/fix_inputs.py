@@ -2,7 +2,8 @@
 
 import viser
 
-from workbench.app.core.commands import EditPart, UndoCell
+from workbench.app.core.cell.changes import UndoCell
+from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.picking.fixing import make_fix_command
 from workbench.gui.shared.look import NO_HELP, Help, View
 from workbench.gui.shared.visitor import Visitor

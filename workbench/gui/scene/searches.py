@@ -6,7 +6,9 @@ from html import escape
 import numpy as np
 import viser
 
-from workbench.app.core.commands import Command, FindParts, TakeScan, UseDetections
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.parts import FindParts, UseDetections
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
 from workbench.gui.scene.meets import add_body

@@ -9,8 +9,10 @@ import time
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from workbench.app.core.commands import FindParts, MakePlan, TakeScan
-from workbench.app.core.results import is_failure
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.results import is_failure
+from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View

@@ -9,10 +9,13 @@ from typing import Any, Literal, Protocol
 import viser
 from viser._messages import HotkeyKey
 
-from workbench.app.core.commands import Approve, Command, TakeScan, WatchPlan
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.decide import NOT_REPORTED, allowed
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.core.rights import lacks_right, obstacle
-from workbench.app.core.rules import NOT_REPORTED, allowed
 from workbench.app.core.state import Phase, State
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench

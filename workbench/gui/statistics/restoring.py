@@ -11,7 +11,7 @@ from typing import Any
 
 import viser
 
-from workbench.app.core.commands import ChangeCell
+from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.state import State
 from workbench.app.records.keeping import KINDS, write_backup
 from workbench.app.records.restoring import Thing, look_apart, restore_apart

@@ -39,6 +39,7 @@ class StateText(Text, subject="state"):
     NOT_PROVEN = "a plan was found, but its proof does not hold: {violation}"
     NO_PROOF = "a plan was found, but it has no proof"
     PLAN_READY = "plan ready: {strategy}, {cycle:s}, minimum clearance {clearance:mm}"
+    NOTE = "{person} notes: {text}"
     MORE_PLANS = "{count} more {count:plan|plans} in a row after it"
 
 

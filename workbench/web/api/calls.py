@@ -4,7 +4,27 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
-from workbench.app.core import commands
+from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
+from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.command import Command
+from workbench.app.core.control import (
+    AskForControl,
+    DenyControl,
+    GiveControl,
+    ReleaseControl,
+    TakeControl,
+)
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan, WantThreshold
+from workbench.app.core.cycle.rows import ShortenRow
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
     DETAIL,
     LARGEST_MARGIN,
@@ -38,9 +58,9 @@ class Call:
     kind: type
     fields: tuple[Field, ...] = ()
     begins: bool = False
-    make: Callable[[Values], commands.Command] | None = None
+    make: Callable[[Values], Command] | None = None
 
-    def command(self, values: Values) -> commands.Command:
+    def command(self, values: Values) -> Command:
         """The command that a body with these values gives."""
         return self.kind(**values) if self.make is None else self.make(values)
 
@@ -78,19 +98,19 @@ TO = Field("to", "name of somebody who has asked for control", _text(LONGEST_NAM
 OVERRIDES = ("planner", "order", "iterations", "margin", "metric", "picks")
 
 
-def _localize(values: Values) -> commands.FindParts:
+def _localize(values: Values) -> FindParts:
     overrides = SearchOverrides(values["detail"], values["least_score"])
-    return commands.FindParts(values["seed"], overrides)
+    return FindParts(values["seed"], overrides)
 
 
-def _plan(values: Values) -> commands.MakePlan:
+def _plan(values: Values) -> MakePlan:
     overrides = PlanOverrides(**{key: values[key] for key in OVERRIDES})
-    return commands.MakePlan(values["strategy"], values["threshold"], values["seed"], overrides)
+    return MakePlan(values["strategy"], values["threshold"], values["seed"], overrides)
 
 
-def _emptying(values: Values) -> commands.Command:
+def _emptying(values: Values) -> Command:
     kinds, changes = values["part"], values["changes"]
-    return commands.TryEmptying(
+    return TryEmptying(
         () if kinds in ("", ALL_KINDS) else tuple(kinds.split(TOGETHER)),
         values["parts"],
         values["piles"],
@@ -100,30 +120,30 @@ def _emptying(values: Values) -> commands.Command:
     )
 
 
-def _go_on(values: Values) -> commands.Command:
-    scan = commands.TakeScan(values["seed"], values["parts"])
-    return commands.GoOn(scan, _localize(values), _plan(values))
+def _go_on(values: Values) -> Command:
+    scan = TakeScan(values["seed"], values["parts"])
+    return GoOn(scan, _localize(values), _plan(values))
 
 
 def _row(values: Values) -> tuple[str, ...]:
     return tuple(filter(None, values["row"].split(TOGETHER)))
 
 
-def _shorten(values: Values) -> commands.Command:
-    return commands.ShortenRow(values["plan"], values["picks"])
+def _shorten(values: Values) -> Command:
+    return ShortenRow(values["plan"], values["picks"])
 
 
-def _watch(values: Values) -> commands.Command:
-    return commands.WatchPlan(values["plan"], is_told=True, row=_row(values))
+def _watch(values: Values) -> Command:
+    return WatchPlan(values["plan"], is_told=True, row=_row(values))
 
 
-def _plan_digest(kind: type) -> Callable[[Values], commands.Command]:
+def _plan_digest(kind: type) -> Callable[[Values], Command]:
     return lambda values: kind(values["plan"])
 
 
-def _approve(values: Values) -> commands.Command:
+def _approve(values: Values) -> Command:
     manner = values["speed_share"], values["is_stepped"]
-    return commands.Approve(values["plan"], *manner, _row(values))
+    return Approve(values["plan"], *manner, _row(values))
 
 
 SCAN_FIELDS = (SEED, Field("parts", "in the simulated pile", _whole(1, MOST_PARTS), 2))
@@ -162,11 +182,11 @@ PLAN_FIELDS = (
 )
 
 CALLS: tuple[Call, ...] = (
-    Call("/scan", "Take a scan.", commands.TakeScan, SCAN_FIELDS, begins=True),
+    Call("/scan", "Take a scan.", TakeScan, SCAN_FIELDS, begins=True),
     Call(
         "/localize",
         "Find the parts in the scan.",
-        commands.FindParts,
+        FindParts,
         FIND_FIELDS,
         begins=True,
         make=_localize,
@@ -174,7 +194,7 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/plan",
         "Judge all candidates, make a plan and prove it.",
-        commands.MakePlan,
+        MakePlan,
         PLAN_FIELDS,
         begins=True,
         make=_plan,
@@ -182,7 +202,7 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/emptying",
         "Empty piles in simulation, in the cell as it is; no robot moves.",
-        commands.TryEmptying,
+        TryEmptying,
         (
             Field(
                 "part",
@@ -214,7 +234,7 @@ CALLS: tuple[Call, ...] = (
         "/go-on",
         "When a cycle has ended, or beside its end: scan, find and plan, each after the other; "
         "a person approves.",
-        commands.GoOn,
+        GoOn,
         # One seed for all of it.
         (*SCAN_FIELDS, *FIND_FIELDS[1:], *PLAN_FIELDS[1:]),
         begins=True,
@@ -223,13 +243,13 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/threshold",
         "Want another threshold; a plan made with the one before is stale.",
-        commands.WantThreshold,
+        WantThreshold,
         (Field("threshold", "[m]", _number(0.0, 1.0)),),
     ),
     Call(
         "/row",
         "Carry out only so many plans of the row; a larger number brings back what was left out.",
-        commands.ShortenRow,
+        ShortenRow,
         (PLAN, Field("picks", "plans in all, the first one among them", _whole(1, MOST_PICKS))),
         make=_shorten,
     ),
@@ -237,14 +257,14 @@ CALLS: tuple[Call, ...] = (
         "/watch",
         "Say that the plan was played to its end before whoever asks, and those after it; it is "
         "on record as told.",
-        commands.WatchPlan,
+        WatchPlan,
         (PLAN, ROW),
         make=_watch,
     ),
     Call(
         "/approve",
         "Approve the plan and those after it: a person's vote.",
-        commands.Approve,
+        Approve,
         (
             PLAN,
             ROW,
@@ -256,34 +276,34 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/send",
         "Send the approved plan to the robot, which moves then, and those after it in their turn.",
-        commands.SendPlan,
+        SendPlan,
         (PLAN,),
-        make=_plan_digest(commands.SendPlan),
+        make=_plan_digest(SendPlan),
         begins=True,
     ),
     Call(
         "/step",
         "Let the step run that the robot waits before, of a plan that is sent step by step.",
-        commands.NextStep,
+        NextStep,
         (Field("number", "of the step, from 1 on", _whole(0, SEED_LIMIT - 1)),),
     ),
-    Call("/stop", "Send nothing more and close the link.", commands.Stop),
-    Call("/cancel", "End the running task.", commands.CancelJob),
+    Call("/stop", "Send nothing more and close the link.", Stop),
+    Call("/cancel", "End the running task.", CancelJob),
     Call(
         "/acknowledge",
         "Say that the fault was seen and the cell cleared.",
-        commands.AcknowledgeFault,
+        AcknowledgeFault,
     ),
     Call(
         "/acknowledge-changes",
         "Say that what has changed since the start before was seen; an engineer's word.",
-        commands.AcknowledgeChanges,
+        AcknowledgeChanges,
         (RAN,),
     ),
     Call(
         "/report",
         "Say what became of a part of the plan.",
-        commands.ReportPick,
+        ReportPick,
         (
             Field(
                 "detection",
@@ -297,35 +317,41 @@ CALLS: tuple[Call, ...] = (
     Call(
         "/forget-avoided",
         "Avoid no part any more because its pick has failed.",
-        commands.ForgetAvoided,
+        ForgetAvoided,
     ),
     Call(
         "/empty-pallets",
         "Say that what was put down has been taken away.",
-        commands.EmptyPallets,
+        EmptyPallets,
     ),
-    Call("/cell/undo", "Take back the last change.", commands.UndoCell),
-    Call("/cell/redo", "Take back the last undo.", commands.RedoCell),
+    Call(
+        "/note",
+        "Write into the session what somebody saw or did at the cell.",
+        WriteNote,
+        (Field("text", "the note", _text(LONGEST_TEXT)),),
+    ),
+    Call("/cell/undo", "Take back the last change.", UndoCell),
+    Call("/cell/redo", "Take back the last undo.", RedoCell),
     Call(
         "/cell/save",
         "Write the changes of the cell and its parts to their files.",
-        commands.SaveCell,
+        SaveCell,
         (Field("remark", "why it was changed", _text(LONGEST_TEXT), ""),),
     ),
-    Call("/control/ask", "Ask for control.", commands.AskForControl),
-    Call("/control/take", "Take control.", commands.TakeControl),
+    Call("/control/ask", "Ask for control.", AskForControl),
+    Call("/control/take", "Take control.", TakeControl),
     Call(
         "/control/give",
         "Hand control over to somebody who has asked.",
-        commands.GiveControl,
+        GiveControl,
         (TO,),
     ),
     Call(
         "/control/deny",
         "Keep control, though somebody has asked.",
-        commands.DenyControl,
+        DenyControl,
         (TO,),
     ),
-    Call("/control/release", "Give control back.", commands.ReleaseControl),
+    Call("/control/release", "Give control back.", ReleaseControl),
 )
 """Commands that come with files or poses, and those of the page's editors, are not here."""

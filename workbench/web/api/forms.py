@@ -4,9 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.app.core.outcomes import sent_for
-from workbench.app.core.rows import plans_sent
-from workbench.app.core.state import State
+from workbench.app.core.cycle.rows import plans_sent
+from workbench.app.core.state import State, sent_for
 from workbench.app.core.value_checks import strategies_of
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked

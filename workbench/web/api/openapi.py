@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from workbench import __version__
-from workbench.app.core.rights import RIGHTS
 from workbench.web.api import schemas
 from workbench.web.api.calls import CALLS, Call
 from workbench.web.api.events import STREAM
@@ -84,7 +83,7 @@ def _events() -> Description:
 
 
 def _call(call: Call) -> Description:
-    right = RIGHTS[call.kind]
+    right = call.kind.right
     status = "202" if call.begins else "200"
     done = {
         "description": "begun; see /jobs/current" if call.begins else "done",

@@ -14,9 +14,10 @@ from typing import Any
 
 from aiohttp import web
 
-from workbench.app.core.commands import Approve, Stop, WatchPlan
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.sending import Stop
+from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY, Person
-from workbench.app.core.rights import RIGHTS
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.json_pieces import encoded
 from workbench.model.errors import NotAllowed, WorkbenchError
@@ -145,7 +146,7 @@ class Api:
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
         """Give a command in the name of who asks."""
         if person.name == NOBODY and call.kind in NAMED:
-            raise NotAllowed(f"{RIGHTS[call.kind].says} needs a name: log in as somebody")
+            raise NotAllowed(f"{call.kind.right.says} needs a name: log in as somebody")
         content = await _body(request)
         if isinstance(content, web.Response):
             return content
@@ -167,7 +168,7 @@ class Api:
     async def me(self, request: web.Request, person: Person) -> web.Response:
         """Answer who asks."""
         del request
-        may = [call.path for call in CALLS if person.role.covers(RIGHTS[call.kind].role)]
+        may = [call.path for call in CALLS if person.role.covers(call.kind.right.role)]
         return _json({"name": person.name, "role": str(person.role), "may": may})
 
     async def listen(self, request: web.Request, person: Person) -> web.StreamResponse:

@@ -6,7 +6,15 @@ from typing import Any
 
 from asyncua import ua
 
-from workbench.app.core import commands
+from workbench.app.core.command import Command
+from workbench.app.core.control import ReleaseControl, TakeControl
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +41,7 @@ class Method:
     """A command by its name; `make` makes it of the arguments."""
 
     name: str
-    make: Callable[[Sequence[Any]], commands.Command]
+    make: Callable[[Sequence[Any]], Command]
     arguments: tuple[Argument, ...] = ()
 
 
@@ -46,40 +54,40 @@ STRATEGY = Argument(
 THRESHOLD = Argument("Threshold", ua.VariantType.Double, "[m]")
 
 METHODS: tuple[Method, ...] = (
-    Method("Scan", lambda given: commands.TakeScan(given[0], given[1]), (SEED, PARTS)),
-    Method("FindParts", lambda given: commands.FindParts(given[0]), (SEED,)),
+    Method("Scan", lambda given: TakeScan(given[0], given[1]), (SEED, PARTS)),
+    Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
     Method(
         "MakePlan",
-        lambda given: commands.MakePlan(given[1], given[2], given[0]),
+        lambda given: MakePlan(given[1], given[2], given[0]),
         (SEED, STRATEGY, THRESHOLD),
     ),
     Method(
         "Send",
-        lambda given: commands.SendPlan(given[0]),
+        lambda given: SendPlan(given[0]),
         (Argument("Plan", ua.VariantType.String, "digest of the approved plan"),),
     ),
     Method(
         "GoOn",
-        lambda given: commands.GoOn(
-            commands.TakeScan(given[0], given[1]),
-            commands.FindParts(given[0]),
-            commands.MakePlan(given[2], given[3], given[0]),
+        lambda given: GoOn(
+            TakeScan(given[0], given[1]),
+            FindParts(given[0]),
+            MakePlan(given[2], given[3], given[0]),
         ),
         (SEED, PARTS, STRATEGY, THRESHOLD),
     ),
-    Method("Stop", lambda given: commands.Stop()),
-    Method("Cancel", lambda given: commands.CancelJob()),
-    Method("Acknowledge", lambda given: commands.AcknowledgeFault()),
+    Method("Stop", lambda given: Stop()),
+    Method("Cancel", lambda given: CancelJob()),
+    Method("Acknowledge", lambda given: AcknowledgeFault()),
     Method(
         "Report",
-        lambda given: commands.ReportPick(given[0], given[1], given[2]),
+        lambda given: ReportPick(given[0], given[1], given[2]),
         (
             Argument("Detection", ua.VariantType.UInt32, "index of the part in the plan"),
             Argument("IsPicked", ua.VariantType.Boolean, "whether it was"),
             Argument("Why", ua.VariantType.String, "what is known about a failure"),
         ),
     ),
-    Method("TakeControl", lambda given: commands.TakeControl()),
-    Method("ReleaseControl", lambda given: commands.ReleaseControl()),
+    Method("TakeControl", lambda given: TakeControl()),
+    Method("ReleaseControl", lambda given: ReleaseControl()),
 )
 """Approvals are not here: they are a person's."""

@@ -5,9 +5,9 @@ from typing import Any
 
 from asyncua import ua
 
-from workbench.app.core.commands import GoOn
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.rights import obstacle
-from workbench.app.core.rows import plans_sent
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import strategies_of
 from workbench.app.runtime.live import Live

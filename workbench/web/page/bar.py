@@ -7,7 +7,7 @@ the scene hangs.
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from workbench.app.core.commands import Stop
+from workbench.app.core.cycle.sending import Stop
 from workbench.app.core.people import Person
 from workbench.app.core.rights import lacks_right, obstacle
 from workbench.app.core.state import Phase, State

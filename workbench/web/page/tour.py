@@ -6,10 +6,10 @@ hears from here, and from nothing that was pressed.
 
 from collections.abc import Sequence
 
-from workbench.app.core.commands import SendPlan, TakeScan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan
+from workbench.app.core.cycle.watching import unwatched
 from workbench.app.core.people import Person
-from workbench.app.core.release import unwatched
-from workbench.app.core.rights import RIGHTS
 from workbench.app.core.state import Phase, State
 from workbench.web.http.origins import is_loopback
 
@@ -41,7 +41,7 @@ def tour_of(state: State, person: Person) -> Sequence[str] | None:
     """
     cell = state.cell
     is_simulated = cell.scanner.source == "simulated" and is_loopback(cell.controller.host)
-    may = all(person.role.covers(RIGHTS[command].role) for command in (TakeScan, SendPlan))
+    may = all(person.role.covers(command.right.role) for command in (TakeScan, SendPlan))
     return steps_done(state, person) if is_simulated and may else None
 
 

@@ -1,86 +1,126 @@
 """What a sending brings, what became of the parts, and which are left alone for a while after."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
-from workbench.app.core.commands import LinkEnded, ReportPick
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.people import ROBOT_LINK
-from workbench.app.core.state import Avoided, Outcome, Phase, SentFor, State, counted
+from workbench.app.core.state import (
+    Avoided,
+    Outcome,
+    Phase,
+    ScanState,
+    State,
+    before_a_scan,
+    begun,
+    counted,
+    plans_begun,
+    sent_for,
+)
+from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
+from workbench.model.digest import LATER
+from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, number_in, parts_taken
-from workbench.model.release import PartReport, Receipt
+from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
 AVOID_SCANS = 3
 """For so many further scans a part is left alone after its pick has failed."""
 
+
 AVOID_MINUTES = 10.0
+
 
 SAME_PLACE = 0.015
 """[m] A part found this near to where a pick has failed is taken for the same one."""
+
 
 MOST_FAILURES = 3
 """So many failed picks in a row stop the cycle until somebody has looked."""
 
 
-def with_receipt(state: State, receipt: Receipt) -> State:
-    """The state after one more message went out."""
-    state = replace(state, receipts=(*state.receipts, receipt))
-    steps = () if state.plan is None else state.plan.sequence
-    if state.plan is not None and 0 < receipt.waits == state.let + 1 <= len(steps):
-        message = f"the robot waits before {step_said(state.plan, receipt.waits)}"
-        return replace(state, waits=receipt.waits, message=message)
-    if state.let:
-        # What is told of a step is who has let it run.
-        return state
-    step = step_reported(state)
-    if state.plan is not None and 0 < step <= len(steps):
-        return replace(state, message=f"the robot runs {step_said(state.plan, step)}")
-    return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+@dataclass(frozen=True, slots=True, eq=False)
+class SendingEnd:
+    """How a sending has ended.  `fault` is empty when the controller reported the end.
 
-
-def step_reported(state: State) -> int:
-    """The step that the robot has reported last, to run or to wait before it, counted from 1.
-
-    0 where it has reported none, as links do that know no steps.
+    `parts` says of each part of the plan what the controller told of it; `placed` are the parts
+    that lie on pallets now, or may lie there, None as long as nobody has worked that out.
+    `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
     """
-    return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
+
+    fault: str = ""
+    parts_placed: int = 0
+    parts: tuple[PartReport, ...] = ()
+    placed: tuple[Detection, ...] | None = None
+    row_ends: str = field(default_factory=str, metadata=LATER)
 
 
-def step_said(plan: Plan, number: int) -> str:
-    """A step of a plan, counted from 1, for people."""
-    return f"step {number} of {len(plan.sequence)}, {plan.sequence[number - 1].words}"
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportPick(Command):
+    """What became of a part of the plan, as a person saw it or a gripper felt it.
+
+    `detection` is the part's index in the plan, of a row in the first one; `why` is what is known
+    about a failure.
+    """
+
+    right: ClassVar[Right] = Right(
+        "the outcome of a pick",
+        frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT}),
+        "nothing was sent",
+        by_anybody=True,
+        without_control=True,
+    )
+
+    detection: int
+    is_picked: bool
+    why: str = ""
+
+    @classmethod
+    def is_in_phase(cls, state: State) -> bool:
+        # Its plan is gone, and no scan shows the bin as it is now.
+        is_unscanned = state.phase is Phase.IDLE and state.unscanned is not None
+        return is_unscanned or state.phase in cls.right.phases
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("why", self.why)
+        refuse(outcome_problem(state, self))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return with_outcome(state, self, entry.actor, entry.at), ()
 
 
-def step_problem(state: State, number: int, now: float) -> str:
-    """Why a step may not run now; empty when it may."""
-    if state.approval is None or not state.approval.is_stepped:
-        return "the plan is not sent step by step"
-    if not state.waits:
-        return "the robot waits before no step now; wait until it stands"
-    if number != state.waits:
-        return f"the robot waits before step {state.waits}, not {number!r}: look and decide again"
-    if not state.approval.at <= now < state.let_until:
-        minutes = state.cell.policy.approval_minutes
-        return (
-            f"nobody has let a step run for {minutes:g} minutes, or the clock was set back: the "
-            "approval holds no longer; stop, and begin with a new scan"
-        )
-    return ""
+@dataclass(frozen=True, slots=True, eq=False)
+class ForgetAvoided(Command):
+    """No part is avoided any more because its pick has failed."""
+
+    right: ClassVar[Right] = Right("forgetting what is avoided", SAFE)
+
+    def check(self, state: State, asked: Asked) -> None:
+        if not state.avoided:
+            raise CommandRefused("nothing is avoided")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return replace(state, avoided=(), message="no part is avoided any more"), ()
 
 
-def with_step(state: State, number: int, actor: str, at: float) -> State:
-    """The state after a person has let a step run, at [s since the epoch]."""
-    if state.plan is None:
-        return state
-    message = f"{step_said(state.plan, number)}, let run by {actor}"
-    until = at + state.cell.policy.approval_minutes * 60.0
-    return replace(state, waits=0, let=number, let_until=until, message=message)
+@dataclass(frozen=True, slots=True, eq=False)
+class AcknowledgeFault(Command):
+    """A person has seen the fault and cleared the cell."""
+
+    right: ClassVar[Right] = Right("acknowledging", frozenset({Phase.FAULT}), "there is no fault")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        # Nobody knows how the bin looks after a fault: only a new scan can tell.
+        message = f"fault acknowledged by {entry.actor}; take a new scan"
+        after = replace(before_a_scan(state), failures=0)
+        return begun(after, ScanState, message=message), ()
 
 
-def after_sending(state: State, ended: LinkEnded, at: float) -> State:
+def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     """The state after the robot link was closed.
 
     Args:
@@ -105,7 +145,7 @@ def after_sending(state: State, ended: LinkEnded, at: float) -> State:
     if ended.fault:
         message = f"fault while sending: {ended.fault}"
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = sum(len(plan.arms) for plan in _plans_begun(state) if not _goes_on(plan))
+    expected = sum(len(plan.arms) for plan in plans_begun(state) if not _goes_on(plan))
     message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
     for part in ended.parts:
         if part.is_picked is False:
@@ -137,7 +177,7 @@ def _goes_on(plan: Plan | None) -> bool:
     return plan is not None and bool(plan.stations)
 
 
-def _still_placed(state: State, ended: LinkEnded) -> tuple[Detection, ...]:
+def _still_placed(state: State, ended: SendingEnd) -> tuple[Detection, ...]:
     """What was placed before, without what the plan has taken from a station."""
     is_told = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
     if state.plan is None or ended.fault or not is_told:
@@ -230,23 +270,6 @@ def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
     )
 
 
-def sent_for(state: State) -> SentFor | None:
-    """The plans of whose parts people can say what became of them; None where nothing was sent."""
-    return state.unscanned if state.plan is None else SentFor(_plans_begun(state), state.outcomes)
-
-
-def before_a_scan(state: State) -> State:
-    """The state that remembers what was sent when its plan goes and no scan has come since."""
-    if state.phase not in (Phase.DONE, Phase.FAULT):
-        return state
-    return replace(state, unscanned=sent_for(state))
-
-
-def _plans_begun(state: State) -> tuple[Plan, ...]:
-    """The plans that were sent, the one on its way among them."""
-    return state.plans[: len(state.sent_before) + 1]
-
-
 def _in_row(state: State, part: PartReport) -> int:
     """The part's index in the first plan of the row."""
     if state.plan is None or not state.sent_before:
@@ -263,15 +286,6 @@ def escalated(state: State) -> State:
         "going on"
     )
     return replace(state, phase=Phase.FAULT, fault=fault, message=fault)
-
-
-def after_one_more_scan(avoided: tuple[Avoided, ...], at: float) -> tuple[Avoided, ...]:
-    """What is still avoided in a new scan taken at [s since the epoch]."""
-    return tuple(
-        replace(entry, scans=entry.scans - 1)
-        for entry in avoided
-        if entry.scans > 0 and at < entry.until
-    )
 
 
 def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:

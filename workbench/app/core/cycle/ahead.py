@@ -6,19 +6,64 @@ next plan is made for the state that a good end leaves.  None of that is the sta
 plan before there is such an end, and whatever is in doubt throws it away.  Nothing here sends.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
-from workbench.app.core.commands import Entry, GoOn, JobEnded, LinkEnded
+from workbench.app.core.command import Asked, Command, Decision, Entry, Right
+from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
+from workbench.app.core.cycle.parts import FindParts, check_search
+from workbench.app.core.cycle.planning import MakePlan, check_planning
+from workbench.app.core.cycle.results import gone_on, with_result
+from workbench.app.core.cycle.scanning import TakeScan, check_scan, take_scan
 from workbench.app.core.effects import StartJob, StopJob
-from workbench.app.core.outcomes import after_sending
-from workbench.app.core.results import Begun, gone_on, take_scan, with_result
 from workbench.app.core.state import Ahead, Phase, State
-from workbench.model.digest import digest_of
+from workbench.app.core.tasks import Begun
+from workbench.model.digest import LATER, digest_of
+from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import all_of, as_message, plain
 from workbench.model.messages.states import StateText
 from workbench.model.release import PartReport
+from workbench.model.scan import Detection
 
 Ended = tuple[State, tuple[StartJob | StopJob, ...]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GoOn(Command):
+    """After a finished cycle: scan, find parts and plan, each as soon as the one before is done.
+
+    It ends with a plan that waits for its approval, or earlier: with whatever needs a person, and
+    when who has asked for it gives control away or has gone.  It approves and sends nothing.
+
+    Given while something is sent, it begins with the last plan's step `sees_from`, from 1, where
+    the scanner sees past the arms (0: with its end).  `placed` will lie on pallets by then.
+    """
+
+    right: ClassVar[Right] = Right("going on", frozenset({Phase.SENDING, Phase.DONE}))
+
+    scan: TakeScan = field(default_factory=TakeScan)
+    find: FindParts = field(default_factory=FindParts)
+    plan: MakePlan = field(default_factory=MakePlan)
+    sees_from: int | None = field(default_factory=lambda: None, metadata=LATER)
+    placed: tuple[Detection, ...] | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @classmethod
+    def obstacle(cls, state: State) -> str:
+        if state.ahead is None:
+            return ""
+        return "it is gone on already once the plan lets the scanner see, or has ended"
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_scan(state.cell, self.scan)
+        check_search(self.find)
+        check_planning(state.cell, self.plan)
+        if self.find.is_compared:
+            raise CommandRefused("going on takes what it finds, so that is not only compared")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        if state.phase is Phase.SENDING:
+            return asked_ahead(state, self, entry)
+        return take_scan(state, entry, self.scan, then=self)
 
 
 def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
@@ -39,12 +84,12 @@ def begun_ahead(state: State, entry: Entry) -> Begun:
     return replace(state, job=begun.job, message=message), effects
 
 
-def brought_ahead(state: State, ended: JobEnded, entry: Entry) -> Begun:
+def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Begun:
     """What a task brings while something is sent is kept, and gone on with for a good end."""
     job, ahead = state.job, state.ahead
-    if job is None or ahead is None or job.number != ended.number:
+    if job is None or ahead is None or job.number != number:
         return state, ()
-    ahead = replace(ahead, brought=(*ahead.brought, (job, ended.result, entry.at)))
+    ahead = replace(ahead, brought=(*ahead.brought, (job, result, entry.at)))
     state = replace(state, ahead=ahead)
     foreseen = _taken_over(_as_if_ended(state, entry.at), ahead)
     following, effects = gone_on(state, foreseen, entry)
@@ -108,7 +153,7 @@ def _as_if_ended(state: State, at: float) -> State:
     if state.plan is None or state.ahead is None:
         return state
     parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.arms)
-    ended = LinkEnded("", len(parts), parts, state.ahead.wanted.placed)
+    ended = SendingEnd("", len(parts), parts, state.ahead.wanted.placed)
     return replace(after_sending(state, ended, at), job=None, ahead=None)
 
 
@@ -117,7 +162,7 @@ def _taken_over(state: State, ahead: Ahead) -> State:
     for job, result, at in ahead.brought:
         if job.name == "plan":
             state = replace(state, wanted_threshold=job.threshold)
-        state = with_result(replace(state, job=job), JobEnded(job.number, result), at)
+        state = with_result(replace(state, job=job), job.number, result, at)
     return state
 
 

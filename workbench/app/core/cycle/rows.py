@@ -1,17 +1,81 @@
 """A row of plans on its way: after each whether the next one follows, and why it does not."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
-from workbench.app.core.commands import Entry, LinkEnded
+from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.approval import staleness, unwalked
+from workbench.app.core.cycle.outcomes import SendingEnd
+from workbench.app.core.cycle.standing import left_on_station, stale_because
 from workbench.app.core.effects import Send
-from workbench.app.core.release import stale_because
-from workbench.app.core.rules import staleness, unwalked
-from workbench.app.core.state import Phase, State, counted
+from workbench.app.core.state import Phase, State, counted, without_approval
+from workbench.app.core.value_checks import check_integer, named_plan
+from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import all_of, as_message, plain
 from workbench.model.plan import Plan, Proven
 from workbench.model.release import Approval
 
 Followed = tuple[State, tuple[Send, ...]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShortenRow(Command):
+    """Carry out only the first `picks` plans of the row that begins with the plan of this digest.
+
+    What was left out so comes back with a larger number.
+    """
+
+    right: ClassVar[Right] = Right(
+        "another length of the row", frozenset({Phase.PLANNED, Phase.APPROVED})
+    )
+
+    plan_digest: str
+    picks: int
+
+    def check(self, state: State, asked: Asked) -> None:
+        named_plan(state, self.plan_digest)
+        check_integer("picks", self.picks, 1, MOST_PICKS)
+        refuse(length_problem(state, self.picks))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return shortened(state, self.picks, entry.actor), ()
+
+
+def length_problem(state: State, picks: int) -> str:
+    """Why a row cannot be made so long; empty when it can."""
+    most = 1 + len(state.row) + len(state.left_out)
+    if not 1 <= picks <= most:
+        return f"the row can have 1 to {most} picks, not {picks}"
+    if picks == 1 + len(state.row):
+        return f"the row has {counted(picks, 'pick')} already"
+    every = (state.plan, *(proven_plan.plan for proven_plan in (*state.row, *state.left_out)))
+    return left_on_station([plan for plan in every[:picks] if plan is not None])
+
+
+def shortened(state: State, picks: int, actor: str) -> State:
+    """The state in which a person wants a row of so many plans: what was approved is void.
+
+    Who has seen all of a row has seen a shorter one, too.
+    """
+    every = (*state.row, *state.left_out)
+    is_shorter = picks <= len(state.row)
+    return replace(
+        without_approval(state),
+        row=every[: picks - 1],
+        left_out=every[picks - 1 :],
+        watched=state.watched if is_shorter else (),
+        told=state.told if is_shorter else (),
+        message=f"{actor} wants {counted(picks, 'pick')} of {1 + len(every)} in this row",
+    )
+
+
+def unapproved_row(state: State, approval: Approval) -> str:
+    """Why an approval does not cover exactly the plans that follow; empty when it does."""
+    if approval.row == tuple(
+        (proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in state.row
+    ):
+        return ""
+    return "the approval is for another row of plans; have this one approved"
 
 
 def following(state: State) -> Plan | None:
@@ -25,13 +89,7 @@ def plans_sent(state: State) -> int:
     return len(state.sent_before) + is_out
 
 
-def row_said(state: State) -> str:
-    """The plan and those after it, for people."""
-    plan = "" if state.plan is None else state.plan.digest[:12]
-    return f"plan {plan}" + (f" and {len(state.row)} after it" if state.row else "")
-
-
-def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -> Followed:
+def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) -> Followed:
     """The state in which the next plan of the row is on its way, or in which the row has ended.
 
     Nothing is asked of a person: the next plan was approved with the first one.  Whatever is in
@@ -81,7 +139,7 @@ def with_next_plan(state: State, after: State, ended: LinkEnded, entry: Entry) -
 
 
 def _ends_because(
-    after: State, ended: LinkEnded, entry: Entry, proven_plan: Proven, approval: Approval | None
+    after: State, ended: SendingEnd, entry: Entry, proven_plan: Proven, approval: Approval | None
 ) -> str:
     """Why the next plan must not follow; empty when it may."""
     if ended.fault:

@@ -1,0 +1,228 @@
+"""Changes of the cell and its parts: whether they can be made, and what they do to the state.
+
+What was made for the cell before is gone.
+"""
+
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.effects import KeepDrafts, UseCell, WriteCell
+from workbench.app.core.people import Role
+from workbench.app.core.state import (
+    Phase,
+    PlanState,
+    ScanState,
+    State,
+    before_a_scan,
+    begun,
+    stale_by,
+    without_approval,
+)
+from workbench.app.core.value_checks import check_cell, check_text
+from workbench.formats.cells.differences import difference
+from workbench.model.cell import Cell
+from workbench.model.digest import LATER, digest_of
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import put
+from workbench.model.messages.message import plain
+from workbench.model.messages.states import StateText
+from workbench.model.part_edits import differ_in_grasps_only
+
+Changed = tuple[State, tuple[UseCell | KeepDrafts, ...]]
+
+
+MOST_UNDO = 50
+"""Changes of the cell that can be undone."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChangeCell(Command):
+    """Go on with another cell; `says` tells people what was changed."""
+
+    right: ClassVar[Right] = Right("a change of the cell", SAFE, role=Role.ENGINEER)
+
+    cell: Cell
+    says: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("says", self.says)
+        check_cell(self.cell)
+        if self.cell.digest == state.cell.digest:
+            raise CommandRefused("nothing of the cell was changed")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return changed_cell(state, self.cell, self.says)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UndoCell(Command):
+    """Go back to the cell before the last change."""
+
+    right: ClassVar[Right] = Right("an undo", SAFE, role=Role.ENGINEER)
+
+    def check(self, state: State, asked: Asked) -> None:
+        if not state.before:
+            raise CommandRefused("there is no change of the cell to undo")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return undone(state)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RedoCell(Command):
+    """Take back the last undo."""
+
+    right: ClassVar[Right] = Right("a redo", SAFE, role=Role.ENGINEER)
+
+    def check(self, state: State, asked: Asked) -> None:
+        if not state.undone:
+            raise CommandRefused("there is no change of the cell to redo")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return redone(state)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SaveCell(Command):
+    """Write the changes of the cell and its parts to their files, with a remark of who saves."""
+
+    right: ClassVar[Right] = Right("saving the cell", SAFE, role=Role.ENGINEER)
+
+    remark: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("remark", self.remark)
+        if state.saved == state.cell.digest:
+            raise CommandRefused("the cell is saved already")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        write = WriteCell(state.cell, self.remark, entry.actor, entry.at)
+        return replace(state, message=f"{entry.actor} saves the cell"), (write,)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellRead(Command):
+    """The cell file was read: what it holds now, or why that cannot be used.
+
+    `is_saved`: this session had written it before, from the cell with the digest `written`, and
+    `says` tells people what was written (both empty in older sessions, which did not record it).
+    """
+
+    right: ClassVar[Right] = Right("a new cell file", SAFE, by_machine=True)
+
+    cell: Cell | None = None
+    problem: str = ""
+    is_saved: bool = False
+    written: str = ""
+    says: str = field(default_factory=str, metadata=LATER)
+
+    def __post_init__(self) -> None:
+        # It may name a file whose name is no text.
+        put(self, problem=self.problem.encode(errors="replace").decode())
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return cell_read(state, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EmptyPallets(Command):
+    """What was put down has been taken away."""
+
+    right: ClassVar[Right] = Right("emptying the pallets", SAFE)
+
+    def check(self, state: State, asked: Asked) -> None:
+        if not state.placed:
+            raise CommandRefused("the pallets are empty already")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return replace(state, placed=(), message="the pallets are empty"), ()
+
+
+def changed_cell(state: State, cell: Cell, says: str) -> Changed:
+    """The state with another cell, which an undo can take back; `says` tells what was changed."""
+    after, effects = _with_cell(state, cell, says)
+    return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
+
+
+def undone(state: State) -> Changed:
+    """The state with the cell before the last change."""
+    cell, *before = state.before
+    after, effects = _with_cell(state, cell, "the last change of the cell is undone")
+    undone = (state.cell, *state.undone)[:MOST_UNDO]
+    return replace(after, before=tuple(before), undone=undone), effects
+
+
+def redone(state: State) -> Changed:
+    """The state with the cell before the last undo."""
+    cell, *undone = state.undone
+    after, effects = _with_cell(state, cell, "the change of the cell is made again")
+    before = (state.cell, *state.before)[:MOST_UNDO]
+    return replace(after, before=before, undone=tuple(undone)), effects
+
+
+def cell_read(state: State, command: CellRead) -> Changed:
+    """The state after the cell file was read."""
+    cell, problem = command.cell, command.problem
+    if cell is None:
+        message = StateText.CELL_REFUSED(problem=plain(problem))
+        return replace(state, cell_problem=problem, message=message), ()
+    state = replace(state, cell_problem="", saved=cell.digest)
+    if cell.approvers != state.cell.approvers:
+        # Words that were given for another number of people do not count.
+        kept = replace(state.cell, approvers=cell.approvers)
+        state = replace(without_approval(state), cell=kept)
+        if cell.digest == kept.digest:
+            says = f"{cell.approvers} different people have to approve a plan now"
+            return replace(state, message=says), (UseCell(kept),)
+    if cell.digest == state.cell.digest:
+        return replace(state, message=command.says or "the cell is as in its file"), ()
+    if command.is_saved and command.written not in ("", state.cell.digest):
+        message = "the cell is saved, without what was changed meanwhile: save it again"
+        return replace(state, message=message), ()
+    if command.is_saved:
+        # Files hold fewer digits: what is read differs from what was saved by rounding only.
+        return _with_cell(state, cell, command.says or "the cell is saved")
+    return changed_cell(state, cell, "the cell file was changed, and is read again")
+
+
+def _with_cell(state: State, cell: Cell, message: str) -> Changed:
+    """Another cell: a scan stays as long as the scanner does, what was made of it does not.
+
+    With other grasps the parts found stay where they are.
+    """
+    # Where the controller is found is not a matter of the cell file that people write; how many
+    # people approve is a matter of that file alone.
+    cell = replace(cell, controller=state.cell.controller, approvers=state.cell.approvers)
+    if differ_in_grasps_only(cell, state.cell):
+        return _with_grasps(state, cell, message)
+    same_view = digest_of(cell.scanner) == digest_of(state.cell.scanner)
+    scan = state.scan if same_view and state.phase is not Phase.DONE else None
+    stale = stale_by(state, difference(state.cell, cell))
+    state = replace(before_a_scan(state), cell=cell)
+    if scan is None:
+        return begun(state, ScanState, stale=stale, message=message), (UseCell(cell),)
+    after = begun(
+        state,
+        ScanState,
+        phase=Phase.SCANNED,
+        scan=scan,
+        scene_digest=scan.digest,
+        stale=stale,
+        message=message,
+    )
+    return after, (UseCell(cell),)
+
+
+def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
+    """Other grasps: the scan and the parts found stay, candidates and plan do not."""
+    changed = tuple(p for p in cell.parts if p.digest != state.cell.part(p.name).digest)
+    effects = (UseCell(cell), KeepDrafts(changed)) if changed else (UseCell(cell),)
+    stale = stale_by(state, difference(state.cell, cell))
+    after = replace(before_a_scan(state), cell=cell)
+    if state.phase is Phase.DONE:
+        return begun(after, ScanState, stale=stale, message=message), effects
+    if state.detections is None:
+        return replace(after, message=message), effects
+    phase = Phase.LOCALIZED if state.detections else Phase.SCANNED
+    return begun(after, PlanState, phase=phase, stale=stale, message=message), effects

@@ -1,0 +1,75 @@
+"""Piles that are emptied in simulation."""
+
+from dataclasses import dataclass
+from typing import ClassVar, get_args
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.people import Role
+from workbench.app.core.state import State, counted
+from workbench.app.core.tasks import begin_task
+from workbench.app.core.value_checks import (
+    MOST_PARTS,
+    MOST_PILES,
+    SEED_LIMIT,
+    check_among,
+    check_integer,
+)
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused
+from workbench.model.prediction import CHANGE_KINDS, Emptying, Seen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TryEmptying(Command):
+    """Empty piles in simulation, in the cell as it is; nothing real has to do with it.
+
+    `kinds` are the parts that fall, one of each in turn, of those that the cell picks; empty: all
+    of them.  `count` of them make a pile, and of `piles` each has the next seed.  `changes` are
+    kinds of single changes of the cell (`CHANGE_KINDS`) with which the same piles are emptied too.
+    """
+
+    # It moves nothing, but it keeps the worker for itself, and is about how the cell is made.
+    right: ClassVar[Right] = Right("emptying piles in simulation", SAFE, role=Role.ENGINEER)
+
+    kinds: tuple[str, ...] = ()
+    count: int = 15
+    piles: int = 3
+    seed: int = 0
+    seen: Seen = "truth"
+    changes: tuple[str, ...] = ()
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_emptying(state.cell, self)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        piles, count = counted(self.piles, "pile"), counted(self.count, "part")
+        says = f"emptying {piles} of {count} in simulation"
+        return begin_task(state, entry, "emptying", {"command": self}, says)
+
+
+def check_emptying(cell: Cell, command: TryEmptying) -> None:
+    """Piles of parts that the cell picks, no more of them than can be emptied in one task.
+
+    Raises:
+        CommandRefused: other parts, too many or too few, or changes of a kind that there is not.
+    """
+    known = tuple(part.name for part in cell.parts)
+    for kind in command.kinds:
+        check_among("part", kind, known)
+    if len(set(command.kinds)) < len(command.kinds):
+        raise CommandRefused(f"each part is named once, not {', '.join(command.kinds)}")
+    check_integer("parts", command.count, 1, MOST_PARTS)
+    check_integer("piles", command.piles, 1, MOST_PILES)
+    check_integer("seed", command.seed, 0, SEED_LIMIT - MOST_PILES)
+    check_among("seen", command.seen, get_args(Seen))
+    for kind in command.changes:
+        check_among("kind of change", kind, CHANGE_KINDS)
+
+
+def emptying_words(found: Emptying) -> str:
+    """What came of piles emptied in simulation, in one sentence."""
+    plain = found.plain
+    taken, parts = sum(pile.taken for pile in plain), sum(pile.parts for pile in plain)
+    words = f"{taken} of {counted(parts, 'part')} taken out of {counted(len(plain), 'pile')}"
+    tried = len({pile.task.change for pile in found.piles} - {""})
+    return f"{words} in simulation" + (f"; {counted(tried, 'change')} tried" if tried else "")

@@ -1,0 +1,126 @@
+"""Grasps and symmetry of a part: edited, and drafts of them that are dropped."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.cell.changes import Changed, changed_cell
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.effects import RemoveDraft
+from workbench.app.core.people import Role
+from workbench.app.core.state import State
+from workbench.app.core.value_checks import check_text
+from workbench.formats.parts.grasp_files import as_written
+from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.part import Entry as GraspEntry
+from workbench.model.part import GraspLibrary, GraspPair, GraspPattern, Part
+from workbench.model.part_edits import edited, with_part
+from workbench.model.symmetry import Symmetry
+
+MOST_GRASPS = 10_000
+"""Of one part, with patterns and symmetry written out."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EditPart(Command):
+    """Change the grasps of a part, or its symmetry; undone and redone with the cell.
+
+    `was` are the entries as the one who edits has seen them, `now` what shall stand in their
+    place: who edits something that was changed meanwhile is refused.  None: as it is.
+    """
+
+    right: ClassVar[Right] = Right("a change of grasps", SAFE, role=Role.ENGINEER)
+
+    part: str
+    was: tuple[GraspEntry, ...] = ()
+    now: tuple[GraspEntry, ...] = ()
+    pairs: tuple[GraspPair, ...] | None = None
+    symmetry: Symmetry | None = None
+    says: str = ""
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("says", self.says)
+        check_edit(state.cell, self)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return edited_cell(state, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DropDraft(Command):
+    """Forget the changes of a part's grasps that an earlier session has not saved."""
+
+    right: ClassVar[Right] = Right("dropping a draft", SAFE, role=Role.ENGINEER)
+
+    part: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        part_of(state.cell, self.part)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        message = f"the draft of {self.part} is dropped"
+        return replace(state, message=message), (RemoveDraft(self.part),)
+
+
+def edited_cell(state: State, edit: EditPart) -> Changed:
+    """The state with other grasps or another symmetry of a part."""
+    part = edited_part(state.cell.part(edit.part), edit)
+    cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
+    return changed_cell(state, cell, edit.says or f"the grasps of {part.name} are changed")
+
+
+def part_of(cell: Cell, name: str) -> Part:
+    """The part of that name.
+
+    Raises:
+        CommandRefused: there is none.
+    """
+    try:
+        return cell.part(name)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+
+
+def check_edit(cell: Cell, edit: EditPart) -> None:
+    """What is edited is there, and what comes of it can be kept in files.
+
+    Raises:
+        CommandRefused: it is not, or cannot.
+    """
+    part = part_of(cell, edit.part)
+    try:
+        after = edited_part(part, edit)
+    except InputError as error:
+        raise CommandRefused(str(error)) from error
+    if after.digest == part.digest:
+        raise CommandRefused(f"nothing of part {part.name} was changed")
+
+
+def edited_part(part: Part, edit: EditPart) -> Part:
+    """The part after an edit, its numbers as files hold them.
+
+    Raises:
+        InputError: what was edited is not there any more, or cannot be kept in a file.
+    """
+    symmetry = edit.symmetry or part.symmetry
+    symmetry.check()
+    # Counted before anything is written out.
+    _check_count(edit.now, symmetry)
+    library = part.library
+    if edit.was or edit.now:
+        library = edited(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
+    if edit.pairs is not None:
+        library = as_written(replace(library, pairs=edit.pairs))
+    _check_count(library.entries, symmetry)
+    return replace(part, library=library, symmetry=symmetry)
+
+
+def _check_count(entries: Sequence[GraspEntry], symmetry: Symmetry) -> None:
+    count = sum(entry.count if isinstance(entry, GraspPattern) else 1 for entry in entries)
+    count *= 1 + len(symmetry.turns)
+    if count > MOST_GRASPS:
+        raise InputError(
+            f"with patterns and symmetry written out there would be {count:,} grasps; "
+            f"{MOST_GRASPS:,} are allowed"
+        )

@@ -1,0 +1,115 @@
+"""What a command is: its values, its right, its check and what it does, in one class.
+
+A subject (scanning, rows, control) is a file with its commands and what they need.
+`decide.allowed` asks `check`, `decide.decide` calls `apply`; neither knows any single command.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from workbench.app.core.effects import Effect
+from workbench.app.core.people import Role
+from workbench.app.core.state import Phase, State
+from workbench.model.errors import CommandRefused
+
+EVERY = frozenset(Phase)
+SAFE = EVERY - {Phase.SENDING, Phase.FAULT}
+
+Decision = tuple[State, tuple[Effect, ...]]
+"""The state after a command, and what has to be set in motion."""
+
+
+@dataclass(frozen=True, slots=True)
+class Right:
+    """When a command is in order; `says` names it in refusals, `otherwise` what is missing.
+
+    People give commands, except those `by_machine`; those `by_anybody` come from both.  `also_by`
+    is the one machine that may give a command of people.  `role` is the least one that a person
+    needs.  While somebody is in control, a command is theirs alone unless it passes
+    `without_control`.
+    """
+
+    says: str
+    phases: frozenset[Phase]
+    otherwise: str = ""
+    beside_job: bool = False
+    by_machine: bool = False
+    by_anybody: bool = False
+    also_by: str | None = None
+    role: Role = Role.OPERATOR
+    without_control: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Who asks for a command, when, and how the robot stands.
+
+    `actor` is a person's name or one of `MACHINES`, `now` in seconds since the epoch, `joints` the
+    robot's own report (name -> rad), empty when it reports none.
+    """
+
+    actor: str
+    now: float
+    joints: Mapping[str, float]
+    role: Role
+
+
+class Command(ABC):
+    """Something that a person or a machine can ask of the workbench; a frozen value."""
+
+    __slots__ = ()
+
+    right: ClassVar[Right]
+
+    @classmethod
+    def is_in_phase(cls, state: State) -> bool:
+        """Whether the cycle stands where this kind of command is in order."""
+        return state.phase in cls.right.phases
+
+    @classmethod
+    def obstacle(cls, state: State) -> str:
+        """What else is in the way of this kind of command, whatever its values; else empty."""
+        del state
+        return ""
+
+    # Most commands have nothing to check but who gives them, and when.
+    def check(self, state: State, asked: Asked) -> None:  # noqa: B027
+        """Look whether the values fit the state.
+
+        Raises:
+            CommandRefused: they do not, with a sentence for who asked.
+        """
+
+    @abstractmethod
+    def apply(self, state: State, entry: "Entry") -> Decision:
+        """The state after the command, which `check` has let pass; a pure function."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """A command with its number, its time [s since the epoch] and who gave it, in which role.
+
+    The only place where clock, user and the robot's pose enter: what follows from an entry is
+    computed.  `joints` (name -> rad) is how the robot stood by its own report when a plan was
+    approved or sent, empty for other commands and where nothing was reported.  A machine's `role`
+    says nothing.
+    """
+
+    number: int
+    at: float
+    actor: str
+    command: Command
+    joints: Mapping[str, float] = field(default_factory=dict[str, float])
+    role: Role = Role.ENGINEER
+
+
+def refuse(problem: str) -> None:
+    """Refuse a command when there is a problem; empty means that there is none.
+
+    Raises:
+        CommandRefused: with the problem.
+    """
+    if problem:
+        raise CommandRefused(problem)

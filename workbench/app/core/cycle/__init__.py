@@ -1,0 +1,1 @@
+"""The cycle by subject: scanning, parts, planning, approval, sending, outcomes."""

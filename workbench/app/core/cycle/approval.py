@@ -1,0 +1,265 @@
+"""Approval: who votes for a plan, and when enough people have."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.standing import lacks_reports, left_on_station, stale_because
+from workbench.app.core.cycle.watching import has_seen, other_row, unwatched
+from workbench.app.core.people import NOBODY, fold_name, is_same_person
+from workbench.app.core.state import Phase, State, row_said
+from workbench.app.core.value_checks import check_number, check_person, named_plan
+from workbench.model.cell import Cell
+from workbench.model.digest import LATER, digest_of
+from workbench.model.errors import CommandRefused
+from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
+from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote, manner_words
+from workbench.plugins.robot_link import misfit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Approve(Command):
+    """A person's vote for the plan with this digest, sent in this manner; see `Approval`.
+
+    It is for those after it as well, the digests of which are its `row`.
+    """
+
+    right: ClassVar[Right] = Right(
+        "an approval", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
+    )
+
+    plan_digest: str
+    speed_share: float = field(default_factory=lambda: 1.0, metadata=LATER)
+    is_stepped: bool = field(default_factory=bool, metadata=LATER)
+    row: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+
+    def check(self, state: State, asked: Asked) -> None:
+        plan = named_plan(state, self.plan_digest)
+        manner = self.speed_share, self.is_stepped
+        check_number("speed share", self.speed_share, SLOWEST, 1.0, "of the planned speed")
+        if self.is_stepped not in (True, False):
+            raise CommandRefused(
+                f"step by step is either so or not, {self.is_stepped!r} is neither"
+            )
+        _check_scene(state, plan)
+        if state.proof is None:
+            raise CommandRefused("the plan has no proof, so it cannot be approved")
+        plans = [proven_plan.plan for proven_plan in state.whole_row]
+        refuse(other_row(state, self.row) or lacks_reports(state) or left_on_station(plans))
+        for proven_plan in state.whole_row:
+            check_approvable(state.cell, proven_plan.plan, proven_plan.proof, asked.actor, manner)
+        refuse(stale_because(state, plan, asked.joints))
+        refuse(unwatched(state, asked.actor))
+        refuse(said_already(state, asked.actor, asked.now, manner))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _approve(state, entry, self), ()
+
+
+def approve(
+    cell: Cell,
+    plan: Plan,
+    proof: Proof,
+    actor: str,
+    now: float,
+    before: tuple[Vote, ...] = (),
+    *,
+    is_unwatched: bool = False,
+    ran: str = "",
+    manner: Manner = AS_PLANNED,
+    row: Sequence[Proven] = (),
+) -> Approval:
+    """A person's vote for exactly this plan, valid as long as the cell's policy says.
+
+    Args:
+        cell: the cell as it is now.
+        plan: what will be sent.
+        proof: of this plan, in this cell.
+        actor: the name of the person.
+        now: seconds since the epoch.
+        before: the votes of others that count along; the first of all votes decides the end.
+        is_unwatched: the plan was not played to its end before who approves it; on record.
+        ran: digest of the inventory of what runs here; on record.
+        manner: at which share of the planned speed it is sent, and whether step by step.
+        row: what the vote lets out after the plan, one after the other.
+
+    Raises:
+        CommandRefused: nobody is named, a proof does not hold, plan, proof and cell do not
+            belong together, or too few people have given a vote.
+    """
+    check_approvable(cell, plan, proof, actor, manner)
+    for proven_plan in row:
+        check_approvable(cell, proven_plan.plan, proven_plan.proof, actor, manner)
+        if proven_plan.plan.scan_digest != plan.scan_digest:
+            raise CommandRefused("plans of a row are made after one scan, these are not")
+    approval = Approval(
+        plan_digest=plan.digest,
+        proof_digest=proof.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        actor=actor,
+        at=now,
+        until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
+        before=before,
+        is_unwatched=is_unwatched,
+        ran=ran,
+        speed_share=manner[0],
+        is_stepped=manner[1],
+        row=tuple((proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in row),
+    )
+    refuse(lacks_people(cell, approval))
+    return approval
+
+
+def check_approvable(
+    cell: Cell, plan: Plan, proof: Proof, actor: str, manner: Manner = AS_PLANNED
+) -> None:
+    """Look whether a person may give a vote for a plan in this cell, sent in this manner.
+
+    Raises:
+        CommandRefused: see `approve`, which asks this, too.
+    """
+    check_person(actor)
+    if is_same_person(actor, NOBODY):
+        raise CommandRefused(
+            f"{actor!r} is who acts without a login; a person approves by a name of their own"
+        )
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        raise CommandRefused("the plan was changed after it was made; make a new one")
+    if plan.cell_digest != cell.digest:
+        raise CommandRefused("the cell has changed since the plan was made; make a new plan")
+    if proof.plan_digest != plan.digest:
+        raise CommandRefused("the proof is that of another plan; make a new plan")
+    if proof.cell_digest != cell.digest or proof.scan_digest != plan.scan_digest:
+        raise CommandRefused("the proof was made for another cell or scan; make a new plan")
+    if not proof.holds:
+        raise CommandRefused(f"the proof does not hold: {proof.violations[0]}")
+    refuse(unwalked(cell, proof) or misfit(plan, cell, manner))
+
+
+def unwalked(cell: Cell, proof: Proof | None) -> str:
+    """Why a proof says nothing about the cell's controller; empty when it does.
+
+    The controller is not in the cell's digest: a session may go on with another one.
+    """
+    if proof is None or cell.zone > proof.zone:
+        return (
+            f"the controller rounds corners by {cell.zone:g} of the segments, which the proof has "
+            "not walked; make a new plan"
+        )
+    return ""
+
+
+def staleness(
+    approval: Approval | None, plan: Plan, cell: Cell, scan_digest: str, now: float
+) -> str:
+    """Why an approval does not cover this plan, in this cell, for this scan, now.
+
+    Empty when it does.  A clock that was set back to before the approval ends it too.
+    """
+    if approval is None:
+        return "nobody has approved the plan"
+    if digest_of(plan, without=UNSIGNED) != plan.digest:
+        return "the plan was changed after it was made; make a new one"
+    if approval.plan_digest != plan.digest:
+        return "the approval is for another plan; have this one approved"
+    if approval.cell_digest != cell.digest or plan.cell_digest != cell.digest:
+        return "the cell has changed since the approval; make a new plan"
+    if approval.scan_digest != scan_digest or plan.scan_digest != scan_digest:
+        return "there is a newer scan than that of the approval; make a new plan"
+    if not approval.at <= now < approval.until:
+        return (
+            f"the approval by {approval.actor} was valid for "
+            f"{(approval.until - approval.at) / 60:.0f} minutes and has run out; approve again"
+        )
+    return lacks_people(cell, approval)
+
+
+def lacks_people(cell: Cell, approval: Approval) -> str:
+    """Why an approval is by too few people for the cell; empty when it is not."""
+    different = {fold_name(name) for name in approval.people}
+    if len(different) >= cell.approvers:
+        return ""
+    return (
+        f"the cell wants {cell.approvers} different people to approve a plan, "
+        f"this one has {', '.join(approval.people)}"
+    )
+
+
+def said_already(state: State, actor: str, now: float, manner: Manner) -> str:
+    """Why a person need not approve again while somebody else's vote is missing; else empty."""
+    wanted = state.cell.approvers
+    mine = any(
+        is_same_person(vote.actor, actor) and vote.manner == manner
+        for vote in standing_votes(state, now)
+    )
+    if not mine or len(votes_of_others(state, actor, now, manner)) + 1 >= wanted:
+        return ""
+    return f"{actor} has approved already; {wanted} different people have to"
+
+
+def standing_votes(state: State, now: float) -> tuple[Vote, ...]:
+    """The votes for the current plan that have not lapsed at `now` [s since the epoch]."""
+    valid = state.cell.policy.approval_minutes * 60.0
+    digest = state.plan.digest if state.plan is not None else ""
+    return tuple(
+        vote
+        for vote in state.votes
+        if vote.plan_digest == digest and vote.at <= now < vote.at + valid
+    )
+
+
+def votes_of_others(state: State, actor: str, now: float, manner: Manner) -> tuple[Vote, ...]:
+    """Those of the standing votes that count beside the vote of `actor`, the latest last.
+
+    Votes for another manner of sending (speed share, whether step by step) do not.
+    """
+    others = [
+        vote
+        for vote in standing_votes(state, now)
+        if not is_same_person(vote.actor, actor) and vote.manner == manner
+    ]
+    wanted = state.cell.approvers - 1
+    return tuple(others[-wanted:]) if wanted else ()
+
+
+def _check_scene(state: State, plan: Plan) -> None:
+    if plan.scan_digest != state.scene_digest:
+        raise CommandRefused("there is a newer scan than that of the plan; make a new plan")
+
+
+def _approve(state: State, entry: Entry, vote: Approve) -> State:
+    if state.plan is None or state.proof is None:
+        raise CommandRefused("there is no proven plan to approve")
+    manner = vote.speed_share, vote.is_stepped
+    before = votes_of_others(state, entry.actor, entry.at, manner)
+    votes = (*before, Vote(state.plan.digest, entry.actor, entry.at, *manner))
+    wanted, words = state.cell.approvers, manner_words(*manner)
+    how = f", to be sent {words}" if words else ""
+    if len(votes) < wanted:
+        message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people{how}"
+        state = replace(state, phase=Phase.PLANNED, approval=None)
+    else:
+        unseen = [vote.actor for vote in votes if not has_seen(state, vote.actor)]
+        approval = approve(
+            state.cell,
+            state.plan,
+            state.proof,
+            entry.actor,
+            entry.at,
+            before,
+            is_unwatched=bool(unseen),
+            ran="" if state.ran is None else state.ran.digest,
+            manner=manner,
+            row=state.row,
+        )
+        message = f"{row_said(state)} approved by {_names(votes)}{how}"
+        if unseen:
+            message += f"; no page has shown it to {' and '.join(unseen)}"
+        state = replace(state, phase=Phase.APPROVED, approval=approval)
+    return replace(state, votes=votes, message=message)
+
+
+def _names(votes: tuple[Vote, ...]) -> str:
+    return " and ".join(vote.actor for vote in votes)

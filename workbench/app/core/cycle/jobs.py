@@ -1,0 +1,76 @@
+"""Tasks of the worker: how they end, or are cancelled."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.cell.making import with_made
+from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
+from workbench.app.core.cycle.ahead import brought_ahead, given_up
+from workbench.app.core.cycle.results import gone_on, with_result
+from workbench.app.core.effects import StopJob
+from workbench.app.core.state import Phase, State
+from workbench.model.calibration import PlateObservation
+from workbench.model.cell import Tool
+from workbench.model.errors import WorkbenchError
+from workbench.model.messages.states import StateText, task_message
+from workbench.model.part import Part
+from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
+from workbench.model.scan import Detection, Scan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JobEnded(Command):
+    """The worker finished job `number`.
+
+    `result` is a `Scan`, a tuple of `Detection`, a `PlanResult`, a `PlateObservation`, a `Part`, a
+    `Tool`, an `Emptying`, or the error that ended it.
+    """
+
+    right: ClassVar[Right] = Right("the end of a task", EVERY, beside_job=True, by_machine=True)
+
+    number: int
+    result: (
+        Scan
+        | tuple[Detection, ...]
+        | PlanResult
+        | PlateObservation
+        | Part
+        | Tool
+        | Emptying
+        | WorkbenchError
+    )
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        match self.result:
+            case Part() | Tool() as made:
+                return with_made(state, self.number, made)
+            case _ if state.phase is Phase.SENDING:
+                return brought_ahead(state, self.number, self.result, entry)
+            case _:
+                after = with_result(state, self.number, self.result, entry.at)
+                return gone_on(state, after, entry)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CancelJob(Command):
+    """End the running task."""
+
+    right: ClassVar[Right] = Right("cancelling", EVERY, beside_job=True)
+
+    @classmethod
+    def obstacle(cls, state: State) -> str:
+        return "no task is running" if state.job is None and state.ahead is None else ""
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _cancel(state, entry)
+
+
+def _cancel(state: State, entry: Entry) -> Decision:
+    if state.ahead is not None:
+        return given_up(state, f"cancelled by {entry.actor}")
+    if state.job is None:
+        return state, ()
+    # The job leaves the state at once; whatever it still brings is recorded and not used.
+    message = StateText.CANCELLED_BY(task=task_message(state.job.name), person=entry.actor)
+    return replace(state, job=None, message=message), (StopJob(state.job.number),)

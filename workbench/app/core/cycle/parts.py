@@ -1,0 +1,159 @@
+"""Parts: looked for in a scan, or given from outside, and what is found."""
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.people import POSES_FOLDER
+from workbench.app.core.state import PartsState, Phase, ScanState, State, begun, counted, stale_by
+from workbench.app.core.tasks import Begun, begin_task
+from workbench.app.core.value_checks import (
+    DETAIL,
+    SEED_LIMIT,
+    check_detections,
+    check_integer,
+    check_number,
+    check_text,
+)
+from workbench.model.digest import LATER, called, digest_of
+from workbench.model.errors import CommandRefused
+from workbench.model.messages.states import StateText
+from workbench.model.scan import Detection, Remark, Search, SearchOverrides
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
+
+
+MOST_SEARCHES, MOST_REMARKS = 6, 30
+"""In one scan, that are remembered."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FindParts(Command):
+    """Localize parts in the current scan.
+
+    `is_compared`: they stand beside those that were found before, until somebody takes them.
+    """
+
+    right: ClassVar[Right] = Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE})
+
+    seed: int = 0
+    overrides: SearchOverrides = field(default_factory=SearchOverrides, metadata=called("wishes"))
+    is_compared: bool = field(default_factory=bool, metadata=LATER)
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_search(self)
+        if state.scan is None:
+            raise CommandRefused("finding parts is not possible now: take a scan first")
+        if self.is_compared and not state.detections:
+            raise CommandRefused("no parts were found yet that another search compares with")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return find_parts(state, entry, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseDetections(Command):
+    """Take part poses from outside: a file, another matcher, a person's correction or veto.
+
+    `says` tells people what was done; empty: poses from outside.
+    """
+
+    right: ClassVar[Right] = Right("using poses from outside", SAFE, also_by=POSES_FOLDER)
+
+    detections: tuple[Detection, ...]
+    says: str = ""
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("says", self.says)
+        check_detections(state.cell, self.detections)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return with_outside_detections(state, entry, self), ()
+
+
+def check_search(command: FindParts) -> None:
+    """The values of a search are in range.
+
+    Raises:
+        CommandRefused: they are not.
+    """
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_number("detail", command.overrides.detail, *DETAIL, "of the usual")
+    check_number("least score", command.overrides.least_score, 0.0, 1.0, "")
+
+
+def find_parts(
+    state: State,
+    entry: Entry,
+    command: FindParts,
+    then: "GoOn | None" = None,
+) -> Begun:
+    """Parts are looked for in the scan; with `then` it is gone on as that says.
+
+    Raises:
+        CommandRefused: there is no scan.
+    """
+    if state.scan is None:
+        raise CommandRefused("there is no scan to find parts in")
+    arguments = {"scan": state.scan, "seed": command.seed, "overrides": command.overrides}
+    return begin_task(
+        state,
+        entry,
+        "localize",
+        arguments,
+        "finding parts",
+        seed=command.seed,
+        overrides=command.overrides,
+        is_compared=command.is_compared,
+        then=then,
+    )
+
+
+def compared(state: State, search: Search) -> State:
+    """The state after a search that takes nothing: what it found is listed beside the others."""
+    searches = (*state.searches, search)[-MOST_SEARCHES:]
+    found = counted(len(search.detections), "part")
+    message = f"search {len(searches)} found {found}, to be compared; nothing was taken"
+    return replace(state, searches=searches, message=message)
+
+
+def with_detections(state: State, search: Search) -> State:
+    """The state with what a search has found."""
+    detections = search.detections
+    return begun(
+        state,
+        PartsState,
+        phase=Phase.LOCALIZED if detections else Phase.SCANNED,
+        searches=(*state.searches, search)[-MOST_SEARCHES:],
+        detections=detections,
+        scene_digest=state.scan.digest if state.scan is not None else "",
+        stale=stale_by(state, "parts were looked for again"),
+        message=StateText.FOUND(count=len(detections)) if detections else StateText.NOTHING_FOUND(),
+    )
+
+
+def with_outside_detections(state: State, entry: Entry, command: UseDetections) -> State:
+    """The state with parts from outside: a file, another matcher, or a person's correction."""
+    detections = command.detections
+    says = command.says or f"{counted(len(detections), 'pose')} taken from outside"
+    remark = Remark(entry.at, entry.actor, says)
+    # Poses from another matcher usually belong to this scan, but never to a picked bin.
+    is_picked = state.phase is Phase.DONE
+    before = state.parts_before
+    if before and digest_of(before[0]) == digest_of(detections):
+        # What was done last is undone.
+        before = before[1:]
+    elif state.detections:
+        before = (state.detections, *before)
+    return begun(
+        replace(state, unscanned=None),
+        ScanState if is_picked else PartsState,
+        phase=Phase.LOCALIZED,
+        remarks=(*(() if is_picked else state.remarks), remark)[-MOST_REMARKS:],
+        parts_before=() if is_picked else before[:MOST_REMARKS],
+        detections=detections,
+        scene_digest=digest_of(detections),
+        stale="" if is_picked else stale_by(state, "the parts are others"),
+        message=f"{says}, by {entry.actor}",
+    )

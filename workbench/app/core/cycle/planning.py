@@ -1,0 +1,202 @@
+"""Plans: asked for, compared, and the threshold that a person wants."""
+
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.cycle.outcomes import avoided_parts
+from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begun
+from workbench.app.core.tasks import Begun, begin_task
+from workbench.app.core.value_checks import (
+    SEED_LIMIT,
+    check_among,
+    check_integer,
+    check_number,
+    check_overrides,
+    strategies_of,
+)
+from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.digest import called
+from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import all_of
+from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.states import StateText
+from workbench.model.plan import PlanResult, Proven, count_taken
+
+MOST_OUTLINES = 20
+"""Plannings for the same parts that are remembered."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MakePlan(Command):
+    """Judge all candidates, plan and prove.
+
+    `strategy`: one of `value_checks.strategies_of` the cell; `threshold` [m].
+    """
+
+    right: ClassVar[Right] = Right(
+        "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+    )
+
+    strategy: str = "auto"
+    threshold: float = 0.2
+    seed: int = 0
+    overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_planning(state.cell, self)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return make_plan(state, entry, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WantThreshold(Command):
+    """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
+
+    right: ClassVar[Right] = Right("another threshold", SAFE, beside_job=True)
+
+    threshold: float
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_number("threshold", self.threshold, 0.0, 1.0, "m")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _wanting(state, self.threshold), ()
+
+
+def check_planning(cell: Cell, command: MakePlan) -> None:
+    """What is asked of a planning is possible in this cell.
+
+    Raises:
+        CommandRefused: it is not.
+    """
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_overrides(cell, command.overrides)
+    check_number("threshold", command.threshold, 0.0, 1.0, "m")
+    check_among("strategy", command.strategy, strategies_of(cell))
+
+
+def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
+    """A plan is made for the parts found.
+
+    Raises:
+        CommandRefused: there are none.
+    """
+    if not state.detections:
+        raise CommandRefused("there are no parts to plan for")
+    arguments = {
+        "detections": state.detections,
+        "scan_digest": state.scene_digest,
+        "scan": state.scan,
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "overrides": command.overrides,
+        "placed": state.placed,
+        "avoided": avoided_parts(state, entry.at),
+        "seed": command.seed,
+    }
+    state = replace(state, wanted_threshold=command.threshold)
+    about = {
+        "strategy": command.strategy,
+        "threshold": command.threshold,
+        "seed": command.seed,
+        "planning": command.overrides,
+    }
+    return begin_task(state, entry, "plan", arguments, "planning", **about)
+
+
+def with_plan(state: State, result: PlanResult, job: Job) -> State:
+    """The state after a planning; what was said about an earlier plan goes.
+
+    Args:
+        state: before.
+        result: what the planning brought; a plan whose proof does not hold is shown, too.
+        job: that has ended with it.
+    """
+    if result.plan is None:
+        phase = Phase.LOCALIZED
+        message = StateText.NO_PLAN(verdict=result.verdict.message)
+    elif result.proof is None or not result.proof.holds:
+        phase = Phase.PLANNED
+        message = StateText.NO_PROOF()
+        if result.proof is not None:
+            message = StateText.NOT_PROVEN(violation=result.proof.violations[0].message)
+    else:
+        phase = Phase.PLANNED
+        message = StateText.PLAN_READY(
+            strategy=strategy_message(result.plan.strategy),
+            cycle=result.plan.cycle_seconds,
+            clearance=result.proof.clearance,
+        )
+        more = StateText.MORE_PLANS(count=len(result.row)) if result.row else None
+        remarks = result.plan.remarks if result.plan.stations else ()
+        message = all_of((message, more, *remarks))
+    return begun(
+        state,
+        PlanState,
+        phase=phase,
+        candidates=result.candidates,
+        plan=result.plan,
+        proof=result.proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+        obstacles=result.obstacles,
+        bound=result.bound,
+        row=result.row,
+        row_ends=result.row_ends,
+        outlines=_outlines(state, result, job),
+        planned_threshold=job.threshold,
+        wanted_threshold=state.wanted_threshold,
+        message=message,
+    )
+
+
+def _outlines(state: State, result: PlanResult, job: Job) -> tuple[Outline, ...]:
+    """All outlines; a plan that was made before keeps its place, by which people know it."""
+    found = list(state.outlines)
+    for plan_result in (*result.beside, result):
+        outline = _outline(plan_result, job)
+        places = [k for k, known in enumerate(found) if known.digest == outline.digest != ""]
+        if places:
+            found[places[0]] = outline
+        else:
+            found.append(outline)
+    return tuple(found[-MOST_OUTLINES:])
+
+
+def _outline(result: PlanResult, job: Job) -> Outline:
+    planning = sum(result.seconds.values())
+    plan, proof = result.plan, result.proof
+    if plan is None or proof is None:
+        return Outline(result.planner, planning, verdict=result.verdict.message)
+    every = [Proven(plan, proof), *result.row]
+    distances = [
+        float(d.min()) for proven_plan in every for _, _, d in proven_plan.proof.apart if len(d)
+    ]
+    return Outline(
+        result.planner,
+        planning,
+        str(plan.strategy),
+        str(plan.guarantee),
+        count_taken(result.plans),
+        sum(proven_plan.plan.cycle_seconds for proven_plan in every),
+        min(proven_plan.proof.clearance for proven_plan in every),
+        min(distances, default=None),
+        plan.digest,
+        None if proof.holds else proof.violations[0].message,
+        str(plan.strategy) if job.strategy == "both" else job.strategy,
+        job.threshold or 0.0,
+        job.seed,
+        job.planning,
+        len(every),
+    )
+
+
+def _wanting(state: State, threshold: float) -> State:
+    """The state in which another threshold is wanted, also of a plan that is gone on to."""
+    job = state.job
+    if job is not None and job.then is not None:
+        then = replace(job.then, plan=replace(job.then.plan, threshold=threshold))
+        state = replace(state, job=replace(job, then=then))
+    return replace(state, wanted_threshold=threshold)

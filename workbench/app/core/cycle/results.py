@@ -1,0 +1,86 @@
+"""What a task of the worker has brought, and what follows by itself."""
+
+from dataclasses import replace
+from typing import Any
+
+from workbench.app.core.cell.emptying import emptying_words
+from workbench.app.core.command import Entry
+from workbench.app.core.cycle.parts import compared, find_parts, with_detections
+from workbench.app.core.cycle.planning import make_plan, with_plan
+from workbench.app.core.cycle.scanning import with_scan
+from workbench.app.core.state import Job, Phase, State
+from workbench.app.core.tasks import Begun
+from workbench.model.calibration import PlateObservation
+from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.message import Message, all_of, as_message, plain
+from workbench.model.messages.states import StateText, task_message
+from workbench.model.plan import PlanResult
+from workbench.model.prediction import Emptying
+from workbench.model.scan import Scan, Search
+
+FAILURES = (
+    StateText.TASK_FAILED,
+    StateText.NOTHING_FOUND,
+    StateText.POSES_REFUSED,
+    StateText.CELL_REFUSED,
+    StateText.NO_PLAN,
+    StateText.NOT_PROVEN,
+    StateText.NO_PROOF,
+)
+"""Messages of a state that tell of something that has failed."""
+
+
+def is_failure(message: Message | str) -> bool:
+    """Whether a message of a state tells of something that has failed."""
+    return isinstance(message, Message) and any(map(message.mentions, FAILURES))
+
+
+def with_result(state: State, number: int, result: Any, at: float) -> State:
+    """The state after the running task has ended, at [s since the epoch]; others change nothing."""
+    job = state.job
+    if job is None or job.number != number:
+        return state
+    state = replace(state, job=None)
+    match (job.name, result):
+        case (_, JobCancelled()):
+            return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
+        case (_, WorkbenchError()):
+            return replace(state, message=_failure_message(job, str(result)))
+        case ("scan", Scan()):
+            return with_scan(state, result, at)
+        case ("localize", tuple()):
+            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
+            return (compared if job.is_compared else with_detections)(state, search)
+        case ("sight", PlateObservation()):
+            observations = (*state.observations, result)
+            message = f"{result.name}: the plate is seen, {len(observations)} so far"
+            return replace(state, observations=observations, message=message)
+        case ("emptying", Emptying()):
+            return replace(state, emptying=result, message=emptying_words(result))
+        case ("plan", PlanResult()):
+            return with_plan(state, result, job)
+        case _:
+            wrong = type(result).__name__
+            return replace(state, message=_failure_message(job, f"it brought a {wrong}"))
+
+
+def _failure_message(job: Job, why: str) -> Message:
+    return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
+
+
+def gone_on(before: State, after: State, entry: Entry) -> Begun:
+    """What follows by itself when the task of `before` has ended, where that was asked for."""
+    job = before.job
+    if job is None or job.then is None or after.job is not None:
+        return after, ()
+    match job.name, after.phase:
+        case "scan", Phase.SCANNED:
+            return find_parts(after, entry, job.then.find, then=job.then)
+        case "localize", Phase.LOCALIZED:
+            return make_plan(after, entry, job.then.plan)
+        case "scan" | "localize", _:
+            return replace(
+                after, message=all_of((as_message(after.message), StateText.ENDS_HERE()))
+            ), ()
+        case _:
+            return after, ()

@@ -1,0 +1,168 @@
+"""Scans of the bin and of the reference plate: taken, read from a file, used."""
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.people import Role
+from workbench.app.core.state import Avoided, Phase, ScanState, State, begun, stale_by
+from workbench.app.core.tasks import Begun, begin_task
+from workbench.app.core.value_checks import (
+    MOST_OBSERVATIONS,
+    MOST_PARTS,
+    SEED_LIMIT,
+    check_among,
+    check_configuration,
+    check_integer,
+    check_text,
+)
+from workbench.model.calibration import BallPlate, PlateObservation
+from workbench.model.cell import Cell
+from workbench.model.digest import called
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import Floats, frozen, put
+from workbench.model.scan import ALL_KINDS, Scan
+
+if TYPE_CHECKING:
+    from workbench.app.core.cycle.ahead import GoOn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TakeScan(Command):
+    """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
+
+    `part` is which kind falls, of those that the cell picks; empty: the first; "all": one of
+    each in turn.
+    """
+
+    right: ClassVar[Right] = Right("a scan", SAFE)
+
+    seed: int = 0
+    parts: int = 2
+    part: str = ""
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_scan(state.cell, self)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return take_scan(state, entry, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseScan(Command):
+    """Take a scan from a file instead of the scanner."""
+
+    right: ClassVar[Right] = Right("using a scan from a file", SAFE)
+
+    scan: Scan
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return with_scan(state, self.scan, entry.at), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SightPlate(Command):
+    """Scan the reference plate that an arm at `q` (n,) [rad], chain order, holds.
+
+    `seed` is that of the simulated scanner's noise.
+    """
+
+    right: ClassVar[Right] = Right("a scan of the plate", SAFE, role=Role.ENGINEER)
+
+    arm: str
+    q: Floats
+    plate: BallPlate
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        check_configuration(state.cell, self.arm, self.q)
+        if len(state.observations) >= MOST_OBSERVATIONS:
+            raise CommandRefused(
+                f"up to {MOST_OBSERVATIONS} poses are taken; remove one of them first"
+            )
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return sight_plate(state, entry, self)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UseObservations(Command):
+    """Go on with these observations of the plate, some left out; `says` tells people so."""
+
+    right: ClassVar[Right] = Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER)
+
+    observations: tuple[PlateObservation, ...] = field(metadata=called("sightings"))
+    says: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("says", self.says)
+        if len(self.observations) > MOST_OBSERVATIONS:
+            raise CommandRefused(f"up to {MOST_OBSERVATIONS} poses are taken")
+        for observation in self.observations:
+            check_text("name", observation.name)
+            check_configuration(state.cell, observation.arm, observation.q)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return replace(state, observations=self.observations, message=self.says), ()
+
+
+def check_scan(cell: Cell, command: TakeScan) -> None:
+    """The scan can be taken in this cell.
+
+    Raises:
+        CommandRefused: it cannot.
+    """
+    check_among("part", command.part, ("", ALL_KINDS, *(part.name for part in cell.parts)))
+    check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
+    check_integer("parts", command.parts, 1, MOST_PARTS)
+
+
+def take_scan(
+    state: State,
+    entry: Entry,
+    command: TakeScan,
+    then: "GoOn | None" = None,
+) -> Begun:
+    """The scanner is triggered; with `then` it is gone on as that says."""
+    arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
+    return begin_task(state, entry, "scan", arguments, "scanning", then=then)
+
+
+def with_scan(state: State, scan: Scan, at: float) -> State:
+    """The state with a new scan, taken at [s since the epoch]."""
+    return begun(
+        replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
+        ScanState,
+        phase=Phase.SCANNED,
+        scan=scan,
+        scene_digest=scan.digest,
+        stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
+        message=f"scan with {len(scan.points):,} points",
+    )
+
+
+def after_one_more_scan(avoided: tuple[Avoided, ...], at: float) -> tuple[Avoided, ...]:
+    """What is still avoided in a new scan taken at [s since the epoch]."""
+    return tuple(
+        replace(entry, scans=entry.scans - 1)
+        for entry in avoided
+        if entry.scans > 0 and at < entry.until
+    )
+
+
+def sight_plate(state: State, entry: Entry, command: SightPlate) -> Begun:
+    """The plate is looked at, held in one more pose."""
+    numbers = (observation.name.rpartition(" ")[2] for observation in state.observations)
+    last = max((int(number) for number in numbers if number.isdecimal()), default=0)
+    arguments = {
+        "name": f"pose {last + 1}",
+        "arm": command.arm,
+        "q": command.q,
+        "plate": command.plate,
+        "seed": command.seed,
+    }
+    return begin_task(state, entry, "sight", arguments, "looking at the plate")

@@ -1,0 +1,179 @@
+"""Sending: the plan goes out, step by step where that was approved, and ends or is stopped."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.ahead import after_the_end, begun_ahead, given_up
+from workbench.app.core.cycle.approval import staleness, unwalked
+from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
+from workbench.app.core.cycle.rows import following, unapproved_row, with_next_plan
+from workbench.app.core.cycle.standing import lacks_reports, stale_because
+from workbench.app.core.effects import LetStep, Send, StopSending
+from workbench.app.core.rights import changes_said
+from workbench.app.core.state import Phase, RunState, State, begun, row_said
+from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
+from workbench.model.errors import CommandRefused
+from workbench.model.plan import Plan
+from workbench.model.release import Receipt
+from workbench.plugins.robot_link import misfit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SendPlan(Command):
+    """Send the approved plan with this digest to the robot, and its row as far as all is well."""
+
+    right: ClassVar[Right] = Right("sending", frozenset({Phase.APPROVED}))
+
+    plan_digest: str
+
+    @classmethod
+    def obstacle(cls, state: State) -> str:
+        if not state.changed:
+            return ""
+        return f"sending has to wait until an engineer acknowledges: {changes_said(state)}"
+
+    def check(self, state: State, asked: Asked) -> None:
+        plan = named_plan(state, self.plan_digest)
+        refuse(staleness(state.approval, plan, state.cell, state.scene_digest, asked.now))
+        refuse(unwalked(state.cell, state.proof))
+        if state.approval is not None:
+            refuse(misfit(plan, state.cell, state.approval.manner))
+            refuse(unapproved_row(state, state.approval) or lacks_reports(state))
+        refuse(stale_because(state, plan, asked.joints))
+        if state.row and not asked.joints:
+            raise CommandRefused(
+                "the controller reports no joints, so nobody knows where the robot stands "
+                "between two plans; shorten the row to one plan"
+            )
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _send(state, entry)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NextStep(Command):
+    """Let the step of the plan run that the robot waits before, which is `number`, from 1 on."""
+
+    right: ClassVar[Right] = Right("a step", frozenset({Phase.SENDING}), "nothing is being sent")
+
+    number: int
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("number", self.number, 1, SEED_LIMIT - 1)
+        refuse(step_problem(state, self.number, asked.now))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return with_step(state, self.number, entry.actor, entry.at), (LetStep(self.number),)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stop(Command):
+    """Stop sending and close the link."""
+
+    # Nobody who sees that something goes wrong has to ask first.
+    right: ClassVar[Right] = Right(
+        "a stop", frozenset({Phase.SENDING}), "nothing is being sent", without_control=True
+    )
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        says = f"{entry.actor} stops the sending"
+        stopped = replace(state, message=says, stopped_by=entry.actor)
+        after, effects = given_up(stopped, "the plan is stopped")
+        return after, (StopSending(), *effects)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sent(Command):
+    """The robot link reports one message that went out."""
+
+    right: ClassVar[Right] = Right(
+        "a message sent", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
+    )
+
+    receipt: Receipt
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return begun_ahead(with_receipt(state, self.receipt), entry)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LinkEnded(SendingEnd, Command):
+    """The robot link is closed."""
+
+    right: ClassVar[Right] = Right(
+        "the end of sending", frozenset({Phase.SENDING}), "nothing is being sent", by_machine=True
+    )
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("parts_placed", self.parts_placed, 0, SEED_LIMIT - 1)
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        after = after_sending(state, self, entry.at)
+        after, sends = with_next_plan(state, after, self, entry)
+        after, effects = after_the_end(state, after, entry)
+        return after, (*sends, *effects)
+
+
+def _send(state: State, entry: Entry) -> Decision:
+    if state.plan is None or state.approval is None:
+        raise CommandRefused("there is no approved plan to send")
+    message = f"{entry.actor} sends {row_said(state)}"
+    until = state.approval.until
+    after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
+    return after, (Send(state.plan, state.approval, following(state)),)
+
+
+def with_receipt(state: State, receipt: Receipt) -> State:
+    """The state after one more message went out."""
+    state = replace(state, receipts=(*state.receipts, receipt))
+    steps = () if state.plan is None else state.plan.sequence
+    if state.plan is not None and 0 < receipt.waits == state.let + 1 <= len(steps):
+        message = f"the robot waits before {step_said(state.plan, receipt.waits)}"
+        return replace(state, waits=receipt.waits, message=message)
+    if state.let:
+        # What is told of a step is who has let it run.
+        return state
+    step = step_reported(state)
+    if state.plan is not None and 0 < step <= len(steps):
+        return replace(state, message=f"the robot runs {step_said(state.plan, step)}")
+    return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+
+
+def step_reported(state: State) -> int:
+    """The step that the robot has reported last, to run or to wait before it, counted from 1.
+
+    0 where it has reported none, as links do that know no steps.
+    """
+    return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
+
+
+def step_said(plan: Plan, number: int) -> str:
+    """A step of a plan, counted from 1, for people."""
+    return f"step {number} of {len(plan.sequence)}, {plan.sequence[number - 1].words}"
+
+
+def step_problem(state: State, number: int, now: float) -> str:
+    """Why a step may not run now; empty when it may."""
+    if state.approval is None or not state.approval.is_stepped:
+        return "the plan is not sent step by step"
+    if not state.waits:
+        return "the robot waits before no step now; wait until it stands"
+    if number != state.waits:
+        return f"the robot waits before step {state.waits}, not {number!r}: look and decide again"
+    if not state.approval.at <= now < state.let_until:
+        minutes = state.cell.policy.approval_minutes
+        return (
+            f"nobody has let a step run for {minutes:g} minutes, or the clock was set back: the "
+            "approval holds no longer; stop, and begin with a new scan"
+        )
+    return ""
+
+
+def with_step(state: State, number: int, actor: str, at: float) -> State:
+    """The state after a person has let a step run, at [s since the epoch]."""
+    if state.plan is None:
+        return state
+    message = f"{step_said(state.plan, number)}, let run by {actor}"
+    until = at + state.cell.policy.approval_minutes * 60.0
+    return replace(state, waits=0, let=number, let_until=until, message=message)

@@ -1,0 +1,134 @@
+"""The session: started, opened again, and what has changed since the start before."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.command import EVERY, SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.people import Role
+from workbench.app.core.rights import changes_said
+from workbench.app.core.state import Phase, State, without_approval
+from workbench.app.core.value_checks import check_text
+from workbench.app.provenance.inventory import Inventory
+from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import plain
+from workbench.model.messages.states import StateText
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Started(Command):
+    """The workbench has begun with this session, and `ran` tells with what.
+
+    `changes` says what is otherwise than at the start before, which `since` names, and what nobody
+    had acknowledged then.  `is_trial`: a demonstration, which no later start is compared with.
+    """
+
+    right: ClassVar[Right] = Right("a start", EVERY, beside_job=True, by_machine=True)
+
+    ran: Inventory
+    changes: tuple[str, ...] = ()
+    since: str = ""
+    is_trial: bool = False
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return started(state, self), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Opened(Command):
+    """A bench goes on with this session: by a new start, or with a copy of it elsewhere.
+
+    Words and approvals belong to one start of one bench: those given before have ended.
+    """
+
+    right: ClassVar[Right] = Right(
+        "going on with a session", EVERY, beside_job=True, by_machine=True
+    )
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return opened_again(state), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AcknowledgeChanges(Command):
+    """How software, machine or people differ from the start before was seen: `ran`, its digest."""
+
+    # While nothing moves, by whoever answers for the machine; a task that runs is not held up.
+    right: ClassVar[Right] = Right(
+        "acknowledging changes", SAFE, beside_job=True, role=Role.ENGINEER, without_control=True
+    )
+
+    ran: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("ran", self.ran)
+        refuse(changes_problem(state, self.ran))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return acknowledged(state, entry.actor), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WriteNote(Command):
+    """Write a note into the session: what somebody saw or did at the cell."""
+
+    right: ClassVar[Right] = Right("a note", EVERY, beside_job=True, without_control=True)
+
+    text: str
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_text("text", self.text)
+        if not self.text.strip():
+            raise CommandRefused("the note is empty")
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        message = StateText.NOTE(person=entry.actor, text=plain(self.text))
+        return replace(state, message=message), ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PosesRefused(Command):
+    """A file that came into the watched folder cannot be used; `problem` says why."""
+
+    right: ClassVar[Right] = Right("a problem with poses", EVERY, beside_job=True, by_machine=True)
+
+    problem: str
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return replace(state, message=StateText.POSES_REFUSED(problem=plain(self.problem))), ()
+
+
+def started(state: State, start: Started) -> State:
+    """The state after a start: what had changed by then stays until it is acknowledged."""
+    changed = tuple(dict.fromkeys((*state.changed, *start.changes)))
+    since = state.changed_since or start.since
+    after = replace(state, ran=start.ran, changed=changed, changed_since=since if changed else "")
+    return replace(after, message=changes_said(after)) if start.changes else after
+
+
+def opened_again(state: State) -> State:
+    """The state of a session that a bench goes on with, which may be a copy of it elsewhere.
+
+    Nobody there has seen the plan or let it out: what was said before was said to another bench.
+    """
+    had, message = state.votes or state.approval or state.watched, state.message
+    if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
+        message = "the session was opened again: previews and approvals before that do not count"
+    return replace(without_approval(state), watched=(), told=(), message=message)
+
+
+def changes_problem(state: State, ran: str) -> str:
+    """Why changes cannot be acknowledged by who has seen the inventory `ran`; else empty."""
+    if not state.changed or state.ran is None:
+        return "nothing has changed that nobody has acknowledged"
+    if state.ran.digest != ran:
+        return (
+            f"what runs now has the digest {state.ran.digest[:12]}, not {ran[:12]!r}: look at "
+            "the current changes and decide again"
+        )
+    return ""
+
+
+def acknowledged(state: State, actor: str) -> State:
+    """The state after somebody has acknowledged what has changed."""
+    message = f"{actor} has acknowledged what has changed since {state.changed_since}"
+    return replace(state, changed=(), changed_since="", message=message)
