@@ -23,12 +23,6 @@ CUTS = """
     """.split()  # noqa: SIM905
 SEARCHES = "match search fullmatch sub split findall finditer".split()  # noqa: SIM905
 
-LEFT = {
-    "app/emptying/changes.py": {"changed"},
-    "app/filling/advice.py": {"_others"},
-}
-"""Where code still decides by a text without an id, by file and function: it may only shrink."""
-
 OTHERS = {
     "app/provenance/components.py": {"licence_of"},
     "gui/parts/views.py": {"_deviations"},
@@ -99,7 +93,7 @@ def test_no_code_decides_by_a_text_that_is_for_people():
             functions = found_in(path.read_text(encoding="utf-8"))
             if functions:
                 found[path.relative_to(PACKAGE).as_posix()] = functions
-    assert found == LEFT | OTHERS
+    assert found == OTHERS
 
 
 @pytest.mark.parametrize(

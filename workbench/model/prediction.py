@@ -62,10 +62,10 @@ class PileTask:
 
     `part` is one of the cell's, `all` for all of them in turn, or others by name or path, joined by
     `TOGETHER`; empty: the cell's first.  `settles`: the rest moves by physics as a part is lifted.
-    `bounds`: what stays is tried by all grasps of the tool, too.  `change`: words of a change of
-    the cell (`app.emptying.changes`) that the pile is emptied with, empty for none; it lies as
-    without it, and what stays is told without a nearest fix.  `picks`: plans in a row after one
-    look, at most.
+    `bounds`: what stays is tried by all grasps of the tool, too.  `change`: a change of the
+    cell (`app.emptying.changes`) that the pile is emptied with, None for none; it lies as without
+    it, and what stays is told without a nearest fix.  `picks`: plans in a row after one look, at
+    most.
     """
 
     cell: str
@@ -76,7 +76,7 @@ class PileTask:
     settles: bool = True
     strategy: str = "auto"
     bounds: bool = False
-    change: str = ""
+    change: Message | None = None
     picks: int = 1
 
 

@@ -28,6 +28,7 @@ SHOWN = ("gui", "web/page", "app/core")
 SENTENCES = (
     "app/calibration",
     "app/emptying",
+    "app/filling",
     "app/picking",
     "app/provenance/inventory.py",
     "app/records/kept_cases.py",

@@ -15,16 +15,17 @@ from workbench.app.core.rights import lacks_right
 from workbench.app.core.state import Phase
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES
 from workbench.model.errors import InputError, JobCancelled, NotAllowed
-from workbench.model.messages.message import plain
+from workbench.model.messages.changes import ChangeText
+from workbench.model.messages.message import Message, plain
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 
 
-def emptied(cell, *changes: str) -> Emptying:
+def emptied(cell, *changes: Message) -> Emptying:
     left = (LeftPart("part-2", "tool collision", plain("why"), "a fix"),)
     piles = tuple(
         EmptiedPile(PileTask(cell.name, "peg", 2, 3, change=change), 2, 1, (0, 0, 0), 0, 0, 1, 4,
                     5.0, left, (0.1,), (("propose", 0.1),), 0.0, outcomes=("",))
-        for change in ("", *changes)
+        for change in (None, *changes)
     )  # fmt: skip
     return Emptying(cell.digest, piles)
 
@@ -39,7 +40,7 @@ def test_it_is_a_task_whose_result_stays_until_the_next_one(line, cell):
     assert line.state.message == "emptying 1 pile of 2 parts in simulation"
     (start,) = line.effects
     assert isinstance(start, StartJob) and start.name == "emptying"
-    found = emptied(cell, "straight up alone")
+    found = emptied(cell, ChangeText.UP_ALONE())
     assert line.ended(found).emptying is found
     assert line.state.message == "1 of 2 parts taken out of 1 pile in simulation; 1 change tried"
     # It says something about the cell, not about a scan: those that follow leave it alone.

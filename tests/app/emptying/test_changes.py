@@ -8,6 +8,7 @@ import pytest
 from workbench.app.emptying.changes import changed, changes_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Box
+from workbench.model.messages.changes import ChangeText
 from workbench.model.part import GraspLibrary
 from workbench.model.prediction import CHANGE_KINDS
 
@@ -18,26 +19,26 @@ def cell(request):
 
 
 def test_every_change_makes_another_cell_or_says_that_there_is_nothing_to_change(cell):
-    words = [change.words for change in changes_of(cell)]
-    assert len(set(words)) == len(words)
+    said = [change.said for change in changes_of(cell)]
+    assert len(set(said)) == len({str(one) for one in said}) == len(said)
     assert {change.kind for change in changes_of(cell)} <= set(CHANGE_KINDS)
     made = 0
     for change in changes_of(cell):
-        if "suggested" in change.words:
+        if change.said.text is ChangeText.SUGGESTED:
             continue  # it takes a minute
         other = change.made(cell)
-        assert other is None or other.digest != cell.digest, change.words
+        assert other is None or other.digest != cell.digest, change.said
         made += other is not None
-        assert changed(cell, change.words).digest == (other or cell).digest
+        assert changed(cell, change.said).digest == (other or cell).digest
     assert made >= 10
-    assert changed(cell, "") is cell
+    assert changed(cell, None) is cell
 
 
 def test_thinner_fingers_close_where_they_did_and_longer_ones_take_the_tcp_along():
     cell = read_cell("yumi")
     tool = cell.arms[0].tool
-    thin, long = (changed(cell, f"fingers {words}").arms[0].tool
-                  for words in ("2 mm thinner", "20 mm longer"))  # fmt: skip
+    said = ChangeText.FINGERS_THINNER(by=0.002), ChangeText.FINGERS_LONGER(by=0.02)
+    thin, long = (changed(cell, one).arms[0].tool for one in said)
     for before, after in zip(tool.fingers, thin.fingers, strict=True):
         a, b = before.solid, after.solid
         assert isinstance(a.shape, Box) and isinstance(b.shape, Box)
@@ -56,10 +57,10 @@ def test_thinner_fingers_close_where_they_did_and_longer_ones_take_the_tcp_along
 
 def test_a_bin_that_is_moved_takes_its_scanner_along():
     cell = read_cell("yumi")
-    near = changed(cell, "bin 50 mm nearer")
+    near = changed(cell, ChangeText.BIN_NEARER(by=0.05))
     step = near.bin.T_world_bin.translation - cell.bin.T_world_bin.translation
     assert step == pytest.approx([-0.05, 0, 0], abs=1e-6)
-    turned = changed(cell, "bin turned by 90 degrees")
+    turned = changed(cell, ChangeText.BIN_TURNED(by=np.pi / 2))
     for one in (cell, near, turned):
         view = one.bin.T_world_bin.actInv(one.scanner.T_world_scanner)
         assert np.allclose(
@@ -70,7 +71,7 @@ def test_a_bin_that_is_moved_takes_its_scanner_along():
 
 def test_twice_as_many_turns_lie_between_those_that_there_are():
     cell = read_cell("yumi")
-    more = changed(cell, "every pattern with twice as many turns")
+    more = changed(cell, TWICE)
     (before,), (after,) = (one.parts[0].library.entries for one in (cell, more))
     assert np.rad2deg(sorted(after.angles)) == pytest.approx(np.arange(10) * 36.0)
     assert after.angles[:5] == before.angles
@@ -81,7 +82,7 @@ def with_entries(cell, entries):
     return replace(cell, parts=(replace(part, library=GraspLibrary(tuple(entries))),))
 
 
-TWICE = "every pattern with twice as many turns"
+TWICE = ChangeText.MORE_TURNS()
 
 
 @pytest.mark.parametrize(
@@ -107,20 +108,20 @@ def test_turns_are_added_between_those_that_people_have_authored(before, more):
     assert sorted(after.angles[len(before) :]) == pytest.approx(sorted(more))
 
 
-def changed_by(cell, words):
-    return next(one for one in changes_of(cell) if one.words == words).made(cell)
+def changed_by(cell, said):
+    return next(one for one in changes_of(cell) if one.said == said).made(cell)
 
 
 def test_grasps_that_no_fingers_open_any_further_for_are_not_tried_again():
     cell = read_cell("yumi")
     high = min(arm.tool.stroke[1] for arm in cell.arms)
     wide = with_entries(cell, [replace(one, opening=high) for one in cell.parts[0].grasps])
-    assert changed_by(wide, "every grasp 3 mm more open on arrival") is None
-    assert changed_by(wide, "every grasp 3 mm less open on arrival") is not None
+    assert changed_by(wide, ChangeText.MORE_OPEN(by=0.003)) is None
+    assert changed_by(wide, ChangeText.LESS_OPEN(by=0.003)) is not None
     tight = with_entries(
         cell, [replace(one, opening=one.grip + 0.001) for one in cell.parts[0].grasps]
     )
-    assert changed_by(tight, "every grasp 3 mm less open on arrival") is None
+    assert changed_by(tight, ChangeText.LESS_OPEN(by=0.003)) is None
 
 
 def test_fingers_open_for_a_grasp_as_far_as_every_arm_can():
@@ -131,7 +132,7 @@ def test_fingers_open_for_a_grasp_as_far_as_every_arm_can():
     short = replace(second, tool=replace(second.tool, stroke=(low, high - 0.002)))
     grasps = [replace(one, opening=high - 0.003) for one in cell.parts[0].grasps]
     cell = replace(cell, arms=(replace(first, tool=cup), second, short))
-    wider = changed_by(with_entries(cell, grasps), "every grasp 3 mm more open on arrival")
+    wider = changed_by(with_entries(cell, grasps), ChangeText.MORE_OPEN(by=0.003))
     assert wider is not None
     openings = {round(one.opening, 6) for one in wider.parts[0].grasps}
     assert openings == {round(high - 0.002, 6)}

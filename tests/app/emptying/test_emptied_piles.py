@@ -85,7 +85,7 @@ def test_changes_are_tried_on_the_same_piles(cell):
     asked = replace(ASKED, count=2, piles=1, changes=("lifts",))
     found = emptied_piles(cell, asked, silent, never)
     changes = [one.task.change for one in found.emptying.piles]
-    assert changes[0] == "" and len(changes) > 1 and "" not in changes[1:]
+    assert changes[0] is None and len(changes) > 1 and None not in changes[1:]
     assert len(found.films) == len(found.emptying.plain) == 1
     assert {one.task.seed for one in found.emptying.piles} == {12}
 

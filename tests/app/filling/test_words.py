@@ -2,28 +2,44 @@
 
 from workbench.app.filling.fill import Filled
 from workbench.app.filling.words import filled_words
+from workbench.model.candidate import Reason
+from workbench.model.messages.changes import ChangeText, FillText
+from workbench.words.words import words_of
+
+COLLISION = (Reason.TOOL_COLLISION.message, 6)
+BLOCKED = (Reason.EXTRACT_BLOCKED.message, 6)
 
 
 def told(**changes):
-    """The sentences about a filling in which ten parts lay."""
+    """The messages about a filling in which ten parts lay."""
     values = {"stays": (), "lifts": 1, "looked": 0, "helps": ()} | changes
     return filled_words(Filled((), (), 10, 4, seconds=50.0, **values))
 
 
 def test_what_stays_is_said_with_its_reasons():
     assert len(told()) == 1
-    assert told(stays=(("tool collision", 6),))[1].endswith("6 tool collision")
+    assert str(told(stays=(COLLISION,))[1]).endswith("6 tool in collision")
 
 
 def test_more_lifts_are_proposed_only_where_there_is_one_and_a_lift_is_blocked():
-    blocked = (("extract blocked", 6),)
-    assert 'emptying = "thorough"' in told(stays=blocked)[-1]
-    assert 'emptying = "thorough"' not in " ".join(told(stays=blocked, lifts=6))
-    assert 'emptying = "thorough"' not in " ".join(told(stays=(("tool collision", 6),)))
+    def proposes(**changes):
+        return any(message.text is FillText.MORE_LIFTS for message in told(**changes))
+
+    assert proposes(stays=(BLOCKED,))
+    assert not proposes(stays=(BLOCKED,), lifts=6)
+    assert not proposes(stays=(COLLISION,))
 
 
 def test_a_tool_or_bin_that_would_take_the_rest_is_named():
-    stays = (("tool collision", 6),)
-    said = told(stays=stays, looked=6, helps=(("fingers 1 mm thinner", 5),))
-    assert "it would at 5 with fingers 1 mm thinner" in said[-1]
-    assert "also with thinner fingers" in told(stays=stays, looked=6)[-1]
+    helps = ((ChangeText.FINGERS_THINNER(by=0.001), 5),)
+    said = told(stays=(COLLISION,), looked=6, helps=helps)
+    assert "5 with fingers 1 mm thinner" in str(said[-1])
+    assert "nor with thinner fingers" in str(told(stays=(COLLISION,), looked=6)[-1])
+
+
+def test_a_german_page_says_it_in_german():
+    helps = ((ChangeText.FINGERS_THINNER(by=0.001), 5),)
+    german = [words_of("de").render(message) for message in told(stays=(BLOCKED,), looked=6)]
+    german.append(words_of("de").render(told(looked=6, helps=helps)[-1]))
+    assert not any(word in " ".join(german) for word in ("parts", "lift", "fits", "thinner"))
+    assert "1 mm" in german[-1]

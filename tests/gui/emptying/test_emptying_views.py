@@ -19,7 +19,8 @@ from workbench.gui.emptying.views import (
 )
 from workbench.gui.shared.colours import MUTED, VERDICTS, left_colour
 from workbench.model.candidate import Reason
-from workbench.model.messages.message import plain
+from workbench.model.messages.changes import ChangeText
+from workbench.model.messages.message import Message, plain
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 
 TAKES = {"scan_seconds": 1.0, "approval_seconds": 0.0}
@@ -27,7 +28,12 @@ HEADINGS = {column: f"h-{column}" for column in COLUMNS}
 ROWS = [f"r-{number}" for number in range(30)]
 
 
-def pile(seed: int, outcomes: tuple[str, ...], left: tuple[LeftPart, ...] = (), change: str = ""):
+def pile(
+    seed: int,
+    outcomes: tuple[str, ...],
+    left: tuple[LeftPart, ...] = (),
+    change: Message | None = None,
+):
     taken = sum(not one for one in outcomes)
     failed = tuple(outcomes.count(kind) for kind in ("missed", "crooked", "turned"))
     task = PileTask("cell", "peg+<b>", taken + sum(failed) + len(left), seed, change=change)
@@ -112,10 +118,11 @@ def test_every_verdict_has_its_colour_in_the_bin_too():
 
 
 def test_changes_are_told_with_what_they_gain_and_lose():
-    more = pile(8, ("", "", ""), (), "fingers 1 mm thinner")
-    less = pile(8, (), (*STAYS, STAYS[0]), "margin halved")
+    more = pile(8, ("", "", ""), (), ChangeText.FINGERS_THINNER(by=0.001))
+    less = pile(8, (), (*STAYS, STAYS[0]), plain("in words, as older records have it"))
     html = changes_html(ranked((PILES[1], more, less), **TAKES))
     first, second = html.split("<tbody>")[1].split("<tr")[1:]
+    assert "in words, as older records" in second
     assert "fingers 1 mm thinner" in first and "33%" in first and "100%" in first
     assert "wb-gain" in first and "+2" in first and "wb-loss" in second and "-1" in second
     assert changes_html(()) == ""

@@ -27,6 +27,7 @@ from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.grasps.views import check_line, refused_text, versions_html
+from workbench.model.candidate import Reason
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
@@ -146,7 +147,9 @@ def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visit
 
 def found_by_filling(*entries):
     """What a filling comes to."""
-    return Filled(entries, (0.5,) * len(entries), 8, 6, (("tool collision", 2),), 1, 0, (), 1.0)
+    return Filled(
+        entries, (0.5,) * len(entries), 8, 6, ((Reason.TOOL_COLLISION.message, 2),), 1, 0, (), 1.0
+    )
 
 
 def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor, monkeypatch):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from workbench.app.emptying.changes import changed
@@ -10,6 +11,7 @@ from workbench.app.emptying.what_if import ranked, tasks_with_changes
 from workbench.cli.measuring.emptying import kinds_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
+from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.studies.cases import run_cases
@@ -22,7 +24,7 @@ PILE = PileTask("yumi", "", 2, 3, settles=False)
 
 def made(task: PileTask) -> EmptiedPile:
     """A pile as if it had been emptied: what is taken depends on the task alone."""
-    taken = (len(task.change) + task.seed) % 3
+    taken = (len(str(task.change or "")) + task.seed) % 3
     left = tuple(
         LeftPart(f"part-{k}", "tool collision", plain("why"), "") for k in range(2 - taken)
     )
@@ -38,13 +40,14 @@ def test_changes_are_ranked_by_what_they_gain_on_the_same_piles():
     cell = read_cell("yumi")
     tasks = tasks_with_changes(cell, [PILE, replace(PILE, seed=4)], kinds_of("lifts+margins"))
     changes = list(dict.fromkeys(task.change for task in tasks))
-    assert changes[0] == "" and "near_margin_mm halved" in changes and len(changes) >= 5
+    assert changes[0] is None and ChangeText.NEAR_MARGIN() in changes and len(changes) >= 5
     assert [task.seed for task in tasks] == [3, 4] * len(changes)
     rows = ranked([made(task) for task in tasks], scan_seconds=1.0, approval_seconds=0.0)
     assert [row["parts_gained"] for row in rows] == sorted(
         (row["parts_gained"] for row in rows), reverse=True
     )
-    assert {row["change"] for row in rows} == set(changes) - {""}
+    assert {row["change"] for row in rows} == {str(change) for change in changes[1:]}
+    assert all(row["said"]["id"].startswith("change.") for row in rows)
     before = sum(made(task).taken for task in tasks[:2])
     for row in rows:
         assert row["taken_share_before"] == before / 4
@@ -53,8 +56,8 @@ def test_changes_are_ranked_by_what_they_gain_on_the_same_piles():
 
 def test_what_changes_nothing_is_not_tried():
     cell = read_cell("yumi")
-    assert "order travel" not in {one.change for one in
-                                  tasks_with_changes(cell, [PILE], kinds_of("order"))}  # fmt: skip
+    tasks = tasks_with_changes(cell, [PILE], kinds_of("order"))
+    assert ChangeText.ORDER(order="travel") not in {task.change for task in tasks}
 
 
 def test_a_word_that_is_no_kind_of_change_is_refused():
@@ -63,7 +66,7 @@ def test_a_word_that_is_no_kind_of_change_is_refused():
 
 
 def test_the_pile_lies_in_a_bin_that_is_moved_as_in_the_one_that_is_not():
-    task = replace(PILE, change="bin turned by 90 degrees")
+    task = replace(PILE, change=ChangeText.BIN_TURNED(by=float(np.deg2rad(90))))
     cell = read_cell("yumi")
     other = changed(cell, task.change)
     for a, b in zip(fallen(cell, cell, PILE), fallen(cell, other, task), strict=True):
@@ -72,7 +75,8 @@ def test_the_pile_lies_in_a_bin_that_is_moved_as_in_the_one_that_is_not():
 
 
 def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypatch):
-    tasks = [replace(PILE, seed=seed) for seed in range(4)]
+    tilted = ChangeText.TILTED(by=float(np.deg2rad(15)))
+    tasks = [replace(PILE, seed=seed, change=tilted) for seed in range(4)]
     done: list[int] = []
 
     def broken(task: PileTask) -> EmptiedPile:
@@ -124,7 +128,7 @@ def test_what_is_kept_is_the_pile_as_it_was_emptied(tmp_path):
 
 
 def test_a_change_of_the_cell_empties_the_same_pile():
-    scene = emptied(replace(PILE, change="straight up alone"))
+    scene = emptied(replace(PILE, change=ChangeText.UP_ALONE()))
     assert scene.parts == 2 and scene.taken + len(scene.left) == 2
 
 

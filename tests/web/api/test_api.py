@@ -18,6 +18,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.formats.plans.certificates import read_certificate
 from workbench.formats.plans.plan_files import read_plan
+from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.states import LeftText
 from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import LocalizationResult, ScaleCheck
@@ -170,13 +171,14 @@ def test_piles_are_emptied_and_what_came_of_them_is_read_as_the_study_prints_it(
     left = (LeftPart("part-2", "no path", LeftText.WAS_NOT_FOUND(), ""),)
     plain = EmptiedPile(task, 2, 1, (0, 0, 0), 0, 0, 1, 4, 5.0, left, (0.1,), (("prove", 0.1),),
                         0.0, outcomes=("",))  # fmt: skip
-    more = replace(plain, task=replace(task, change="straight up alone"), taken=2, left=())
+    more = replace(plain, task=replace(task, change=ChangeText.UP_ALONE()), taken=2, left=())
     site.bench.do(JobEnded(begun, Emptying("0" * 64, (plain, more))), WORKER)
     found = site.get("/emptying").json()
     assert (found["taken"], found["parts"], found["taken_share"]) == (1, 2, 0.5)
     assert found["scenes"][0]["left"][0]["reason"] == "it was not found"
     assert found["scenes"][0]["left"][0]["said"]["id"] == "left.was-not-found"
     assert [one["parts_gained"] for one in found["what_if"]] == [1]
+    assert found["what_if"][0]["said"]["id"] == "change.up-alone"
     for wrong, status, says in (
         ({"part": "screw"}, 409, "part 'screw' is not known; there are keyed_cylinder"),
         ({"parts": 0}, 400, "parts"),

@@ -1,4 +1,4 @@
-"""Single changes of a cell, by name: what an engineer would try where a bin does not empty.
+"""Single changes of a cell, by message: what an engineer would try where a bin does not empty.
 
 Each makes another cell of a cell, or None where there is nothing to change.
 """
@@ -13,6 +13,8 @@ import pinocchio as pin
 
 from workbench.model.cell import LIFT_NAMES, ORDER_NAMES, Arm, Cell, Finger, Tool
 from workbench.model.geometry import Box, Solid, pose_from_rpy
+from workbench.model.messages.changes import ChangeText
+from workbench.model.messages.message import Message
 from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
@@ -32,60 +34,65 @@ MOST_TILT = np.deg2rad(60.0)
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A change in words, what kind it is (`CHANGE_KINDS`), and the cell with it."""
+    """A change as people read it, what kind it is (`CHANGE_KINDS`), and the cell with it."""
 
     kind: str
-    words: str
+    said: Message
     made: Callable[[Cell], Cell | None]
 
 
 def changes_of(cell: Cell) -> Iterator[Change]:
     """All changes that could be tried in a cell; some of them may change nothing in it."""
-    for mm in (1, 2):
-        yield Change("fingers", f"fingers {mm} mm thinner", partial(_thinner, by=mm / 1000))
-    for mm in (10, 20):
-        yield Change("fingers", f"fingers {mm} mm longer", partial(_longer, by=mm / 1000))
-    yield Change("fingers", "fingers as open as there is room", partial(_policy, least_air=0.0015))
-    for mm in (-6, -3, 3):
-        words = f"every grasp {abs(mm)} mm {'less' if mm < 0 else 'more'} open on arrival"
-        yield Change("fingers", words, partial(_open, by=mm / 1000))
+    for by in (0.001, 0.002):
+        yield Change("fingers", ChangeText.FINGERS_THINNER(by=by), partial(_thinner, by=by))
+    for by in (0.01, 0.02):
+        yield Change("fingers", ChangeText.FINGERS_LONGER(by=by), partial(_longer, by=by))
+    yield Change("fingers", ChangeText.AS_OPEN(), partial(_policy, least_air=0.0015))
+    for by in (-0.006, -0.003, 0.003):
+        text = ChangeText.LESS_OPEN if by < 0 else ChangeText.MORE_OPEN
+        yield Change("fingers", text(by=abs(by)), partial(_open, by=by))
     for degrees in (15, 30):
-        words = f"every grasp tilted by up to {degrees} degrees more"
-        yield Change("grasps", words, partial(_tilt, by=float(np.deg2rad(degrees))))
-    yield Change("grasps", "every pattern with twice as many turns", _add_turns)
-    yield Change("grasps", f"{SUGGESTED} suggested grasps as spares", _suggest)
+        by = float(np.deg2rad(degrees))
+        yield Change("grasps", ChangeText.TILTED(by=by), partial(_tilt, by=by))
+    yield Change("grasps", ChangeText.MORE_TURNS(), _add_turns)
+    yield Change("grasps", ChangeText.SUGGESTED(count=SUGGESTED), _suggest)
     for mm in (1, 3):
-        yield Change("grasps", f"every grasp {mm} mm less deep as well", partial(_shallow, by=mm))
-    yield Change("lifts", "all lifts, the first that is clear", partial(_policy, lifts=LIFT_NAMES))
-    yield Change("lifts", "straight up alone", partial(_policy, lifts=("up",)))
-    yield Change("margins", "near_margin_mm halved", partial(_halve, name="near_margin"))
-    yield Change("margins", "margin_mm halved", partial(_halve, name="margin"))
-    for mm in (10, 20):
-        yield Change("bin", f"walls of the bin {mm} mm lower", partial(_lower, by=mm / 1000))
-    for words, way in (("nearer", -0.05), ("farther away", 0.05)):
-        yield Change("bin", f"bin 50 mm {words}", partial(_away, by=way))
-    for degrees in (45, 90):
-        words = f"bin turned by {degrees} degrees"
-        yield Change("bin", words, partial(_bin_turned, by=np.deg2rad(degrees)))
-    yield Change("arms", "home of every arm 50 mm higher", partial(_home_higher, by=0.05))
-    yield Change("arms", "places 30 mm higher as well", partial(_places, rise=0.03, turn=0.0))
-    yield Change("arms", "places turned by 45 degrees as well",
-                 partial(_places, rise=0.0, turn=np.pi / 4))  # fmt: skip
+        yield Change("grasps", ChangeText.LESS_DEEP(by=mm / 1000), partial(_shallow, by=mm))
+    yield Change("lifts", ChangeText.ALL_LIFTS(), partial(_policy, lifts=LIFT_NAMES))
+    yield Change("lifts", ChangeText.UP_ALONE(), partial(_policy, lifts=("up",)))
+    yield Change("margins", ChangeText.NEAR_MARGIN(), partial(_halve, name="near_margin"))
+    yield Change("margins", ChangeText.MARGIN(), partial(_halve, name="margin"))
+    yield from _of_surroundings()
     for name in ORDER_NAMES:
-        yield Change("order", f"order {name}", partial(_policy, order=name))
+        yield Change("order", ChangeText.ORDER(order=name), partial(_policy, order=name))
     for arm in cell.arms:
         for tool in arm.tools:
             if tool.name != arm.tool.name:
-                words = f"arm {arm.name} with tool {tool.name}"
-                yield Change("tool", words, partial(_with_tool, arm=arm.name, tool=tool.name))
+                said = ChangeText.TOOL(arm=arm.name, tool=tool.name)
+                yield Change("tool", said, partial(_with_tool, arm=arm.name, tool=tool.name))
 
 
-def changed(cell: Cell, words: str) -> Cell:
-    """The cell with the change of those words; with none it is as it was."""
-    if not words:
+def _of_surroundings() -> Iterator[Change]:
+    """Those of the bin, the homes and the places."""
+    for by in (0.01, 0.02):
+        yield Change("bin", ChangeText.WALLS_LOWER(by=by), partial(_lower, by=by))
+    yield Change("bin", ChangeText.BIN_NEARER(by=0.05), partial(_away, by=-0.05))
+    yield Change("bin", ChangeText.BIN_FARTHER(by=0.05), partial(_away, by=0.05))
+    for degrees in (45, 90):
+        by = float(np.deg2rad(degrees))
+        yield Change("bin", ChangeText.BIN_TURNED(by=by), partial(_bin_turned, by=by))
+    yield Change("arms", ChangeText.HOME_HIGHER(by=0.05), partial(_home_higher, by=0.05))
+    yield Change("arms", ChangeText.PLACES_HIGHER(by=0.03), partial(_places, rise=0.03, turn=0.0))
+    turn = np.pi / 4
+    yield Change("arms", ChangeText.PLACES_TURNED(by=turn), partial(_places, rise=0.0, turn=turn))
+
+
+def changed(cell: Cell, said: Message | None) -> Cell:
+    """The cell with the change that is called so; with none it is as it was."""
+    if said is None:
         return cell
-    change = next(known_change for known_change in changes_of(cell) if known_change.words == words)
-    return change.made(cell) or cell
+    by_message = {change.said: change for change in changes_of(cell)}
+    return by_message[said].made(cell) or cell
 
 
 def _policy(cell: Cell, **values: object) -> Cell | None:

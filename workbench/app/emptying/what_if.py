@@ -7,6 +7,7 @@ from typing import Any
 from workbench.app.emptying.changes import changes_of
 from workbench.app.emptying.summary import summary
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
 from workbench.model.prediction import EmptiedPile, PileTask
 
 
@@ -18,13 +19,13 @@ def tasks_with_changes(
     Changes that change nothing in the cell are left out.
     """
     wanted = [
-        change.words
+        change.said
         for change in changes_of(cell)
         if change.kind in kinds and change.made(cell) is not None
     ]
     return [
         *tasks,
-        *(replace(task, change=words, bounds=False) for words in wanted for task in tasks),
+        *(replace(task, change=said, bounds=False) for said in wanted for task in tasks),
     ]
 
 
@@ -38,17 +39,18 @@ def ranked(
         scan_seconds: [s] see `summary`.
         approval_seconds: [s] see `summary`.
     """
-    by_change: dict[str, list[EmptiedPile]] = {}
+    by_change: dict[Message | None, list[EmptiedPile]] = {}
     for scene in scenes:
         by_change.setdefault(scene.task.change, []).append(scene)
     found = {
-        words: summary(some, scan_seconds=scan_seconds, approval_seconds=approval_seconds)
-        for words, some in by_change.items()
+        said: summary(some, scan_seconds=scan_seconds, approval_seconds=approval_seconds)
+        for said, some in by_change.items()
     }
-    before = found.pop("")
+    before = found.pop(None)
     rows = [
         {
-            "change": words,
+            "change": str(said),
+            "said": said.told,
             "taken_share_before": before["taken_share"],
             "taken_share": answer["taken_share"],
             "parts_gained": answer["taken"] - before["taken"],
@@ -59,7 +61,8 @@ def ranked(
             "motion_seconds": answer["motion_seconds"],
             "left_by_reason": answer["left_by_reason"],
         }
-        for words, answer in found.items()
+        for said, answer in found.items()
+        if said is not None
     ]
     # What the clock says is no part of the order: it is the same each time.
     return sorted(

@@ -1,6 +1,6 @@
 """What other tool or bin would take the parts that no grip of the tools takes."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,14 +9,18 @@ import pinocchio as pin
 from workbench.app.emptying.changes import changes_of
 from workbench.app.filling.clearing import Stays
 from workbench.app.filling.hand import hands_for
+from workbench.app.filling.work import Work
 from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Cylinder, Solid
+from workbench.model.messages.changes import ChangeText
+from workbench.model.messages.message import Message
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
-from workbench.planning.collision.world import World
+from workbench.planning.collision.surroundings import Surroundings
+from workbench.planning.collision.tool_check import ToolCheck
 
-KINDS = ("fingers", "bin")
-"""Kinds of changes of the cell that are tried."""
+TRIED = (ChangeText.FINGERS_THINNER, ChangeText.WALLS_LOWER)
+"""Changes of the cell that are tried, besides a cup."""
 
 LOOKED = 6
 """Parts that are looked at, at most."""
@@ -32,56 +36,56 @@ TOLD = 3
 
 
 def advice(
-    cell: Cell, stuck: Sequence[Stays], seed: int, is_over: Callable[[], bool]
-) -> tuple[tuple[tuple[str, int], ...], int]:
+    cell: Cell, stuck: Sequence[Stays], seed: int, work: Work
+) -> tuple[tuple[tuple[Message, int], ...], int]:
     """The changes that let a hand hold most of some parts, the best first, and how many they hold.
 
     Args:
         cell: that the parts lie in; it picks them alone.
         stuck: the parts.
         seed: of what is left to chance.
-        is_over: asked now and then; True ends it with what is known.
+        work: is counted; once it is done, what is known is the answer.
 
     Returns:
-        Changes in words with how many of the parts a hand would hold, and of how many.
+        Changes with how many of the parts a hand would hold, and of how many.
     """
     if not stuck:
         return (), 0
     part = replace(cell.parts[0], library=GraspLibrary())
     chosen = np.random.default_rng(seed).permutation(len(stuck))[:LOOKED].tolist()
-    found: list[tuple[str, int]] = []
-    for words, other in _others(cell):
+    found: list[tuple[Message, int]] = []
+    for said, other in _others(cell):
         other = replace(other, parts=(part,))
-        hands = hands_for(other, part, seed)
+        hands = hands_for(other, part, seed, work)
         count = 0
         for k in chosen:
-            if is_over():
+            if work.is_over():
                 return _best(found), len(chosen)
-            world = World(other, _in_bin(cell, other, stuck[k].pile))
+            tools = ToolCheck(Surroundings(other, _in_bin(cell, other, stuck[k].pile)))
             for hand in hands:
-                free = np.flatnonzero(hand.free(world, stuck[k].number))
+                free = np.flatnonzero(hand.free(tools, stuck[k].number))
                 some = np.random.default_rng(seed).permutation(free)[:HOLDING].tolist()
                 if any(hand.grip(n) is not None for n in some):
                     count += 1
                     break
         if count:
-            found.append((words, count))
+            found.append((said, count))
     return _best(found), len(chosen)
 
 
-def _best(found: list[tuple[str, int]]) -> tuple[tuple[str, int], ...]:
+def _best(found: list[tuple[Message, int]]) -> tuple[tuple[Message, int], ...]:
     return tuple(sorted(found, key=lambda counted_change: -counted_change[1])[:TOLD])
 
 
-def _others(cell: Cell) -> Iterator[tuple[str, Cell]]:
-    """Other cells, with what is other in words; those that fit the most kinds of parts first."""
+def _others(cell: Cell) -> Iterator[tuple[Message, Cell]]:
+    """Other cells, with what is other; those that fit the most kinds of parts first."""
     if any(arm.tool.fingers for arm in cell.arms):
         arms = tuple(replace(arm, tool=_cup(arm.tool)) for arm in cell.arms)
-        yield f"a cup of {CUP * 1e3:.0f} mm", replace(cell, arms=arms)
+        yield ChangeText.CUP(by=CUP), replace(cell, arms=arms)
     for change in changes_of(cell):
-        other = change.made(cell) if change.kind in KINDS and "mm" in change.words else None
-        if other is not None and ("thinner" in change.words or "lower" in change.words):
-            yield change.words, other
+        other = change.made(cell) if change.said.text in TRIED else None
+        if other is not None:
+            yield change.said, other
 
 
 def _cup(tool: Tool) -> Tool:

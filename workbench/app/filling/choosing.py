@@ -5,9 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.app.filling.families import Family, family_of
+from workbench.app.filling.families import Family, Pile, family_of
 from workbench.app.filling.hand import Hand
+from workbench.app.filling.work import WORLD
+from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import free_lifts
 from workbench.planning.picking.propose import candidate_of
@@ -32,27 +35,30 @@ AMONG = 12
 class _Case:
     """A part as it lies in a pile, and which grips (n,) of the raster fit there."""
 
-    world: World
+    tools: ToolCheck
     number: int
     free: Bools
 
 
-def choose(hand: Hand, worlds: Sequence[World], seed: int, is_over: Callable[[], bool]) -> None:
+def choose(
+    cell: Cell, hand: Hand, piles: Sequence[Pile], seed: int, is_over: Callable[[], bool]
+) -> None:
     """Add families to a hand, each the one that adds most to those before it.
 
     Args:
+        cell: that the piles lie in.
         hand: whose families grow.
-        worlds: piles as they fell.
+        piles: as they fell.
         seed: of what is left to chance.
         is_over: asked now and then; True ends it.
     """
-    cases = list(_cases(hand, worlds, is_over))
+    cases = list(_cases(cell, hand, piles, is_over))
     if not cases:
         return
     rng = np.random.default_rng(seed)
     free = np.array([case.free for case in cases], np.float32)
     worth = np.array(
-        [WORTH ** sum(f.fits(c.world, hand.arm, c.number) for f in hand.families) for c in cases]
+        [WORTH ** sum(hand.fits(f, c.tools, c.number) for f in hand.families) for c in cases]
     )
     for _ in range(MOST):
         if is_over():
@@ -67,16 +73,20 @@ def choose(hand: Hand, worlds: Sequence[World], seed: int, is_over: Callable[[],
         worth = np.where(fits, WORTH * worth, worth)
 
 
-def _cases(hand: Hand, worlds: Sequence[World], is_over: Callable[[], bool]) -> list[_Case]:
+def _cases(
+    cell: Cell, hand: Hand, piles: Sequence[Pile], is_over: Callable[[], bool]
+) -> list[_Case]:
     """Parts that some grip fits and that could be lifted."""
     found: list[_Case] = []
-    for world in worlds:
-        for number in range(len(world.detections)):
+    for pile in piles:
+        world = World(cell, pile)  # large: only what the tools need of it stays
+        hand.grower.work.add(WORLD * len(pile) * len(hand.grower.part.pieces))
+        for number in range(len(pile)):
             if is_over():
                 return found
-            free = hand.free(world, number)
+            free = hand.free(world.tool_check, number)
             if free.any() and not _is_covered(hand, world, number, int(np.argmax(free))):
-                found.append(_Case(world, number, free))
+                found.append(_Case(world.tool_check, number, free))
     return found
 
 
@@ -106,7 +116,7 @@ def _best(
     for _, k in sorted(looked, reverse=True)[:GROWN]:
         part = hand.grower.part
         family = family_of(part, hand.arm, hand.grower.grown(grips[k]), hand.least_air)
-        fits = np.array([family.fits(case.world, hand.arm, case.number) for case in cases])
+        fits = np.array([hand.fits(family, case.tools, case.number) for case in cases])
         if best is None or float(worth @ fits) > best[0]:
             best = float(worth @ fits), family, fits
     return None if best is None else best[1:]

@@ -7,10 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.filling.families import family_of
+from workbench.app.filling.families import Pile, family_of
 from workbench.app.filling.hand import Hand
+from workbench.app.filling.work import CHECK, FALL, REACH, WORLD
 from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
+from workbench.model.messages.changes import FillText
+from workbench.model.messages.message import Message
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
@@ -18,7 +21,6 @@ from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
-from workbench.planning.planners.clock import processor_time
 
 WAYS = 4
 """Ways of a family by which an arm is tried at a part."""
@@ -29,8 +31,8 @@ TRIED = 12
 GRIPS, LEAST = 24, 6
 """Grips by which an arm is tried at a part that no family takes, at most and at least."""
 
-LOOKS = 1.0
-"""[s] Of processor time: once it has passed, more than the least are not tried."""
+LOOKS = 1000.0
+"""Points of work: once they are spent, more than the least are not tried."""
 
 MOST = 24
 """Families of a tool, at most."""
@@ -43,9 +45,9 @@ RISE = 0.1
 class Stays:
     """A part, by its number, that stays in a pile, and why."""
 
-    pile: tuple[Detection, ...]
+    pile: Pile
     number: int
-    reason: str
+    reason: Message
 
 
 def cleared(
@@ -72,6 +74,7 @@ def cleared(
     taken = 0
     while rest:
         world = World(cell, tuple(rest))
+        hands[0].grower.work.add(WORLD * len(rest) * len(cell.parts[0].pieces))
         gone: list[int] = []
         for number in range(len(rest)):
             if is_over():
@@ -84,13 +87,14 @@ def cleared(
                 if is_over():
                     return taken + len(gone), why
                 reason = _add_family(hands, world, number, seed, rng)
-                if reason:
+                if reason is not None:
                     why.append(Stays(tuple(rest), number, reason))
                 else:
                     gone.append(number)
         if not gone:
             return taken, why
         taken += len(gone)
+        hands[0].grower.work.add(FALL * len(rest) ** 2)
         rest = _without(cell, rest, gone)
     return taken, []
 
@@ -102,54 +106,57 @@ def _takes(
     tried = 0
     for hand in hands:
         for family in sorted(hand.families, key=lambda other_family: -len(other_family.took)):
-            if not family.fits(world, hand.arm, number):
+            if not hand.fits(family, world.tool_check, number):
                 continue
-            free = np.flatnonzero(family.free(world, hand.arm, number))
+            free = np.flatnonzero(hand.free_ways(family, world.tool_check, number))
             for k in rng.permutation(free)[:WAYS].tolist():
                 tried += 1
                 reason = _refuse_reach(hand, world, number, family.grasp(k), seed)
-                if not reason:
-                    family.took.append((world, number))
+                if reason is None:
+                    family.took.append((world.detections, number))
                     return True
                 if tried >= TRIED or reason == COVERED:
                     return False
     return False
 
 
-COVERED = "others lie on it"
+COVERED = FillText.COVERED()
 
 
-def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> str:
-    """Why no arm takes a part by a grasp; empty when one does."""
-    reason = ""
+def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int) -> Message | None:
+    """Why no arm takes a part by a grasp; None when one does."""
+    reason = None
     for arm in hand.arms:
+        before = world.checks
         result = resolve(world, candidate_of(world, number, grasp, arm), seed=seed)
+        hand.grower.work.add(REACH + CHECK * (world.checks - before))
         if isinstance(result, Pick):
-            return ""
+            return None
         if result.reason is Reason.EXTRACT_BLOCKED and result.q is None:
             return COVERED
-        reason = str(result.reason)
+        reason = result.reason.message
     return reason
 
 
 def _add_family(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
-) -> str:
-    """Have a grip that takes a part add its family; else why none does."""
-    reasons: Counter[str] = Counter()
-    until = processor_time() + LOOKS
+) -> Message | None:
+    """Have a grip that takes a part add its family, None; else why none does."""
+    reasons: Counter[Message] = Counter()
+    work = hands[0].grower.work
+    until = work.done + LOOKS
     for hand in hands:
         for k, found in _firmest(hand, world, number, rng):
             narrow = replace(hand.raw(k), T_part_tcp=found[0].T_part_tcp, grip=found[0].grip)
             reason = _refuse_reach(hand, world, number, narrow, seed)
-            if not reason:
+            if reason is None:
                 _add(hand, world, number, found[0])
-                return ""
+                return None
             reasons[reason] += 1
-            is_late = processor_time() > until and reasons.total() >= LEAST
+            is_late = work.done > until and reasons.total() >= LEAST
             if reason == COVERED or is_late:
                 break
-    return reasons.most_common(1)[0][0] if reasons else str(Reason.TOOL_COLLISION)
+    return reasons.most_common(1)[0][0] if reasons else Reason.TOOL_COLLISION.message
 
 
 def _firmest(
@@ -157,7 +164,7 @@ def _firmest(
 ) -> list[tuple[int, tuple[Grasp, GraspCheck]]]:
     """Some grips of the raster that fit at a part and hold it, those that hold best first."""
     holding: list[tuple[int, tuple[Grasp, GraspCheck]]] = []
-    for k in rng.permutation(np.flatnonzero(hand.free(world, number))).tolist():
+    for k in rng.permutation(np.flatnonzero(hand.free(world.tool_check, number))).tolist():
         found = hand.grip(k)
         if found is not None:
             holding.append((k, found))
@@ -171,7 +178,7 @@ def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
         return
     part = hand.grower.part
     family = family_of(part, hand.arm, hand.grower.grown(grasp), hand.least_air)
-    family.took.append((world, number))
+    family.took.append((world.detections, number))
     hand.families.append(family)
 
 

@@ -6,13 +6,15 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.filling.round_bodies import RoundBody
+from workbench.app.filling.work import GRIP, TRIANGLE, Work
 from workbench.model.cell import Arm
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part, grasps_of
 from workbench.model.part import with_symmetry as multiplied
+from workbench.model.scan import Detection
 from workbench.planning.collision.hands import NOTHING, Hands
 from workbench.planning.collision.legs import grips
-from workbench.planning.collision.world import World
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
 from workbench.planning.grasps.grasp_frames import PLAY
 from workbench.planning.grasps.part_rays import centre_of_mass
@@ -43,6 +45,9 @@ NICE = np.deg2rad(24.0)
 ALONG = 0.98
 """Cosine from which two directions are parallel."""
 
+Pile = tuple[Detection, ...]
+"""How parts lie."""
+
 
 @dataclass(slots=True, eq=False)
 class Family:
@@ -50,8 +55,8 @@ class Family:
 
     `R` (w, 3, 3) and `p` (w, 3) [m] are where the TCP is, seen from the part, the copies that the
     part's symmetry makes included; `opening` and `grip` [m] those of the fingers.  `hands` are the
-    same as one grasp of many ways; `took` are the parts that it has taken,
-    as they lay in a pile.
+    same as one grasp of many ways; `took` are the piles, and in each the number of a part that it
+    has taken.
     """
 
     entry: Entry
@@ -60,17 +65,17 @@ class Family:
     opening: float
     grip: float
     hands: Hands
-    took: list[tuple[World, int]] = field(default_factory=list[tuple[World, int]])
+    took: list[tuple[Pile, int]] = field(default_factory=list[tuple[Pile, int]])
 
-    def fits(self, world: World, arm: Arm, number: int) -> bool:
+    def fits(self, tools: ToolCheck, arm: Arm, number: int) -> bool:
         """Whether the hand fits in any way at a part among its neighbours."""
-        return bool(world.tool_check.free(arm, number, self.hands)[0])
+        return bool(tools.free(arm, number, self.hands)[0])
 
-    def free(self, world: World, arm: Arm, number: int) -> Bools:
+    def free(self, tools: ToolCheck, arm: Arm, number: int) -> Bools:
         """Which of the ways (w,) fit there, no unit."""
         count = len(self.p)
         each = self.hands._replace(first=np.arange(count + 1))
-        return world.tool_check.free(arm, number, each)
+        return tools.free(arm, number, each)
 
     def grasp(self, way: int) -> Grasp:
         """One of its ways as a grasp that leaves nothing free."""
@@ -109,9 +114,15 @@ class Grower:
     """
 
     def __init__(
-        self, checker: GraspChecker, bodies: tuple[RoundBody, ...], least_air: float | None
+        self,
+        checker: GraspChecker,
+        bodies: tuple[RoundBody, ...],
+        least_air: float | None,
+        work: Work,
     ):
-        self.part, self.checker = checker.part, checker
+        self.part = checker.part
+        self.checker = checker
+        self.work = work
         self.centre = centre_of_mass(checker.part.mesh)
         # Where the policy lets fingers arrive less open, they may do so wider where there is room.
         self._air = AIR if least_air is None else max(PLAY, least_air)
@@ -131,7 +142,7 @@ class Grower:
             opening = min(grip + 2 * self._air, high - 1e-4)
             at = pin.SE3(T.rotation, np.round(T.translation, 4))
             grasp = Grasp("", at, float(np.ceil(opening * 1e4) / 1e4), round(grip, 4))
-        check = self.checker.check(grasp)
+        check = self._check(grasp)
         return (grasp, check) if check.is_ok else None
 
     def grown(self, grasp: Grasp) -> Entry:
@@ -154,6 +165,10 @@ class Grower:
             return grasp
         return self._thin(GraspPattern(grasp, row, (0.0,), offsets, np.zeros(3)))
 
+    def _check(self, grasp: Grasp) -> GraspCheck:
+        self.work.add(GRIP + TRIANGLE * len(self.part.mesh.triangles))
+        return self.checker.check(grasp)
+
     def _tilt(self, grasp: Grasp) -> float:
         """How far [rad] the hand may be tilted about the way of its fingers and still holds."""
         if self.checker.pads is None:
@@ -161,12 +176,12 @@ class Grower:
         for tilt in TILTS:
             turned = [replace(grasp, T_part_tcp=grasp.T_part_tcp * T)
                       for T in (_about_y(tilt), _about_y(-tilt))]  # fmt: skip
-            if all(self.checker.check(turned_grasp).is_ok for turned_grasp in turned):
+            if all(self._check(turned_grasp).is_ok for turned_grasp in turned):
                 return float(tilt)
         return 0.0
 
     def _holds(self, grasp: Grasp, motion: pin.SE3) -> bool:
-        return self.checker.check(replace(grasp, T_part_tcp=motion * grasp.T_part_tcp)).is_ok
+        return self._check(replace(grasp, T_part_tcp=motion * grasp.T_part_tcp)).is_ok
 
     def _offsets(self, grasp: Grasp, axis: Floats) -> tuple[float, ...]:
         """Places along an axis [m] where the same grip holds, its own among them."""
@@ -197,7 +212,7 @@ class Grower:
         for offset in pattern.offsets:
             copies = grasps_of(replace(pattern, offsets=(offset,)))
             some = rng.permutation(len(copies))[:each].tolist()
-            if offset == 0.0 or all(self.checker.check(copies[k]).is_ok for k in some):
+            if offset == 0.0 or all(self._check(copies[k]).is_ok for k in some):
                 offsets.append(offset)
         return self._thin(replace(pattern, offsets=tuple(offsets)))
 

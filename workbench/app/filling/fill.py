@@ -16,20 +16,19 @@ from workbench.app.filling.clearing import Stays, cleared
 from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, kept
 from workbench.app.filling.naming import named
-from workbench.model.candidate import Reason
+from workbench.app.filling.work import FALL, WORK, Work
+from workbench.formats.meshes.repair import examined
 from workbench.model.cell import Cell
-from workbench.model.errors import InputError, JobCancelled
+from workbench.model.errors import InputError
+from workbench.model.messages.message import Message
+from workbench.model.messages.verdicts import ReasonText
 from workbench.model.part import Entry, GraspPattern, Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.room import check_room
-from workbench.planning.collision.world import World
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, silent
 from workbench.plugins.progress import never as nobody
-
-SECONDS = 60.0
-"""[s] Of processor time that a filling takes at most."""
 
 FALLEN = (15, 8, 4)
 """Parts in the piles that are tried, one after the other; fewer where they do not fit."""
@@ -38,7 +37,7 @@ FIRST = 3
 """Piles of which the first families are chosen, as they fell."""
 
 CHOOSING, CLEARING = 0.35, 0.88
-"""Shares of the time after which no more families are chosen, and no more piles emptied."""
+"""Shares of the work after which no more families are chosen, and no more piles emptied."""
 
 SEEDS = 40_000_000
 """Piles of a filling have seeds from here on: people look at others."""
@@ -65,10 +64,10 @@ class Filled:
     adds: tuple[float, ...]
     parts: int
     taken: int
-    stays: tuple[tuple[str, int], ...]
+    stays: tuple[tuple[Message, int], ...]
     lifts: int
     looked: int
-    helps: tuple[tuple[str, int], ...]
+    helps: tuple[tuple[Message, int], ...]
     seconds: float
 
 
@@ -76,7 +75,7 @@ def filled(
     cell: Cell,
     part: Part,
     *,
-    seconds: float = SECONDS,
+    most: float = WORK,
     seed: int = 0,
     report: Report = silent,
     cancelled: Cancelled = nobody,
@@ -86,47 +85,47 @@ def filled(
     Args:
         cell: whose bin, arms and tools are used; the part need not be one of its parts.
         part: with its library, which counts and stays as it is.
-        seconds: [s] of processor time, at most.
+        most: points of work after which it ends, the same on every machine.
         seed: of the piles and the samples.
         report: takes the share done and what is being done.
         cancelled: asked now and then; True ends it.
 
     Raises:
-        InputError: the part does not fit into the bin, or no tool of the cell can hold anything.
+        InputError: the part does not fit into the bin, its mesh is inside out, or no tool of the
+            cell can hold anything.
         JobCancelled: `cancelled` said so.
     """
     began = processor_time()
     cell = replace(cell, parts=(part,))
     check_room((part,), cell.bin)
-
-    def is_over(share: float = 1.0) -> bool:
-        if cancelled():
-            raise JobCancelled("filling the library was cancelled")
-        gone = processor_time() - began
-        report(min(gone / seconds, 1.0), f"{taken} of {parts} parts taken in simulated piles")
-        return gone > share * seconds
-
-    taken = parts = 0
-    hands = hands_for(cell, part, seed)
+    if examined(part.mesh).is_inside_out:
+        raise InputError(
+            f"the mesh of part {part.name} is inside out; `workbench part import` turns it"
+        )
+    work = Work(most, report, cancelled)
+    hands = hands_for(cell, part, seed, work)
     if not hands:
         raise InputError(_no_hand(cell, part))
     known = {id(family) for hand in hands for family in hand.families}
-    piles = _piles(cell, part, seed)
+    piles = _piles(cell, part, seed, work)
+    taken = parts = 0
     first = [next(piles) for _ in range(FIRST)]
-    worlds = [World(cell, pile) for pile in first]
     for number, hand in enumerate(hands, start=1):
-        choose(hand, worlds, seed, lambda n=number: is_over(CHOOSING * n / len(hands)))
-    stays: Counter[str] = Counter()
+        choose(cell, hand, first, seed, lambda n=number: work.is_over(CHOOSING * n / len(hands)))
+    stays: Counter[Message] = Counter()
     stuck: list[Stays] = []
     for pile in _on(first[::-1], piles):
-        if is_over(CLEARING):
+        if work.is_over(CLEARING):
             break
-        out, why = cleared(cell, hands, pile, seed, lambda: is_over(CLEARING))
+        out, why = cleared(cell, hands, pile, seed, lambda: work.is_over(CLEARING))
         taken, parts = taken + out, parts + out + len(why)
+        work.note = f"{taken} of {parts} parts taken in simulated piles"
         stays.update(left_part.reason for left_part in why)
-        stuck += [left_part for left_part in why if left_part.reason == str(Reason.TOOL_COLLISION)]
-    helps, looked = advice(cell, stuck, seed, is_over)
-    worth = kept(part, hands, known, seed)
+        stuck += [
+            left_part for left_part in why if left_part.reason.text is ReasonText.TOOL_COLLISION
+        ]
+    helps, looked = advice(cell, stuck, seed, work)
+    worth = kept(cell, hands, known, seed)
     return Filled(
         tuple(_rank(part, worth)),
         tuple(family.adds for family in worth),
@@ -160,7 +159,7 @@ def _on(
     yield from more
 
 
-def _piles(cell: Cell, part: Part, seed: int) -> Iterator[tuple[Detection, ...]]:
+def _piles(cell: Cell, part: Part, seed: int, work: Work) -> Iterator[tuple[Detection, ...]]:
     """Piles of the part in the cell's bin, never ending."""
     number = 0
     problem: InputError | None = None
@@ -176,6 +175,7 @@ def _piles(cell: Cell, part: Part, seed: int) -> Iterator[tuple[Detection, ...]]
             if not counts and count > 1:
                 counts = [max(1, count // 2)]
             continue
+        work.add(FALL * count**2)
         number += 1
         yield pile
     assert problem is not None

@@ -7,11 +7,12 @@ import pinocchio as pin
 
 from workbench.app.filling.families import Family, Grower, family_of
 from workbench.app.filling.round_bodies import round_bodies
+from workbench.app.filling.work import FIT, PIECE, WAY, Work
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Ints
 from workbench.model.part import Entry, Grasp, GraspPattern, Part
 from workbench.planning.collision.hands import Hands
-from workbench.planning.collision.world import World
+from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.grasps.every_grip import grips_of
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
 from workbench.planning.kinematics.quickness import hand_acceleration
@@ -45,9 +46,24 @@ class Hand:
         """The first of the arms."""
         return self.arms[0]
 
-    def free(self, world: World, number: int) -> Bools:
+    def free(self, tools: ToolCheck, number: int) -> Bools:
         """Which grips of the raster (n,) fit at a part among its neighbours, no unit."""
-        return world.tool_check.free(self.arm, number, self.hands)
+        self._count(len(self.hands.turn))
+        return tools.free(self.arm, number, self.hands)
+
+    def fits(self, family: Family, tools: ToolCheck, number: int) -> bool:
+        """Whether it fits in any way of a family at a part among its neighbours."""
+        self._count(len(family.p))
+        return family.fits(tools, self.arm, number)
+
+    def free_ways(self, family: Family, tools: ToolCheck, number: int) -> Bools:
+        """Which of the ways (w,) of a family fit there, no unit."""
+        self._count(len(family.p))
+        return family.free(tools, self.arm, number)
+
+    def _count(self, ways: int) -> None:
+        pieces = len(self.grower.part.pieces)
+        self.grower.work.add(FIT + ways * (WAY + PIECE * pieces))
 
     def raw(self, k: int) -> Grasp:
         """A grip of the raster as it was tried, whether or not it holds."""
@@ -74,8 +90,15 @@ class Hand:
         return 0.5 * near + 0.5 * area
 
 
-def hands_for(cell: Cell, part: Part, seed: int) -> list[Hand]:
-    """A hand for each tool of the cell that has something to hold the part by."""
+def hands_for(cell: Cell, part: Part, seed: int, work: Work) -> list[Hand]:
+    """A hand for each tool of the cell that has something to hold the part by.
+
+    Args:
+        cell: whose tools.
+        part: with its library.
+        seed: of which grips are tried.
+        work: that counts what they do.
+    """
     found: list[Hand] = []
     for name in dict.fromkeys(arm.tool.name for arm in cell.arms):
         arms = tuple(arm for arm in cell.arms if arm.tool.name == name)
@@ -84,7 +107,7 @@ def hands_for(cell: Cell, part: Part, seed: int) -> list[Hand]:
         checker = GraspChecker(part, arm.tool, acceleration)
         if checker.pads is None and checker.cup is None:
             continue
-        grower = Grower(checker, round_bodies(part, checker), least_air)
+        grower = Grower(checker, round_bodies(part, checker), least_air, work)
         grips = grips_of(part, arm)
         if not len(grips.hands.turn):
             continue

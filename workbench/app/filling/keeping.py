@@ -7,9 +7,12 @@ import numpy as np
 
 from workbench.app.filling.families import Family
 from workbench.app.filling.hand import Hand
+from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import GraspLibrary, Part
 from workbench.model.part import with_symmetry as multiplied
+from workbench.planning.collision.surroundings import Surroundings
+from workbench.planning.collision.tool_check import ToolCheck
 
 TAKEN, FITTING = 0.95, 0.5
 """How surely a family takes a part that it took, and one that its hand only fits at."""
@@ -35,11 +38,11 @@ class Kept:
     adds: float
 
 
-def kept(part: Part, hands: Sequence[Hand], known: set[int], seed: int) -> list[Kept]:
+def kept(cell: Cell, hands: Sequence[Hand], known: set[int], seed: int) -> list[Kept]:
     """Those of the new families that are worth their grasps, what adds most for them first.
 
     Args:
-        part: whose symmetry multiplies grasps.
+        cell: that the parts lay in; the symmetry of its part multiplies grasps.
         hands: with their families.
         known: ids of families that stay whatever they add.
         seed: of which parts are weighed.
@@ -50,18 +53,20 @@ def kept(part: Part, hands: Sequence[Hand], known: set[int], seed: int) -> list[
         return []
     some = np.random.default_rng(seed).permutation(len(cases))[:CASES]
     odds = np.zeros((len(families), len(some)))
-    for row, (hand, family) in enumerate(families):
-        for column, k in enumerate(some.tolist()):
-            by, (world, number) = cases[k]
+    for column, k in enumerate(some.tolist()):
+        by, (pile, number) = cases[k]
+        tools = ToolCheck(Surroundings(cell, pile))
+        for row, (hand, family) in enumerate(families):
             if by is family:
                 odds[row, column] = TAKEN
-            elif family.fits(world, hand.arm, number):
+            elif hand.fits(family, tools, number):
                 odds[row, column] = FITTING
     left = np.ones(len(some))
     for row, (_, family) in enumerate(families):
         if id(family) in known:
             left *= 1.0 - odds[row]
     new = {row: family for row, (_, family) in enumerate(families) if id(family) not in known}
+    part = cell.parts[0]
     costs = {row: _count(part, family) for row, family in new.items()}
     return _greedily(new, costs, odds, left)
 

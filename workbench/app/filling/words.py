@@ -1,28 +1,24 @@
 """What came of filling a library, in sentences."""
 
+from workbench.app.filling.advice import CUP
 from workbench.app.filling.fill import Filled
-from workbench.model.candidate import Reason
+from workbench.model.messages.changes import FillText
+from workbench.model.messages.message import Message
+from workbench.model.messages.verdicts import ReasonText
 
 
-def filled_words(found: Filled) -> list[str]:
+def filled_words(found: Filled) -> list[Message]:
     """How much of the simulated piles comes out, why the rest stays, and what would take it."""
-    words = [
-        f"{found.taken} of {found.parts} parts in simulated piles come out, without looking for "
-        f"paths; {found.seconds:.0f} s of processor time"
-    ]
+    says = [FillText.TAKEN(taken=found.taken, parts=found.parts, seconds=found.seconds)]
     if found.stays:
-        why = ", ".join(f"{count} {reason}" for reason, count in found.stays)
-        words.append(f"no grip of the tools takes the others as they lie: {why}")
-    if found.lifts == 1 and dict(found.stays).get(str(Reason.EXTRACT_BLOCKED)):
-        words.append('more lifts may take what cannot be lifted: emptying = "thorough" in [policy]')
+        reasons = [FillText.COUNTED(count=count, reason=why) for why, count in found.stays]
+        says.append(FillText.STAYS(reasons=reasons))
+    is_blocked = any(why.text is ReasonText.EXTRACT_BLOCKED for why, _ in found.stays)
+    if found.lifts == 1 and is_blocked:
+        says.append(FillText.MORE_LIFTS())
     if found.looked and found.helps:
-        helps = ", ".join(f"{count} with {change}" for change, count in found.helps)
-        words.append(
-            f"no hand fits at {found.looked} parts that were looked at; it would at {helps}"
-        )
+        helps = [FillText.HELPED(count=count, change=change) for change, count in found.helps]
+        says.append(FillText.HELPS(looked=found.looked, helps=helps))
     elif found.looked:
-        words.append(
-            f"no hand fits at {found.looked} parts that were looked at, also with thinner fingers, "
-            "lower walls or a cup of 8 mm"
-        )
-    return words
+        says.append(FillText.NOTHING_HELPS(looked=found.looked, cup=CUP))
+    return says

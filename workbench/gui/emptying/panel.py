@@ -124,7 +124,11 @@ class EmptyingPanel:
         if old is None or old.state is not state:
             kinds = _kinds(state.cell)
             if self._kind.options != kinds and kinds:
+                made = [kind for kind in kinds if kind not in self._kind.options]
                 self._kind.options = kinds
+                if made:
+                    # A part that was just made is what one wants to see emptied.
+                    self._kind.value = made[0]
             visitor.admit(self._start, state, TryEmptying)
             follows = visitor.is_recorded or bool(visitor.lacks(state, TryEmptying))
             for field in (self._parts, self._piles, self._seed, self._kind, self._poses):
@@ -162,7 +166,7 @@ class EmptyingPanel:
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
         self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, self._visitor.words))
         if self._brought.visible:
-            self._ranked.content = changes_html(ranked(found.piles, **takes))
+            self._ranked.content = changes_html(ranked(found.piles, **takes), self._visitor.words)
 
     def _seconds(self) -> tuple[float, float]:
         """What a scan and an approval take; a browser may send any number."""

@@ -9,6 +9,8 @@ from workbench.app.core.state import counted
 from workbench.gui.shared.colours import left_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, sentence, table_html
+from workbench.model.messages.catalogue import message_of
+from workbench.model.messages.message import Message, plain
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -217,13 +219,13 @@ def fix_words(nearest_fix: str) -> str:
     return f"Smallest change that takes it: {nearest_fix}."
 
 
-def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
+def changes_html(rows: Sequence[Mapping[str, Any]], words: Words = IN_ENGLISH) -> str:
     """What single changes of the cell bring on the same piles, as `ranked` has them."""
     if not rows:
         return ""
     body = "".join(
-        # Words of the change as they are: some begin with a key of the cell file.
-        f'<tr title="{escape(row["change"])}"><td>{escape(row["change"])}</td>'
+        # As it is called: some begin with a key of the cell file.
+        f'<tr title="{escape(name)}"><td>{escape(name)}</td>'
         f'<td class="wb-number">{row["taken_share_before"]:.0%}</td>'
         f'<td class="wb-number">{row["taken_share"]:.0%}</td>'
         f'<td class="wb-number wb-{_sign(row["parts_gained"])}">'
@@ -231,6 +233,7 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
         f'<td class="wb-number">{row["failed_picks"] + row["touches"]}</td>'
         f'<td class="wb-number">{row["motion_seconds"]:.1f}</td></tr>'
         for row in rows
+        for name in (words.render(_change(row)),)
     )
     return (
         '<div class="wb-list"><table class="wb-table wb-what-if"><thead><tr><th>Change</th>'
@@ -239,6 +242,12 @@ def changes_html(rows: Sequence[Mapping[str, Any]]) -> str:
         '<th class="wb-number" title="failed picks, and touches">Failed</th>'
         f'<th class="wb-number">Motion [s]</th></tr></thead><tbody>{body}</tbody></table></div>'
     )
+
+
+def _change(row: Mapping[str, Any]) -> Message:
+    """What a change is called: older records have a text without an id."""
+    said = row["said"]
+    return message_of(said) if said["id"] else plain(said["text"])
 
 
 def _format_gain(parts: int) -> str:

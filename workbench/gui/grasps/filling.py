@@ -7,7 +7,7 @@ import viser
 
 from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.shared.views import line
+from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.errors import JobCancelled, WorkbenchError
 
@@ -62,7 +62,7 @@ class FillControls:
         says: list[str] = []
         try:
             found = fill_apart(cell, part, self._report, self._cancelled)
-            says = filled_words(found)
+            says = [said(message, self._visitor.words) for message in filled_words(found)]
             count = len(found.entries)
             if self._editing.part.name != part.name:
                 says = [f"{part.name} is no longer in hand: nothing was added."]

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
+from workbench.model.messages.changes import ChangeText, FillText
 from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.plans import (
     GuaranteeText,
@@ -42,6 +43,8 @@ SUBJECTS: tuple[type[Text], ...] = (
     StateText,
     ClearanceText,
     LeftText,
+    ChangeText,
+    FillText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

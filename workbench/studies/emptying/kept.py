@@ -14,6 +14,7 @@ from workbench.formats.files.whole_files import MB, make_folder, read_whole, wri
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError
 from workbench.model.messages.catalogue import message_of
+from workbench.model.messages.message import Message
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
@@ -63,7 +64,7 @@ def emptied_all(
 
 def _path(folder: Path, task: PileTask) -> Path:
     """The file of a pile: another cell, part, seed or program has another one."""
-    said = repr((asdict(task), _digest(task.cell, task.part, task.change), _program()))
+    said = repr((canonical(task), _digest(task.cell, task.part, task.change), _program()))
     return folder / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.json"
 
 
@@ -74,7 +75,7 @@ def _program() -> str:
 
 
 @lru_cache(maxsize=256)
-def _digest(cell: str, part: str, change: str) -> str:
+def _digest(cell: str, part: str, change: Message | None) -> str:
     return changed(cell_of(cell, part), change).digest
 
 
@@ -93,11 +94,12 @@ def _read(folder: Path, task: PileTask) -> EmptiedPile | None:
 
 
 def _content(scene: EmptiedPile) -> dict[str, Any]:
-    return {**asdict(replace(scene, left=())), "left": canonical(scene.left)}
+    plain = asdict(replace(scene, task=replace(scene.task, change=None), left=()))
+    return {**plain, "task": canonical(scene.task), "left": canonical(scene.left)}
 
 
 def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
-    if content.pop("task") != asdict(task):
+    if content.pop("task") != canonical(task):
         raise ValueError
     left = tuple(
         LeftPart(reason=message_of(fields.pop("reason")), **fields)

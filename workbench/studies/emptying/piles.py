@@ -10,6 +10,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
 from workbench.model.prediction import TOGETHER, EmptiedPile, PileTask
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.perception.simulation.piles import drop_parts
@@ -50,7 +51,7 @@ def emptied(task: PileTask) -> EmptiedPile:
 
 
 @lru_cache(maxsize=4)
-def _warm(name: str, part: str, seen: str, change: str) -> Cell:
+def _warm(name: str, part: str, seen: str, change: Message | None) -> Cell:
     """The cell, after one plan: compiled code is loaded before a clock runs."""
     cell = changed(cell_of(name, part), change)
     pile = drop_parts(kinds_in_turn(cell.parts, 2), cell.bin, seed=0)

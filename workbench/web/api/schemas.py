@@ -176,6 +176,7 @@ EMPTYING = record(
     what_if=many(
         record(
             change=TEXT,
+            said=SAID,
             taken_share_before=or_none(NUMBER),
             taken_share=or_none(NUMBER),
             parts_gained=WHOLE,

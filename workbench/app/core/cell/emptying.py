@@ -71,5 +71,5 @@ def emptying_words(found: Emptying) -> str:
     plain = found.plain
     taken, parts = sum(pile.taken for pile in plain), sum(pile.parts for pile in plain)
     words = f"{taken} of {counted(parts, 'part')} taken out of {counted(len(plain), 'pile')}"
-    tried = len({pile.task.change for pile in found.piles} - {""})
+    tried = len({pile.task.change for pile in found.piles} - {None})
     return f"{words} in simulation" + (f"; {counted(tried, 'change')} tried" if tried else "")

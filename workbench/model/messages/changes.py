@@ -1,0 +1,56 @@
+"""What single changes of a cell are called, and what is said of a library that was filled."""
+
+from workbench.model.messages.message import Text
+
+
+class ChangeText(Text, subject="change"):
+    """Changes of a cell that are tried where a bin does not empty."""
+
+    FINGERS_THINNER = "fingers {by:mm0} thinner"
+    FINGERS_LONGER = "fingers {by:mm0} longer"
+    AS_OPEN = "fingers as open as there is room"
+    LESS_OPEN = "every grasp {by:mm0} less open on arrival"
+    MORE_OPEN = "every grasp {by:mm0} more open on arrival"
+    TILTED = "every grasp tilted by up to {by:deg0} more"
+    MORE_TURNS = "every pattern with twice as many turns"
+    SUGGESTED = "{count} suggested grasps as spares"
+    LESS_DEEP = "every grasp {by:mm0} less deep as well"
+    ALL_LIFTS = "all lifts, the first that is clear"
+    UP_ALONE = "straight up alone"
+    NEAR_MARGIN = "near_margin_mm halved"
+    MARGIN = "margin_mm halved"
+    WALLS_LOWER = "walls of the bin {by:mm0} lower"
+    BIN_NEARER = "bin {by:mm0} nearer"
+    BIN_FARTHER = "bin {by:mm0} farther away"
+    BIN_TURNED = "bin turned by {by:deg0}"
+    HOME_HIGHER = "home of every arm {by:mm0} higher"
+    PLACES_HIGHER = "places {by:mm0} higher as well"
+    PLACES_TURNED = "places turned by {by:deg0} as well"
+    ORDER = "order {order}"
+    TOOL = "arm {arm} with tool {tool}"
+    CUP = "a cup of {by:mm0}"
+
+
+class FillText(Text, subject="fill"):
+    """What came of filling a library."""
+
+    TAKEN = (
+        "{taken} of {parts} parts in simulated piles come out, without a search for paths; "
+        "{seconds:s} of processor time"
+    )
+    STAYS = "no grip of the tools takes the others as they lie: {reasons}"
+    COUNTED = "{count} {reason}"
+    COVERED = "others lie on it"
+    MORE_LIFTS = (
+        'more lifts may take what cannot be lifted: emptying = "thorough" under [policy] in '
+        "the cell file"
+    )
+    HELPS = (
+        "no hand fits at {looked} parts that were examined; it fits at some of them with a "
+        "change: {helps}"
+    )
+    HELPED = "{count} with {change}"
+    NOTHING_HELPS = (
+        "no hand fits at {looked} parts that were examined, nor with thinner fingers, lower walls "
+        "or a cup of {cup:mm0}"
+    )
