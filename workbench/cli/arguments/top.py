@@ -140,6 +140,8 @@ class Localize:
     """Parts with a lower score are left out, 0 to 1."""
     scale: tuple[str, ...] = ()
     """Parts that are larger or smaller than their CAD files, each PART=SIZE: pipe=0.92."""
+    learn: bool = False
+    """Search until the sizes fit the scan, and write them as `scale` into each part.toml."""
     overlay: Maybe[Path] = None
     """PNG file to write: the scan as its scanner sees it, with what was found drawn over it."""
 

@@ -6,7 +6,8 @@ from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyScans
 from workbench.cli.exits import SUCCESS
-from workbench.cli.picking.overlays import with_sizes, write_overlay
+from workbench.cli.picking.overlays import write_overlay
+from workbench.cli.picking.sizes import sizes_of, with_sizes
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_scan
@@ -19,7 +20,8 @@ SUFFIXES = (".ply", ".pcd")
 def study_scans(typed: StudyScans) -> int:
     """Search each scan, draw what was found, and print a table."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
-    cell = with_sizes(read_cell(typed.cell), typed.scale)
+    cell = read_cell(typed.cell)
+    cell = with_sizes(cell, sizes_of(cell, typed.scale))
     if not typed.folder.is_dir():
         raise InputError(f"{typed.folder}: no such folder")
     files = sorted(file for file in typed.folder.iterdir() if file.suffix.lower() in SUFFIXES)

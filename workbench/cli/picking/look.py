@@ -1,17 +1,27 @@
 """`workbench scan` and `workbench localize`: from a bin to a cloud, from a cloud to poses."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from workbench.app.core.value_checks import DETAIL, MOST_PARTS, SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.work import find_parts
 from workbench.cli.arguments import top as arguments
-from workbench.cli.picking.overlays import with_sizes, write_overlay
+from workbench.cli.picking.overlays import write_overlay
+from workbench.cli.picking.sizes import learn_sizes, sizes_of, store_sizes, with_sizes
 from workbench.cli.terminal import check_number, check_whole, print_table, progress
-from workbench.formats.cells.reading import read_cell
+from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
-from workbench.model.scan import Detection, RejectedHypothesis, SearchOverrides
+from workbench.model.cell import Cell
+from workbench.model.scan import (
+    Detection,
+    LocalizationResult,
+    RejectedHypothesis,
+    ScaleCheck,
+    SearchOverrides,
+)
 from workbench.perception.scene.bin_check import check_bin
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.perception.scene.sensor import sensor_model
@@ -43,12 +53,22 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     overrides = SearchOverrides(typed.detail, typed.least_score)
-    cell = with_sizes(read_cell(typed.cell), typed.scale)
+    cell = read_cell(typed.cell)
+    sizes = {part.name: 1.0 for part in cell.parts} | sizes_of(cell, typed.scale)
+    cell = with_sizes(cell, sizes)
     with progress("localize") as report:
         make_ready(report, ("seeing",))
         cloud = read_scan(typed.scan, cell.scanner)
         given = {"scan": cloud, "seed": typed.seed, "overrides": overrides}
-        findings = find_parts(cell, given, report, cancelled=never)
+
+        def search(sized: Cell) -> LocalizationResult:
+            return find_parts(sized, given, report, cancelled=never)
+
+        if typed.learn:
+            findings, cell, learnt = learn_sizes(cell, search)
+            sizes = {name: size * learnt.get(name, 1.0) for name, size in sizes.items()}
+        else:
+            findings = search(cell)
     found = findings.detections
     write_poses(typed.out, found)
     if typed.overlay is not None:
@@ -71,18 +91,32 @@ def localize(typed: arguments.Localize) -> int:
         print_table(
             "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
         )
-    for size in findings.scales:
-        if size.is_off:
-            print(
-                f"size: {size.words} (± {size.deviation * 100:.1f} %, by {size.count} parts); "
-                f"with that size: --scale {size.part}={size.ratio:.2f}"
-            )
+    _tell_sizes(typed, findings.scales, sizes)
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
     check = check_bin(cloud, cell.bin)
     print(f"bin, {check.light}: {check.says}; {parts_in_words(cell, check, found)} found")
     return 0
+
+
+def _tell_sizes(
+    typed: arguments.Localize, checks: Sequence[ScaleCheck], sizes: Mapping[str, float]
+) -> None:
+    """Print sizes that differ from the CAD files, or write them into the parts."""
+    if typed.learn:
+        by_part = {check.part: check for check in checks}
+        for line in store_sizes(cell_path(typed.cell), sizes, by_part):
+            print(line)
+        return
+    for check in checks:
+        if check.is_off:
+            size = sizes.get(check.part, 1.0) * check.ratio
+            print(
+                f"size: {check.words} (± {check.deviation * 100:.1f} %, by {check.count} parts); "
+                f"with that size: --scale {check.part}={size:.2f}; "
+                "--learn writes it into the part"
+            )
 
 
 def _sureness(detection: Detection) -> tuple[str, str, str]:

@@ -11,6 +11,7 @@ from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
 from workbench.formats.meshes.face_colours import read_face_colours
 from workbench.formats.meshes.pieces.convex_pieces import groups_of, pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
+from workbench.formats.parts.scales import LEAST_SCALE, MOST_SCALE, scale_mesh, scale_solid
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.part import TURNED, Entry, Grasp, GraspLibrary, GraspPair, GraspPattern, Part
@@ -58,12 +59,15 @@ def read_part(name: str | Path) -> Part:
     colours = None
     if mesh_table.flag("use_colours", False):
         colours = read_face_colours(path.parent / mesh_table.text("file"), len(mesh.triangles))
+    scale = mesh_table.number("scale", 1.0, low=LEAST_SCALE, high=MOST_SCALE)
     mesh_table.finish()
-    pieces = tuple(read_solid(piece) for piece in table.tables("piece"))
+    symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
+    fixed = np.array(symmetry.point)
+    mesh = scale_mesh(mesh, scale, fixed)
+    pieces = tuple(scale_solid(read_solid(piece), scale, fixed) for piece in table.tables("piece"))
     tolerance = table.number("tolerance_mm", tolerance_of(mesh) * 1000, low=0.01, high=100) / 1000
     if not pieces:
         pieces = _pieces(table, mesh, tolerance)
-    symmetry = _symmetry(table.table("symmetry")) if table.has("symmetry") else Symmetry()
     table.finish()
     grasps = path.parent / "grasps.toml"
     library = read_grasps(grasps) if grasps.is_file() else GraspLibrary()

@@ -83,7 +83,13 @@ def count_shared(sighting: Sighting, columns: int) -> float:
 
 
 def covariance(
-    maps: DepthMap, surface: PartSurface, pose: Floats, sighting: Sighting, tolerance: float
+    maps: DepthMap,
+    surface: PartSurface,
+    pose: Floats,
+    sighting: Sighting,
+    tolerance: float,
+    *,
+    filled: float = 1.0,
 ) -> Floats:
     """Covariance (6, 6) [m, rad] of a pose in the scanner's frame: shifts, then turns.
 
@@ -95,12 +101,13 @@ def covariance(
         pose: (4, 4) [m] that was found.
         sighting: what the scan says of it.
         tolerance: [m] see `sightings.look`.
+        filled: points of the map for each one that was measured.
     """
     A, _ = pull(maps, surface, pose, tolerance)
     off = max(float(np.sqrt(np.mean(sighting.off**2))), LEAST_OFF * tolerance)
     values, directions = np.linalg.eigh(A)
-    information = np.maximum(values, 0.0) / (SHARED * off**2)
-    radius, step = surface.diameter / 2, maps.pitch
+    information = np.maximum(values, 0.0) / (SHARED * filled * off**2)
+    radius, step = surface.diameter / 2, maps.pitch * np.sqrt(filled)
     weak = np.flatnonzero(information * (EDGE * step) ** 2 < 1.0)
     if len(weak):
         tried = [np.array(pose)]

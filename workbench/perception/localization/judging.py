@@ -5,8 +5,9 @@ last.  What something unknown explains better goes, the worst first, since parts
 other; then what does not end where it should.  The rest is asked again, until nothing goes.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -26,6 +27,10 @@ doubt: it may explain one face and have the others elsewhere.  Of 680 that were 
 piles, as five kinds of scanner see them, two had more; of 19 that were wrong two, 0.15 and 0.33."""
 
 
+SAME_SURFACE = 0.7
+"""Parts of two kinds of which each explains this share of the other's pixels stand in one place."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Sought:
     """What the search for one part has taken so far.
@@ -33,7 +38,8 @@ class Sought:
     `maps` are those of the scan for this part, `glance` the same, coarser; `tolerance` [m] see
     `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
     may be at all, (k,).  `least_ends` see `outline.ends_there`,
-    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`.
+    `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
+    `scene_model.SceneModel`.
     """
 
     part: Part
@@ -47,6 +53,7 @@ class Sought:
     least_ends: float = LEAST_ENDS
     most: float = MOST
     is_loose: bool = False
+    filled: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,28 +66,17 @@ class Judged:
 
 def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
     """The choices of all kinds without what does not stand beside the others."""
-    objections: dict[tuple[int, int], Objection] = {}
     areas = _areas(brought)
     names = sorted(areas)
+    objections = dict.fromkeys(_outdone(brought, areas), Objection.OUTDONE)
 
     def others(k: int, i: int) -> Bools:
         """The pixels of kind `k`'s maps that parts explain which stand, but the `i`-th of them."""
-        covered = np.zeros(brought[k].maps.depth.size, np.bool_)
-        for name in names:
-            if name != (k, i) and name not in objections:
-                covered[areas[name][k]] = True
-        return covered
+        return _covered(brought, areas, k, {(k, i), *objections})
 
     while True:
         ratios = {
-            (k, i): log_likelihood_ratio(
-                brought[k].choice.chosen[i].sighting,
-                others(k, i),
-                brought[k].spread,
-                brought[k].tolerance,
-                is_all_known=True,
-                most=brought[k].most,
-            )
+            (k, i): _ratio(brought[k], i, others(k, i))
             for k, i in names
             if (k, i) not in objections
         }
@@ -111,6 +107,66 @@ def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
         )
         for k, search in enumerate(brought)
     ]
+
+
+def _outdone(
+    brought: Sequence[Sought], areas: Mapping[tuple[int, int], list[np.ndarray]]
+) -> list[tuple[int, int]]:
+    """Parts in whose place one of another kind stands for which more speaks, by kind and number.
+
+    Two kinds that are nearly alike explain the same surface, and each vouches for the other: what
+    the scan says against the larger one would count against neither.
+    """
+    shared = {
+        frozenset((one, other))
+        for one, other in combinations(sorted(areas), 2)
+        if one[0] != other[0]
+        and all(_share(areas[one][k], areas[other][k]) > SAME_SURFACE for k in (one[0], other[0]))
+    }
+    evidence = {
+        (k, i): brought[k].maps.pitch ** 2
+        * len(areas[k, i][k])
+        * _ratio(brought[k], i, _covered(brought, areas, k, set().union(*rivals)))
+        for k, i in areas
+        if (rivals := [pair for pair in shared if (k, i) in pair])
+    }
+    standing: list[tuple[int, int]] = []
+    for name in sorted(evidence, key=lambda name: -evidence[name]):
+        if not any(frozenset((name, other)) in shared for other in standing):
+            standing.append(name)
+    return [name for name in evidence if name not in standing]
+
+
+def _share(pixels: np.ndarray, others: np.ndarray) -> float:
+    """The least share of pixels (n,) and others (m,), by their numbers, that is in both."""
+    both = len(np.intersect1d(pixels, others, assume_unique=True))
+    return both / max(len(pixels), len(others), 1)
+
+
+def _ratio(search: Sought, i: int, others: Bools) -> float:
+    """What speaks for the `i`-th part of a kind [nat]; `others` (pixels,) are explained anyway."""
+    return log_likelihood_ratio(
+        search.choice.chosen[i].sighting,
+        others,
+        search.spread,
+        search.tolerance,
+        is_all_known=True,
+        most=search.most,
+    )
+
+
+def _covered(
+    brought: Sequence[Sought],
+    areas: Mapping[tuple[int, int], list[np.ndarray]],
+    k: int,
+    but: Collection[tuple[int, int]],
+) -> Bools:
+    """The pixels (pixels,) of kind `k`'s maps that parts explain, but those named."""
+    covered = np.zeros(brought[k].maps.depth.size, np.bool_)
+    for name, pixels in areas.items():
+        if name not in but:
+            covered[pixels[k]] = True
+    return covered
 
 
 def doubted_apart(search: Sought) -> tuple[Sought, list[Hypothesis]]:

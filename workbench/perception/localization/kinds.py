@@ -43,7 +43,7 @@ from workbench.perception.localization.localize import (
 )
 from workbench.perception.localization.loosening import loosen
 from workbench.perception.matching.sightings import look
-from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.parts.part_surface import PartSurface, prepare
 from workbench.perception.scene.scene_model import scene_model
 from workbench.plugins.progress import Cancelled, Report
 
@@ -96,7 +96,8 @@ def all_kinds(
             raise JobCancelled("the search for parts was cancelled")
         report(1.0 - 0.88 ** (next(steps) / len(cell.parts)), note)
 
-    scene = scene_model(scan, cell)
+    sizes = [prepare(part).diameter for part in cell.parts]
+    scene = scene_model(scan, cell, smallest=min(sizes, default=0.0))
     brought: list[Sought | PartSurface] = []
     for part in cell.parts:
         step(f"prepare {part.name} and map the scan")

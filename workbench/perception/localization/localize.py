@@ -126,7 +126,7 @@ def begin_search(
     """
     surface = prepare(part)
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
-    maps = make_map(scan, cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
+    maps = make_map(_dense(scan, scene), cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
     if maps is None:
         return surface
     noise = _noise(cell, scan, scene)
@@ -139,7 +139,17 @@ def begin_search(
 
     choice = Choice(np.full(maps.depth.size, -1), [], [])
     glance = _coarser(maps, surface)
-    return Sought(part, surface, maps, glance, tolerance, spread, are_possible, choice)
+    filled = scene.filled
+    return Sought(
+        part, surface, maps, glance, tolerance, spread, are_possible, choice, filled=filled
+    )
+
+
+def _dense(scan: Scan, scene: SceneModel) -> Scan:
+    """The scan with the points that were filled in."""
+    if scene.filled == 1.0:
+        return scan
+    return Scan(scene.points, scan.T_world_scanner, scan.source)
 
 
 def proposals(
@@ -246,7 +256,14 @@ def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -
     chance = (
         loose_probability_of(ratio, sighting.visible) if sought.is_loose else probability_of(ratio)
     )
-    known = covariance(sought.maps, sought.surface, assessed.pose, sighting, sought.tolerance)
+    known = covariance(
+        sought.maps,
+        sought.surface,
+        assessed.pose,
+        sighting,
+        sought.tolerance,
+        filled=sought.filled,
+    )
     return Detection(
         part=sought.part.name,
         T_world_part=scan.T_world_scanner * pin.SE3(assessed.pose),

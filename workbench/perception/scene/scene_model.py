@@ -9,7 +9,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
-from workbench.perception.scene.bin_check import ENOUGH, rim_place
+from workbench.perception.scene.bin_check import ENOUGH, REACH, rim_place
 from workbench.perception.scene.bin_fit import (
     FARTHEST,
     SEEN_WALL,
@@ -17,21 +17,36 @@ from workbench.perception.scene.bin_fit import (
     SeenBin,
     fit_bin,
 )
-from workbench.perception.scene.sensor import SensorModel, sensor_model
+from workbench.perception.scene.sensor import FEWEST_POINTS, SensorModel, sensor_model
+from workbench.perception.views.filling import densify, spacing_of
+
+FEWEST_ACROSS, WANTED_ACROSS = 45, 100
+"""Points across a part below which a sparse scan is filled in, and how many there are then."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneModel:
-    """The bin as the scan shows it, and how good the scan is."""
+    """The bin as the scan shows it, and how good the scan is.
+
+    `points` (n, 3) [m] are those of the scan, a sparse one filled in; `filled` is how many there
+    are for each one that was measured, at least 1.
+    """
 
     bin: SeenBin
     sensor: SensorModel
+    points: Floats
+    filled: float = 1.0
 
 
-def scene_model(scan: Scan, cell: Cell) -> SceneModel:
+def scene_model(scan: Scan, cell: Cell, *, smallest: float = 0.0) -> SceneModel:
     """Look at a scan before the parts are searched for.
 
     Walls that are not seen, since the scanner looks along them, are where the rim says.
+
+    Args:
+        scan: organised or not.
+        cell: its bin and scanner.
+        smallest: [m] diameter of the smallest part, for which a sparse scan is filled in.
     """
     bin = cell.bin
     T_bin_scanner = bin.T_world_bin.actInv(scan.T_world_scanner)
@@ -39,12 +54,30 @@ def scene_model(scan: Scan, cell: Cell) -> SceneModel:
     deviation = sensor.deviation(
         float(np.linalg.norm(T_bin_scanner.translation)), otherwise=cell.scanner.depth_noise
     )
-    seen = fit_bin(scan.points, T_bin_scanner, bin, noise=deviation)
+    dense, filled = _filled(scan.points, T_bin_scanner, bin, smallest)
+    seen = fit_bin(dense, T_bin_scanner, bin, noise=deviation)
     if (seen.wall_shares < SEEN_WALL).any():
-        points = scan.points[:: -(-len(scan.points) // ENOUGH)]
+        points = dense[:: -(-len(dense) // ENOUGH)]
         p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
         seen = _by_rim(seen, rim_place(p_bin, bin), bin)
-    return SceneModel(seen, sensor)
+    return SceneModel(seen, sensor, dense, filled)
+
+
+def _filled(
+    points: Floats, T_bin_scanner: pin.SE3, bin: Bin, smallest: float
+) -> tuple[Floats, float]:
+    """The points (n, 3) [m] around the bin, a sparse cloud filled in, and by how many times."""
+    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
+    near = (np.abs(p_bin[:, :2]) < bin.size[:2] / 2 + REACH).all(axis=1) & (points[:, 2] > 0)
+    around = points[near]
+    if not smallest > 0.0 or len(around) < FEWEST_POINTS:
+        return points, 1.0
+    spacing, _, _ = spacing_of(around)
+    distance = float(np.median(around[:, 2]))
+    if not spacing * distance > smallest / FEWEST_ACROSS / np.sqrt(2):
+        return points, 1.0
+    dense = densify(around, smallest / WANTED_ACROSS)
+    return dense, len(dense) / len(around)
 
 
 def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:

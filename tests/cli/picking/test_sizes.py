@@ -1,0 +1,103 @@
+"""The size of a part over its CAD file: learnt from a scan, kept with the part."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.cli.main import main
+from workbench.cli.picking import look
+from workbench.cli.picking.sizes import learn_sizes
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.formats.parts.scales import change_scale
+from workbench.model.errors import FileError
+from workbench.model.scan import LocalizationResult, ScaleCheck
+
+SHIPPED = Path(__file__).parents[3] / "parts" / "bracket"
+
+
+@pytest.fixture
+def bracket(tmp_path):
+    shutil.copytree(SHIPPED, tmp_path / "bracket")
+    return tmp_path / "bracket"
+
+
+def length(part):
+    return np.ptp(part.mesh.points, axis=0)
+
+
+def of_size(true, shown_share):
+    """A search of parts that are `true` times as large, of which it sees a share of the rest."""
+    first = None
+
+    def search(cell):
+        nonlocal first
+        first = first or length(cell.parts[0])[0]
+        left = true / float(length(cell.parts[0])[0] / first)
+        ratio = 1.0 + shown_share * (left - 1.0)
+        return LocalizationResult((), scales=(ScaleCheck(cell.parts[0].name, ratio, 0.0005, 4),))
+
+    return search
+
+
+def test_a_size_is_searched_for_until_the_scan_shows_no_other():
+    findings, cell, sizes = learn_sizes(read_cell("yumi"), of_size(0.92, 0.8))
+    assert sizes["keyed_cylinder"] == pytest.approx(0.92, abs=0.005)
+    assert length(cell.parts[0]) == pytest.approx(
+        sizes["keyed_cylinder"] * length(read_cell("yumi").parts[0])
+    )
+    assert not findings.scales[0].is_off
+
+
+def test_a_size_that_is_right_stays():
+    assert learn_sizes(read_cell("yumi"), of_size(1.0, 1.0))[2] == {}
+
+
+def test_a_part_is_as_large_as_its_file_times_the_scale_and_so_are_its_bodies(bracket):
+    before = read_part(bracket)
+    assert change_scale(bracket, 0.9) == 0.9
+    after = read_part(bracket)
+    assert length(after) == pytest.approx(0.9 * length(before))
+    reaches = [max(piece.reach for piece in part.pieces) for part in (before, after)]
+    assert reaches[1] == pytest.approx(0.9 * reaches[0])
+    text = (bracket / "part.toml").read_text()
+    (bracket / "part.toml").write_text(text[: text.index("[[piece]]")])
+    made = np.vstack([p.T_owner_shape.act(corner) for p in read_part(bracket).pieces
+                      for corner in p.shape.points])  # fmt: skip
+    assert np.ptp(made, axis=0) == pytest.approx(0.9 * length(before), abs=0.002)
+    assert after.digest != before.digest
+
+
+def test_scales_multiply_and_comments_stay(bracket):
+    file = bracket / "part.toml"
+    file.write_text("# ours\n" + file.read_text())
+    change_scale(bracket, 0.9)
+    assert change_scale(bracket, 0.9) == pytest.approx(0.81)
+    assert file.read_text().startswith("# ours\n")
+
+
+def test_a_scale_that_can_only_be_a_wrong_unit_is_refused(bracket):
+    with pytest.raises(FileError, match="unit may be wrong"):
+        change_scale(bracket, 0.04)
+    assert "scale" not in (bracket / "part.toml").read_text()
+
+
+def test_what_is_learnt_is_written_with_the_part(monkeypatch, bracket, tmp_path, capsys):
+    cell = tmp_path / "cell"
+    shutil.copytree(SHIPPED.parents[1] / "robots" / "yumi", cell)
+    file = cell / "cell.toml"
+    file.write_text(file.read_text().replace('["keyed_cylinder"]', '["../bracket"]'))
+    cloud = str(tmp_path / "scan.ply")
+    assert main(["scan", str(file), "--parts", "1", "--out", cloud]) == 0
+    monkeypatch.setattr(look, "make_ready", lambda *_: True)
+    search = of_size(0.95, 1.0)
+    monkeypatch.setattr(look, "find_parts", lambda cell, *_, **__: search(cell))
+    words = ["--scan", cloud, "--out", str(tmp_path / "o.json"), "--learn"]
+    assert main(["localize", str(file), *words]) == 0
+    assert "scale = 0.95 is written" in capsys.readouterr().out
+    assert length(read_part(bracket)) == pytest.approx(0.95 * length(read_part(SHIPPED)))
+    monkeypatch.setattr(look, "find_parts", lambda *_, **__: LocalizationResult(()))
+    assert main(["localize", str(file), *words]) == 0
+    assert "this scan does not show its size" in capsys.readouterr().out
