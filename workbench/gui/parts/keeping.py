@@ -55,7 +55,8 @@ class KeepInputs:
             return
         person = self._visitor.person
         problem = keeping_problem(new.state, person.name, person.role)
-        self._visitor.allow(self._keep, RECORDED if self._visitor.is_recorded else problem)
+        words = self._visitor.words.render(problem)
+        self._visitor.allow(self._keep, RECORDED if self._visitor.is_recorded else words)
         self._list()
 
     def _list(self) -> None:
