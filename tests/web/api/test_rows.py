@@ -54,6 +54,7 @@ def test_a_row_is_shortened_and_made_longer_again(site):
     assert site.get("/state").json()["row"] == row
     answer = site.post("/approve", plan=plan, row=after)
     assert answer.status_code == 409 and "play it first" in answer.json()["detail"]
+    assert answer.json()["said"]["id"] == "refusal.not-played"
 
 
 @pytest.mark.parametrize(

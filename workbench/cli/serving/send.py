@@ -144,7 +144,7 @@ def _check_told(cell: Cell) -> None:
     link = cell.controller.link
     if not cell.controller.motion.reports_progress:
         raise CommandRefused(
-            f"the robot link {link} does not tell what became of each part, so only one plan can "
+            f"the robot link {link} does not report what became of each part, so only one plan can "
             "be sent at a time"
         )
     if not reported_joints(cell):

@@ -269,4 +269,4 @@ STATISTICS = record(
     stages=by_name(record(median=NUMBER, largest=NUMBER)),
 )
 SESSIONS = record(current=TEXT, sessions=many(TEXT))
-PROBLEM = record(title=TEXT, status=WHOLE, detail=TEXT)
+PROBLEM = beside(record(title=TEXT, status=WHOLE, detail=TEXT), said=SAID)
