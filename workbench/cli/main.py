@@ -8,6 +8,7 @@ from typing import Annotated
 
 import tyro
 
+from workbench import __version__
 from workbench.cli.arguments import bench, cell, part, scanner, session, studies, top
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.cli.loading import loading
@@ -33,6 +34,9 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     # Piles fall unseen: otherwise MuJoCo asks a process of its own which library opens windows.
     os.environ.setdefault("MUJOCO_GL", "disable")
+    if list(sys.argv[1:] if args is None else args) in (["--version"], ["-V"]):
+        print(f"workbench {__version__}")
+        return 0
     try:
         with loading():
             typed = parse(args)
