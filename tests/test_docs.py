@@ -100,7 +100,8 @@ def command_of(words: list[str]) -> tuple[typing.Any, list[str]]:
 def test_every_command_in_a_sentence_is_one_with_these_options(page):
     for span in re.findall(r"`((?:\.venv/bin/)?workbench [^`]+)`", prose_of(page)):
         command, words = command_of(span.split()[1:])
-        options = {word.partition("=")[0] for word in words if word.startswith("--")} - {"--help", "--version"}
+        long = {word.partition("=")[0] for word in words if word.startswith("--")}
+        options = long - {"--help", "--version"}
         fields = dataclasses.fields(command) if command is not None else ()
         assert options <= {"--" + field.name.replace("_", "-") for field in fields}, span
 
