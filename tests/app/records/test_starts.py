@@ -67,7 +67,7 @@ def test_what_has_changed_since_another_session_waits_for_an_engineer(tmp_path, 
     served(tmp_path, cell, ran).close()
     now = another(ran)
     with closing(served(tmp_path, cell, now, start_before(tmp_path, cell.name))) as bench:
-        assert f"{ran.distributions[0].name} {ran.distributions[0].version} is 99 now" in (
+        assert f"{ran.distributions[0].name} {ran.distributions[0].version} is 99 now" in str(
             bench.state.message
         )
         with pytest.raises(CommandRefused, match="for engineers"):

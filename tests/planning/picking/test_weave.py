@@ -87,7 +87,7 @@ def test_only_the_steps_of_ways_that_would_be_quickest_are_looked_at(cell, in_tu
         looked.append("both")
         return "they meet"
 
-    monkeypatch.setattr(weave, "met", never)
+    monkeypatch.setattr(weave, "find_arm_contact", never)
     monkeypatch.setattr(weave, "passes", lambda world, moving, waiting, done: True)
     world = World(cell, in_turn.detections)
     assert interleave(world, in_turn, freely=False) == (in_turn,)
@@ -106,7 +106,9 @@ def test_what_may_be_done_in_turns_is_one_arm_after_the_other(in_turn):
 def test_where_grasps_go_by_pairs_the_second_arm_is_never_ahead(in_turn, monkeypatch, pairs):
     """A pair says which of its grasps goes first.  Here it is quicker when the second arm begins:
     its first legs can run with none of the other's."""
-    monkeypatch.setattr(weave, "met", lambda world, pair: "they meet" if ahead(pair) else None)
+    monkeypatch.setattr(
+        weave, "find_arm_contact", lambda world, pair: "they meet" if ahead(pair) else None
+    )
     monkeypatch.setattr(weave, "passes", lambda world, moving, waiting, done: True)
 
     def ahead(pair) -> bool:
@@ -127,7 +129,7 @@ def test_where_grasps_go_by_pairs_the_second_arm_is_never_ahead(in_turn, monkeyp
 
 
 def test_a_plan_with_legs_at_once_says_that_it_is_coordinated(cell, in_turn, monkeypatch):
-    monkeypatch.setattr(weave, "met", lambda world, pair: None)
+    monkeypatch.setattr(weave, "find_arm_contact", lambda world, pair: None)
     quickest, in_turns, last = interleave(World(cell, in_turn.detections), in_turn, freely=True)
     assert quickest.strategy is Strategy.COORDINATED and len(quickest.sequence) == COUNT
     assert in_turns.strategy is Strategy.ALTERNATED

@@ -26,6 +26,7 @@ from workbench.perception.scene.floor_search import find_floor
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
+from workbench.perception.views.filling import densify
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
@@ -54,6 +55,7 @@ def see() -> None:
     cell = read_cell("yumi")
     scan = synthesize(cell, drop_parts(cell.parts[:1] * 2, cell.bin, seed=28), seed=28)
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
+    densify(scan.points[::40], 0.001)
     find_floor(scan.points)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scan.pcd"

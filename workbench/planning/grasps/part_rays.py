@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from scipy.spatial import KDTree
 
 from workbench.model.geometry import Floats, Ints, Mesh
 
@@ -104,6 +103,8 @@ class Surface:
     """
 
     def __init__(self, mesh: Mesh):
+        from scipy.spatial import KDTree  # takes a while, and planning asks for no nearest points
+
         solid = np.flatnonzero(normals_of(mesh)[1] > 0)
         corners = mesh.points[mesh.triangles[solid]]
         order = KDTree(corners.mean(axis=1), leafsize=GROUP).indices
