@@ -119,3 +119,9 @@ def test_what_differs_since_the_start_before_has_no_english_verb_left(language, 
     translated = words_of(language).say(said).split()
     english = {"is", "are", "now", "has", "was", "gone", "new", "of", "the", "differ", "differs"}
     assert not english & set(translated)
+
+
+def test_nothing_rendered_leaves_what_is_said_after_it_as_it_was():
+    words = Words("de", {"{host} port {port}": "{host} Port {port}"})
+    assert words.render(None) == words.render("") == ""
+    assert words.say("127.0.0.1 port 1025") == "127.0.0.1 Port 1025"

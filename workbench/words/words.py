@@ -73,8 +73,10 @@ class Words:
 
         A text without an id is looked for as `say` does.
         """
-        if message is None or isinstance(message, str):
-            text = self.say(message or "")
+        if not message:
+            return ""
+        if isinstance(message, str):
+            text = self.say(message)
             is_new = text != message
         else:
             text, is_new = self._said_within(message).rendered(self._template), True

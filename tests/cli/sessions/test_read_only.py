@@ -40,7 +40,7 @@ def medium(tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("verify",), "84 entries, unchanged"),
+        (("verify",), "85 entries, unchanged"),
         (("show",), "cycle finished"),
         (("export", "--no-scene", "--out", "{}"), "MB"),
     ],
