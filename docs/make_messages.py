@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from workbench.model.messages.catalogue import SUBJECTS
-from workbench.model.messages.message import QUANTITIES, Others, Text
+from workbench.model.messages.message import Others, Text
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "messages.md"
 
@@ -24,14 +24,16 @@ Lengths are in m, angles in rad, times in s, shares of 1. A part is `{"part": 0}
 list of detections; a message within another one has `id` and `args` as well. Where `id` is empty,
 `text` is all there is: not every text has an id yet, and records of older versions have none.
 
-`{count:part|parts}` is a word for one and one for several.
+`{far:mm}` is the place of the argument `far`, a length that is shown in mm; `deg` shows angles,
+`s` times, `%` shares, and a digit after them is the number of decimals. `{count:part|parts}` is a
+word for one and one for several.
 """
 
 
 def page() -> str:
     """The whole page: a row for each message; words of a closed set stand in one row."""
     rows = [row for subject in SUBJECTS if subject is not Others for row in _rows(subject)]
-    head = "| id | arguments | English |\n|---|---|---|\n"
+    head = "| id | English |\n|---|---|\n"
     return HEAD + "\n" + head + "\n".join(rows) + "\n"
 
 
@@ -39,21 +41,13 @@ def _rows(subject: type[Text]) -> Iterator[str]:
     words = [text for text in subject if not text.places]
     if 2 * len(words) > len(subject):
         ids = ", ".join(f"`{text.id}`" for text in words)
-        yield f"| {ids} | | {', '.join(text.template for text in words)} |"
+        yield f"| {ids} | {', '.join(text.template for text in words)} |"
     else:
         words = []
     for text in subject:
         if text not in words:
             english = text.template.replace("|", "&#124;")
-            yield f"| `{text.id}` | {_args(text)} | {english} |"
-
-
-def _args(text: Text) -> str:
-    shown: list[str] = []
-    for name, how in text.places.items():
-        unit = next((QUANTITIES[one] for one in how if one in QUANTITIES), "")
-        shown.append(f"`{name}` [{unit}]" if unit else f"`{name}`")
-    return ", ".join(shown)
+            yield f"| `{text.id}` | {english} |"
 
 
 if __name__ == "__main__":

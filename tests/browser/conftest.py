@@ -14,6 +14,7 @@ from chromium import find_chromium
 from forking import fork_workers
 from fronted import open_front
 from hands import pause
+from own_cell import own, own_bench, own_url  # noqa: F401
 from patient import PATIENT
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect, sync_playwright
 from waiting import PATIENCE, wait_until

@@ -1,7 +1,5 @@
 """A part that nobody prepared, in a real browser: from a STEP file to an emptied pile."""
 
-import shutil
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -10,12 +8,6 @@ from playwright.sync_api import expect
 
 from workbench.app.filling import fill_apart
 from workbench.app.filling.fill import filled
-from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.effect_runner import EffectRunner
-from workbench.formats.cells.reading import cell_path, part_folders, read_cell
-from workbench.formats.files.shipped import find
-from workbench.gui.page.server import serve
-from workbench.journal.journal import Journal
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -24,22 +16,13 @@ WORK = 14_000.0
 
 
 @pytest.fixture
-def bench(tmp_path, monkeypatch):
-    """In a folder of its own, to which parts can be written."""
-    for kind in ("robots", "parts", "static"):
-        shutil.copytree(find("robots", "yumi").parent.parent / kind, tmp_path / kind)
-    monkeypatch.chdir(tmp_path)
-    machines = partial(EffectRunner, cell_file=cell_path("yumi"))
-    bench = Bench(read_cell("yumi"), Journal(tmp_path / "session"), effects=machines)
-    yield bench
-    bench.close()
+def bench(own_bench):
+    return own_bench
 
 
 @pytest.fixture
-def url(bench):
-    page = serve(bench, port=0, most_points=4000, folders=part_folders(cell_path("yumi")))
-    yield page.url
-    page.close()
+def url(own_url):
+    return own_url
 
 
 @pytest.fixture

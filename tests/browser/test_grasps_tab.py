@@ -1,53 +1,29 @@
 """Grasps put on the part in a real browser: clicked, dragged, repeated, undone, saved, used."""
 
 import os
-import shutil
-from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 from hands import Camera, drag, field, pause, settle, unfold
 
-from workbench.app.runtime.bench import Bench
-from workbench.app.runtime.effect_runner import EffectRunner
-from workbench.formats.cells.reading import cell_path, part_folders, read_cell
-from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import DRAFT, versions
 from workbench.gui.grasps.pose import GIZMO
-from workbench.gui.page.server import serve
 from workbench.gui.scene.stage import T_WORLD_STAGE, size_of, view_of
-from workbench.journal.journal import Journal
 from workbench.model.part import GraspPattern
 
 PART = "keyed_cylinder"
 
 
 @pytest.fixture
-def own(tmp_path, monkeypatch) -> Path:
-    """A working directory with its own robots and parts, that may be written to."""
-    for kind in ("robots", "parts", "static"):
-        shutil.copytree(find("robots", "yumi").parent.parent / kind, tmp_path / kind)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def bench(own_bench):
+    return own_bench
 
 
 @pytest.fixture
-def bench(own):
-    cell = read_cell("yumi")
-    machines = partial(EffectRunner, cell_file=cell_path("yumi"))
-    bench = Bench(cell, Journal(own / "session"), effects=machines)
-    yield bench
-    bench.close()
-
-
-@pytest.fixture
-def url(bench):
-    page = serve(bench, port=0, most_points=4000, folders=part_folders(cell_path("yumi")))
-    yield page.url
-    page.close()
+def url(own_url):
+    return own_url
 
 
 def library(bench):

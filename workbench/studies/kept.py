@@ -99,7 +99,7 @@ def tally(case: Case, detections: Sequence[Detection]) -> Tally:
         if all(_error(case, true, called) > 1.0 for true in case.truth)
     ]
     stated = (*case.truth, *called_wrong)
-    found = {digest_of(known_part) for known_part in case.search.detections}
+    found = {digest_of(detection) for detection in case.search.detections}
     limits = [1.0 if digest_of(true_pose) in found else BY_HAND for true_pose in stated]
     right: set[int] = set()
     wrong = unjudged = 0

@@ -188,7 +188,7 @@ def _held_by(state: State, name: str, message: str) -> State:
 
 
 def _waiting_for(before: State, after: State) -> Decision:
-    """The state after a word about control: nobody goes on in the name of who has given it away."""
+    """The state after a change of control: no task continues in the name of who gave it away."""
     if after.ahead is not None and after.control != before.control:
         return given_up(after, "somebody else is in control, or nobody")
     job = after.job

@@ -17,7 +17,7 @@ from workbench.model.messages.states import StateText
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Started(Command):
-    """The workbench has begun with this session, and `ran` tells with what.
+    """The workbench has begun with this session, and `ran` lists its software and machine.
 
     `changes` says what is otherwise than at the start before, which `since` names, and what nobody
     had acknowledged then.  `is_trial`: a demonstration, which no later start is compared with.

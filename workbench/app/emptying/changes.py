@@ -335,9 +335,9 @@ def _places(cell: Cell, rise: float, turn: float) -> Cell | None:
 
 
 def _with_tool(cell: Cell, arm: str, tool: str) -> Cell:
-    known: Mapping[str, Tool] = {known_tool.name: known_tool for known_tool in cell.arm(arm).tools}
+    known: Mapping[str, Tool] = {other.name: other for other in cell.arm(arm).tools}
     arms = tuple(
-        replace(arm_plan, tool=known[tool]) if arm_plan.name == arm else arm_plan
-        for arm_plan in cell.arms
+        replace(any_arm, tool=known[tool]) if any_arm.name == arm else any_arm
+        for any_arm in cell.arms
     )
     return replace(cell, arms=arms)

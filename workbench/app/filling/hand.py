@@ -103,7 +103,7 @@ def hands_for(cell: Cell, part: Part, seed: int, work: Work) -> list[Hand]:
     for name in dict.fromkeys(arm.tool.name for arm in cell.arms):
         arms = tuple(arm for arm in cell.arms if arm.tool.name == name)
         arm, least_air = arms[0], cell.policy.least_air
-        acceleration = max(hand_acceleration(cell, arm_plan) for arm_plan in arms)
+        acceleration = max(hand_acceleration(cell, carrier) for carrier in arms)
         checker = GraspChecker(part, arm.tool, acceleration)
         if checker.pads is None and checker.cup is None:
             continue

@@ -108,7 +108,7 @@ class RequestClient:
     def _move(self, arm: Arm, goal: Floats) -> None:
         """All joints linearly, as fast as the slowest of them may."""
         body = self._body
-        others = [arm_plan for arm_plan in body.cell.arms if arm_plan.name != arm.name]
+        others = [other for other in body.cell.arms if other.name != arm.name]
         if others and body.faults.is_due("wrong-arm", self._messages):
             arm = others[0]
             goal = np.asarray(arm.home) + 0.2

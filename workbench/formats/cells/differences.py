@@ -50,10 +50,10 @@ def _differences(before: Cell, after: Cell) -> Iterator[str]:
         yield "the stations are others"
     for arm, other in zip(before.arms, after.arms, strict=False):
         yield from _arm(arm, other)
-    for arm in fields(before.policy):
-        old, new = getattr(before.policy, arm.name), getattr(after.policy, arm.name)
+    for field in fields(before.policy):
+        old, new = getattr(before.policy, field.name), getattr(after.policy, field.name)
         if old != new:
-            yield f"{arm.name} was {old}, now it is {new}"
+            yield f"{field.name} was {old}, now it is {new}"
     yield from _parts(before.parts, after.parts)
 
 

@@ -184,14 +184,14 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         document["scanner"].pop("calibration", None)
     elif old.scanner.calibration is None or digest_of(record) != digest_of(old.scanner.calibration):
         document["scanner"]["calibration"] = record_table(record)
-    for table, region, other in zip(
+    for table, fixture, other in zip(
         document.get("fixture", []), old.fixtures, new.fixtures, strict=True
     ):
-        edit_pose(table, region.T_world_fixture, other.T_world_fixture)
-    for table, region, other in zip(document["arm"], old.arms, new.arms, strict=True):
-        if not np.array_equal(region.home, other.home):
+        edit_pose(table, fixture.T_world_fixture, other.T_world_fixture)
+    for table, arm, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if not np.array_equal(arm.home, other.home):
             table["home_deg"] = shorts(np.rad2deg(other.to_axes(other.home)))
-        _edit_places(table, region, other)
+        _edit_places(table, arm, other)
 
 
 def _edit_places(table: Any, old: Arm, new: Arm) -> None:

@@ -111,12 +111,10 @@ def read_stations(table: Table, fixtures: Sequence[Fixture]) -> tuple[Station, .
             )
         station_table.finish()
         found.append(station)
-    table.once("station.name", (known_station.name for known_station in found))
-    for (station_table, T), (other, U) in combinations(zip(found, where, strict=True), 2):
-        if _share_room(T.actInv(U), station_table.size, other.size):
-            raise table.error(
-                "station", f"{station_table.name} and {other.name} lie over each other"
-            )
+    table.once("station.name", (station.name for station in found))
+    for (station, T), (other, U) in combinations(zip(found, where, strict=True), 2):
+        if _share_room(T.actInv(U), station.size, other.size):
+            raise table.error("station", f"{station.name} and {other.name} lie over each other")
     return tuple(found)
 
 

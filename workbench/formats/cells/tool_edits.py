@@ -39,13 +39,13 @@ def edit_tools(document: Any, old: Cell, new: Cell, folder: Path) -> None:
     Raises:
         FileError: a mesh cannot be written.
     """
-    for table, arm_plan, other in zip(document["arm"], old.arms, new.arms, strict=True):
-        if arm_plan.tool.name != other.tool.name:
+    for table, arm, other in zip(document["arm"], old.arms, new.arms, strict=True):
+        if arm.tool.name != other.tool.name:
             table["tool"] = other.tool.name
         names = [tool.name for tool in other.tools]
-        if [tool.name for tool in arm_plan.tools] != names:
+        if [tool.name for tool in arm.tools] != names:
             table["tools"] = names
-        if names == [other.tool.name] and len(arm_plan.tools) > 1:
+        if names == [other.tool.name] and len(arm.tools) > 1:
             del table["tools"]  # what it carries is all that it can
     were, are = (
         {tool.name: tool for arm in cell.arms for tool in (arm.tool, *arm.tools)}

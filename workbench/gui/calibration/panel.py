@@ -218,7 +218,7 @@ class CalibrationPanel:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
         q, way = left.pop(0)
         self._way.content = way
-        jog = {arm_plan.name: np.asarray(arm_plan.home) for arm_plan in cell.arms} | {arm.name: q}
+        jog = {other.name: np.asarray(other.home) for other in cell.arms} | {arm.name: q}
         visitor.turn_away()
         visitor.own.change(jog=jog, observation=None)
 

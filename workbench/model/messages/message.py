@@ -21,18 +21,6 @@ UNITS: Mapping[str, tuple[float, int, str]] = {
 }
 """How a number is shown: its factor from SI, its digits, and its unit."""
 
-QUANTITIES: Mapping[str, str] = {
-    "mm": "m",
-    "mm0": "m",
-    "deg": "rad",
-    "deg0": "rad",
-    "deg1": "rad",
-    "kg": "kg",
-    "s": "s",
-    "%": "share",
-}
-"""What a number at such a place is in an argument: its unit, or a share of 1."""
-
 
 @dataclass(frozen=True, slots=True)
 class FoundPart:

@@ -45,7 +45,7 @@ def poses_in_view(
         Configurations (n,) [rad].
     """
     rng, world = np.random.default_rng(seed), World(cell, ())
-    world.enter(Phase(frozenset(arm_plan.name for arm_plan in cell.arms)))
+    world.enter(Phase(frozenset(each_arm.name for each_arm in cell.arms)))
     chain = world.chains[arm.name]
     found: list[tuple[Floats, Floats]] = []
     for _ in range(count * TRIES):

@@ -38,7 +38,7 @@ def side_of(cell: Cell, arm: Arm) -> float:
     """-1 or 1: on which side of the bin's middle, along its y, an arm works."""
     if len(cell.arms) == 1:
         return -1.0
-    feet = {arm_plan.name: chain_of(cell, arm_plan).p[0] for arm_plan in cell.arms}
+    feet = {other.name: chain_of(cell, other).p[0] for other in cell.arms}
     T_bin_world = cell.bin.T_world_bin.inverse()
     mine = T_bin_world.act(feet[arm.name])[1]
     others = [T_bin_world.act(p)[1] for name, p in feet.items() if name != arm.name]

@@ -39,7 +39,7 @@ MOST_UNDO = 50
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChangeCell(Command):
-    """Go on with another cell; `says` tells people what was changed."""
+    """Go on with another cell; `says` names the change for people."""
 
     right: ClassVar[Right] = Right("a change of the cell", SAFE, role=Role.ENGINEER)
 
@@ -107,7 +107,7 @@ class CellRead(Command):
     """The cell file was read: what it holds now, or why that cannot be used.
 
     `is_saved`: this session had written it before, from the cell with the digest `written`, and
-    `says` tells people what was written (both empty in older sessions, which did not record it).
+    `says` states for people what was written.  Older sessions did not record it: both are empty.
     """
 
     right: ClassVar[Right] = Right("a new cell file", SAFE, by_machine=True)
@@ -141,7 +141,7 @@ class EmptyPallets(Command):
 
 
 def changed_cell(state: State, cell: Cell, says: str) -> Changed:
-    """The state with another cell, which an undo can take back; `says` tells what was changed."""
+    """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = _with_cell(state, cell, says)
     return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
 

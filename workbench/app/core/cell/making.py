@@ -116,9 +116,7 @@ def carrying(cell: Cell, arm: str, tool: Tool) -> Cell:
 
     return replace(
         cell,
-        arms=tuple(
-            changed(arm_plan) if arm_plan.name == arm else arm_plan for arm_plan in cell.arms
-        ),
+        arms=tuple(changed(any_arm) if any_arm.name == arm else any_arm for any_arm in cell.arms),
     )
 
 
@@ -153,7 +151,7 @@ def check_import(cell: Cell, command: ImportPart) -> None:
 
 
 def check_tool(cell: Cell, command: AddTool) -> None:
-    """A tool can be meant so, and the arm that shall carry it has room for it.
+    """The drawing makes a tool, and the arm that shall carry it has room for it.
 
     Raises:
         CommandRefused: it cannot, or has none.

@@ -66,7 +66,7 @@ class GoOn(Command):
 
 
 def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
-    """The state in which it is wanted to go on while something is sent."""
+    """The state in which the next cycle is asked for while a plan is sent."""
     said = "it is gone on when the plan has ended"
     if wanted.sees_from:
         said = f"it is gone on from step {wanted.sees_from} on, where the scanner sees all"
@@ -84,7 +84,7 @@ def begun_ahead(state: State, entry: Entry) -> Begun:
 
 
 def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Begun:
-    """What a task brings while something is sent is kept, and gone on with for a good end."""
+    """The state with a task's result for the next cycle, and the task that follows from it."""
     job, ahead = state.job, state.ahead
     if job is None or ahead is None or job.number != number:
         return state, ()

@@ -203,7 +203,7 @@ def standing_votes(state: State, now: float) -> tuple[Vote, ...]:
 
 
 def votes_of_others(state: State, actor: str, now: float, manner: Manner) -> tuple[Vote, ...]:
-    """Those of the standing votes that count beside the vote of `actor`, the latest last.
+    """The standing votes of others that count together with the vote of `actor`, the latest last.
 
     Votes for another manner of sending (speed share, whether step by step) do not.
     """

@@ -33,7 +33,7 @@ MOST_SEARCHES, MOST_REMARKS = 6, 30
 class FindParts(Command):
     """Localize parts in the current scan.
 
-    `is_compared`: they stand beside those that were found before, until somebody takes them.
+    `is_compared`: the search is listed with the earlier ones, and a person decides which to take.
     """
 
     right: ClassVar[Right] = Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE})
@@ -57,7 +57,7 @@ class FindParts(Command):
 class UseDetections(Command):
     """Take part poses from outside: a file, another matcher, a person's correction or veto.
 
-    `says` tells people what was done; empty: poses from outside.
+    `says` states for people what was done; empty: poses from outside.
     """
 
     right: ClassVar[Right] = Right("using poses from outside", SAFE, also_by=POSES_FOLDER)
@@ -90,7 +90,7 @@ def find_parts(
     command: FindParts,
     then: "GoOn | None" = None,
 ) -> Begun:
-    """Parts are looked for in the scan; with `then` it is gone on as that says.
+    """The search for parts begins; with `then` the next steps of a cycle follow it.
 
     Raises:
         CommandRefused: there is no scan.
@@ -112,7 +112,7 @@ def find_parts(
 
 
 def compared(state: State, search: Search) -> State:
-    """The state after a search that takes nothing: what it found is listed beside the others."""
+    """The state after a search that takes nothing: it is listed with the earlier ones."""
     searches = (*state.searches, search)[-MOST_SEARCHES:]
     found = counted(len(search.detections), "part")
     message = f"search {len(searches)} found {found}, to be compared; nothing was taken"

@@ -195,7 +195,7 @@ def _outline(result: PlanResult, job: Job) -> Outline:
 
 
 def _wanting(state: State, threshold: float) -> State:
-    """The state in which another threshold is wanted, also of a plan that is gone on to."""
+    """The state with another threshold wanted, also for the plan of a cycle under way."""
     job = state.job
     if job is not None and job.then is not None:
         then = replace(job.then, plan=replace(job.then.plan, threshold=threshold))

@@ -27,11 +27,11 @@ FAILURES = (
     StateText.NOT_PROVEN,
     StateText.NO_PROOF,
 )
-"""Messages of a state that tell of something that has failed."""
+"""Messages of a state that report a failure."""
 
 
 def is_failure(message: Message | str) -> bool:
-    """Whether a message of a state tells of something that has failed."""
+    """Whether a message of a state reports a failure."""
     return isinstance(message, Message) and any(map(message.mentions, FAILURES))
 
 

@@ -90,7 +90,7 @@ class SightPlate(Command):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UseObservations(Command):
-    """Go on with these observations of the plate, some left out; `says` tells people so."""
+    """Go on with these observations of the plate, some left out; `says` states so for people."""
 
     right: ClassVar[Right] = Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER)
 
@@ -126,7 +126,7 @@ def take_scan(
     command: TakeScan,
     then: "GoOn | None" = None,
 ) -> Begun:
-    """The scanner is triggered; with `then` it is gone on as that says."""
+    """The scanner is triggered; with `then` the next steps of a cycle follow the scan."""
     arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
     return begin_task(state, entry, "scan", arguments, "scanning", then=then)
 

@@ -133,7 +133,7 @@ def with_receipt(state: State, receipt: Receipt) -> State:
         message = f"the robot waits before {step_said(state.plan, receipt.waits)}"
         return replace(state, waits=receipt.waits, message=message)
     if state.let:
-        # What is told of a step is who has let it run.
+        # The message of a step names who has let it run.
         return state
     step = step_reported(state)
     if state.plan is not None and 0 < step <= len(steps):

@@ -14,7 +14,7 @@ from workbench.model.messages.refusals import Refusal
 from workbench.model.plan import Plan
 
 LEAST_MOVED = 0.001
-"""[m] So far the robot may be from where a plan starts also where no margin is kept: it rounds."""
+"""[m] The robot may be this far from where a plan starts even with no margin: it rounds."""
 
 
 SAME_THRESHOLD = 0.0005
