@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.robots.pose_conventions import convention
+from workbench.formats.poses.conventions import convention
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.posture_check import base_poses
 from workbench.planning.kinematics.robot import Kinematics

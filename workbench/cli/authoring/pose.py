@@ -7,7 +7,7 @@ from workbench.cli.arguments.cell import CellPose
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.robots.pose_conventions import PoseConvention, convention
+from workbench.formats.poses.conventions import PoseConvention, convention
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from workbench.formats.robots.pose_conventions import CONVENTIONS, convention
+from workbench.formats.poses.conventions import CONVENTIONS, convention
 from workbench.model.errors import InputError
 
 SEQUENCES = {

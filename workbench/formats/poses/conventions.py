@@ -61,7 +61,7 @@ class PoseConvention:
 
 
 def _about(axis: str, degrees: float) -> Floats:
-    return pin.utils.rotate(axis, float(np.deg2rad(degrees)))
+    return pin.exp3(np.deg2rad(degrees) * np.eye(3)["xyz".index(axis)])
 
 
 def _zyx_matrix(degrees: Floats) -> Floats:
@@ -112,7 +112,7 @@ def _quaternion_matrix(wxyz: Floats) -> Floats:
             "that of an orientation has 1"
         )
     w, x, y, z = wxyz / length
-    return pin.Quaternion(w, x, y, z).toRotationMatrix()
+    return pin.Quaternion(w, x, y, z).matrix()
 
 
 def _quaternion(R: Floats) -> Floats:
