@@ -5,7 +5,7 @@ from dataclasses import replace
 from workbench.model.cell import Cell
 from workbench.model.part import Part
 from workbench.model.scan import Detection, LocalizationResult, Scan
-from workbench.perception.localization.kinds import all_kinds
+from workbench.perception.localization.kinds import localize_parts
 from workbench.plugins.progress import never, silent
 
 
@@ -14,7 +14,7 @@ def searched(
 ) -> LocalizationResult:
     """All that the search for one part brings."""
     alone = replace(cell, parts=(part,))
-    return all_kinds(scan, alone, seed=seed, detail=1.0, report=report, cancelled=cancelled)
+    return localize_parts(scan, alone, seed=seed, detail=1.0, report=report, cancelled=cancelled)
 
 
 def localize(scan: Scan, part: Part, cell: Cell, **how) -> tuple[Detection, ...]:

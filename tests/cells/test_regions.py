@@ -22,7 +22,7 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Region
 from workbench.model.scan import Detection
-from workbench.perception.localization.kinds import all_kinds
+from workbench.perception.localization.kinds import localize_parts
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
@@ -71,7 +71,9 @@ def test_both_compartments_of_the_page_are_picked_from_beside_their_divider(fold
     assert [one.name for one in cell.bin.regions] == ["left", "right"]
     truth = (lying(cell, 0.0, 0.08), lying(cell, 0.02, -0.07))
     scan = synthesize(cell, truth, seed=4)
-    found = all_kinds(scan, cell, seed=4, detail=1.0, report=silent, cancelled=never).detections
+    found = localize_parts(
+        scan, cell, seed=4, detail=1.0, report=silent, cancelled=never
+    ).detections
     off = [
         min(np.linalg.norm(a.T_world_part.translation - b.T_world_part.translation) for b in truth)
         for a in found
@@ -115,7 +117,9 @@ def test_far_from_the_regions_nothing_is_searched_and_the_cloud_is_an_obstacle(f
     cell = replace(cell, bin=replace(cell.bin, regions=(replace(small, T_bin_region=at),)))
     truth = (lying(cell, 0.0, 0.128), lying(cell, 0.0, -0.12))
     scan = synthesize(cell, truth, seed=5)
-    (found,) = all_kinds(scan, cell, seed=5, detail=1.0, report=silent, cancelled=never).detections
+    (found,) = localize_parts(
+        scan, cell, seed=5, detail=1.0, report=silent, cancelled=never
+    ).detections
     assert np.linalg.norm(found.T_world_part.translation - truth[0].T_world_part.translation) < 1e-3
     boxes = unexplained(cell, scan, (found,))
     away = [

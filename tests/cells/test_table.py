@@ -13,7 +13,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.scan import Detection
-from workbench.perception.localization.kinds import all_kinds
+from workbench.perception.localization.kinds import localize_parts
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
@@ -43,7 +43,9 @@ def test_parts_on_a_table_are_found_and_the_plan_holds_before_the_judge(kind, tm
     cell, files = read_cell(folder), read(folder, SHIPPED.parents[1] / "parts", "cell.toml")
     pile = pile_of(cell, "", 5, seed=7)
     scan = synthesize(cell, pile, seed=7)
-    found = all_kinds(scan, cell, seed=7, detail=1.0, report=silent, cancelled=never).detections
+    found = localize_parts(
+        scan, cell, seed=7, detail=1.0, report=silent, cancelled=never
+    ).detections
     told, _ = compare(cell.parts, pile, found)
     assert all(one.is_right for one in told) and len(found) >= 4
     obstacles = unexplained(cell, scan, found)
@@ -62,6 +64,8 @@ def test_a_part_that_reaches_over_the_side_is_found(tmp_path):
         one.part, pin.SE3(T.rotation, np.array([T.translation[0], side - 0.008, T.translation[2]]))
     )
     scan = synthesize(cell, (moved,), seed=3)
-    (found,) = all_kinds(scan, cell, seed=3, detail=1.0, report=silent, cancelled=never).detections
+    (found,) = localize_parts(
+        scan, cell, seed=3, detail=1.0, report=silent, cancelled=never
+    ).detections
     off = found.T_world_part.translation - moved.T_world_part.translation
     assert np.linalg.norm(off) < 0.001

@@ -7,10 +7,10 @@ from scipy.optimize import nnls
 
 from workbench.model.motion import MotionModel
 from workbench.proof.bodies import bodies_of
-from workbench.proof.frames import Spread, poses
+from workbench.proof.frames import SetExtents, poses
 from workbench.proof.motion import sweep_path
 from workbench.proof.robot import tree_of
-from workbench.proof.sieve import Asked, reachable, sieve
+from workbench.proof.sieve import PairQuery, select_pairs_in_sight, sieve
 from workbench.proof.space import Space
 from workbench.proof.stages import steps_of
 from workbench.proof.table import Situation, Table
@@ -58,10 +58,10 @@ def bounds_of(space, q, spans, pairs):
     """What the sieve says of pairs at one configuration with so much room around it."""
     number = len(pairs.rows)
     first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
-    asked = Asked(first, second, pairs.commons, np.full(number, np.inf), np.zeros(number, bool))
+    asked = PairQuery(first, second, pairs.commons, np.full(number, np.inf), np.zeros(number, bool))
     needed = np.ones(len(space.joints), bool)
     world = poses(space.chain, space.arrays, q[None], spans[None], needed)
-    room = Spread(spans[None], np.stack([spans, -spans])[None], np.array([2]))
+    room = SetExtents(spans[None], np.stack([spans, -spans])[None], np.array([2]))
     items = np.zeros((number, 3), np.int64)
     items[:, 2] = np.arange(number)
     normals = np.zeros_like(space.normals)
@@ -116,14 +116,14 @@ def test_what_is_not_looked_at_is_out_of_sight(cell, tree, space):
     rng = np.random.default_rng(7)
     pairs = space.table.pairs(Situation(np.ones(tree.model.nq, bool)), space.joints)
     first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
-    asked = Asked(first, second, pairs.commons, pairs.margins, pairs.shown)
+    asked = PairQuery(first, second, pairs.commons, pairs.margins, pairs.shown)
     out = 0
     for start, end in zip(anywhere(tree, rng, 8), anywhere(tree, rng, 8), strict=True):
         path = np.linspace(start, start + 0.1 * (end - start), 6)
         middles, spans = (path[1:] + path[:-1]) / 2, np.abs(np.diff(path, axis=0)) / 2
         sides = np.zeros(len(space.joints), np.int64)
         world = poses(space.chain, space.arrays, middles, spans, sides == 0)
-        items = reachable(asked, 0.1, sides, len(middles), space.arrays, world)
+        items = select_pairs_in_sight(asked, 0.1, sides, len(middles), space.arrays, world)
         assert (items[:, 0] == items[:, 1]).all()
         assert len(items) == len(path[1:]) * len(set(items[:, 2]))
         left = np.setdiff1d(np.arange(len(pairs.rows)), items[:, 2])
@@ -233,12 +233,12 @@ def test_a_body_of_which_nobody_knows_where_it_is_is_always_looked_at(tree, spac
     """Whichever of the sets has it: no comparison may take it for far away."""
     pairs = space.table.pairs(Situation(np.ones(tree.model.nq, bool)), space.joints)
     first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
-    asked = Asked(first, second, pairs.commons, pairs.margins, pairs.shown)
+    asked = PairQuery(first, second, pairs.commons, pairs.margins, pairs.shown)
     q, sides = np.tile(tree.rest, (3, 1)), np.zeros(len(space.joints), np.int64)
     world = poses(space.chain, space.arrays, q, np.zeros_like(q), sides == 0)
 
     def looked_at(where):
-        return set(reachable(asked, 0.0, sides, 3, space.arrays, where)[:, 2].tolist())
+        return set(select_pairs_in_sight(asked, 0.0, sides, 3, space.arrays, where)[:, 2].tolist())
 
     known = looked_at(world)
     everywhere = set(range(len(pairs.rows)))

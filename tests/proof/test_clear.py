@@ -18,7 +18,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.proof.table import SLACK, TOUCH, kept
+from workbench.proof.table import SLACK, TOUCH, least_distance_allowed
 
 LYING = (
     ((436.1786, -31.0882, 14.9278), (-74.3126, 29.0744, 20.7968)),
@@ -91,8 +91,8 @@ def test_no_lift_that_is_bent_holds_and_touches_what_was_clear(cell, alone, take
 
 
 def test_what_is_kept_grows_with_what_there_is_and_is_no_touch():
-    assert kept(-0.0003) == pytest.approx(-0.0003 - SLACK)
-    assert kept(0.0) == -SLACK
+    assert least_distance_allowed(-0.0003) == pytest.approx(-0.0003 - SLACK)
+    assert least_distance_allowed(0.0) == -SLACK
     begins = np.linspace(2 * TOUCH, 0.003, 100).tolist()
-    assert all(0 < kept(one) < one for one in begins)
-    assert np.all(np.diff([kept(one) for one in begins]) > 0)
+    assert all(0 < least_distance_allowed(one) < one for one in begins)
+    assert np.all(np.diff([least_distance_allowed(one) for one in begins]) > 0)

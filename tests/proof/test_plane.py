@@ -10,7 +10,7 @@ from workbench.proof.bodies import bodies_of, coal_shape, hull
 from workbench.proof.frames import poses
 from workbench.proof.motion import Sets
 from workbench.proof.robot import tree_of
-from workbench.proof.sieve import Asked, planes, sieve
+from workbench.proof.sieve import PairQuery, planes, sieve
 from workbench.proof.space import Space
 from workbench.proof.stages import steps_of
 from workbench.proof.table import Situation, Table
@@ -34,7 +34,7 @@ def within(space, base, blocks, rows, commons):
     world = poses(space.chain, space.arrays, q, spreads.spans, needed)
     number, none = len(rows), np.zeros(len(rows), bool)
     first, second = space.table.first[rows], space.table.second[rows]
-    asked = Asked(first, second, commons, np.full(number, np.inf), none)
+    asked = PairQuery(first, second, commons, np.full(number, np.inf), none)
     items = np.zeros((number, 3), np.int64)
     items[:, 2] = np.arange(number)
     if len(blocks) > 1:

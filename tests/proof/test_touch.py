@@ -12,10 +12,10 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.scan import Scene
 from workbench.perception.simulation.piles import drop_parts
 from workbench.proof.bodies import bodies_of
-from workbench.proof.frames import Spread, poses
+from workbench.proof.frames import SetExtents, poses
 from workbench.proof.prove import prove
 from workbench.proof.robot import tree_of
-from workbench.proof.sieve import Asked, reachable, sieve
+from workbench.proof.sieve import PairQuery, select_pairs_in_sight, sieve
 from workbench.proof.space import Space
 from workbench.proof.table import Situation, Table
 
@@ -71,11 +71,11 @@ def test_what_is_deep_in_each_other_is_never_left_out(cell, plan):
         space.look(q)
         depths = np.array([space.distance(int(row)) for row in pairs.rows])
         needs = np.where(depths < -0.001, 0.9 * depths, -1.0)
-        asked = Asked(first, second, pairs.commons, needs, hidden)
+        asked = PairQuery(first, second, pairs.commons, needs, hidden)
         none = np.zeros((1, len(q)))
         world = poses(space.chain, space.arrays, q[None], none, sides == 0)
-        still = Spread(none, none[None], np.ones(1, np.int64))
-        items = reachable(asked, 0.1, sides, 1, space.arrays, world)
+        still = SetExtents(none, none[None], np.ones(1, np.int64))
+        items = select_pairs_in_sight(asked, 0.1, sides, 1, space.arrays, world)
         told = sieve(
             items, asked, np.zeros(1), np.zeros(1, np.int64), np.zeros(1),
             np.zeros_like(space.normals), space.chain, space.arrays, world, still,

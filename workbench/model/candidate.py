@@ -66,8 +66,8 @@ class Verdict:
 
     `pair` names the two bodies that come too close, `distance` [m] how close (negative:
     penetration depth), None where nobody has measured it, or, when out of reach, how far the TCP
-    stays away; `q` (n,) [rad] is the configuration (of the candidate's arm) where it happened, so
-    that the page can draw it.
+    stays away, with 0.1 m for each radian that it is turned; `q` (n,) [rad] is the configuration
+    (of the candidate's arm) where it happened, so that the page can draw it.
     """
 
     reason: Reason
@@ -158,11 +158,11 @@ class Pick:
     """A candidate that works: the straight legs and the place, as configurations.
 
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
-    end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
-    hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that leads away
+    end of the extraction; `place` (m, n) runs straight down to the release.  `T_tcp_part` is the
+    part in the hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that leads away
     from what the part lies against (`PartWays.gain`), told where there are several lifts.
-    `clearance` [m] is the smallest found over them, `seconds` what its legs take at least, each
-    straight from rest to rest.
+    `clearance` [m] is the distance beyond the margin at the grasp, at most 0.01; `seconds` what
+    its legs take at least, each straight from rest to rest.
     """
 
     candidate: Candidate

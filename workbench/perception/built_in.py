@@ -64,9 +64,9 @@ class PointPairs:
     ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
         from workbench.perception.colours.telling import told_by_colour
-        from workbench.perception.localization.kinds import all_kinds
+        from workbench.perception.localization.kinds import localize_parts
 
-        return all_kinds(
+        return localize_parts(
             scan,
             cell,
             seed=seed,

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.proof.frames import Spread
+from workbench.proof.frames import SetExtents
 from workbench.proof.motion import Sets
 
 OTHER = -1
@@ -119,7 +119,7 @@ def _inside(items: Ints, counts: Ints, starts: Ints) -> Ints:  # pragma: no cove
 @njit(cache=True)
 def spread(
     corners: Floats, sizes: Ints, is_motion: bool
-) -> tuple[Floats, Spread]:  # pragma: no cover (compiled)
+) -> tuple[Floats, SetExtents]:  # pragma: no cover (compiled)
     """The middles (k, nq) [rad, m] of sets, and how the sets lie around these.
 
     Where a set `is_motion` its middle is one of its configurations, else in the middle of all
@@ -144,7 +144,7 @@ def spread(
                 spans[k, c] = max(high - middle, middle - low)
                 for m in range(size):
                     changes[k, m, c] = corners[k, m, c] - middle
-    return middles, Spread(spans, changes, sizes)
+    return middles, SetExtents(spans, changes, sizes)
 
 
 @njit(cache=True)

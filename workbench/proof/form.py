@@ -182,7 +182,7 @@ def _shape(arm: Arm, leg: Leg) -> Iterator[Violation]:
         )
 
 
-def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
+def joint_limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
     """Joints beyond their limits on one leg.
 
     A joint between two waypoints is between its values there, so waypoints are enough.
@@ -199,8 +199,8 @@ def range_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
         yield Violation(problem, arm.name, leg.name, row)
 
 
-def limit_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
-    """Fingers beyond their stroke, what cannot be sent, and times that make no sense on one leg.
+def opening_and_time_violations(cell: Cell, arm: Arm, leg: Leg) -> Iterator[Violation]:
+    """Openings beyond the stroke, waypoints that the controller cannot represent, wrong times.
 
     Speeds and accelerations are asked by `timing.pace_violations`.
     """

@@ -8,7 +8,7 @@ from numba import njit
 from workbench.model.geometry import Bools, Floats, Ints
 
 
-class Chain(NamedTuple):
+class JointTree(NamedTuple):
     """Joints as arrays, joint 0 being the world; parents come before children.
 
     `parents` (j,), `turns` (j, 3, 3) and `places` (j, 3) [m] of each joint in the one before,
@@ -46,8 +46,8 @@ class Bodies(NamedTuple):
     balls: Floats
 
 
-class World(NamedTuple):
-    """Where things are at configurations (k,).
+class BodyPoses(NamedTuple):
+    """Poses of all bodies and joints at configurations (k,).
 
     `turns` (k, b, 3, 3) and `centres` (k, b, 3) [m] are those of bodies, `places` (k, j, 3) [m]
     and `axes` (k, j, 3) those of joints; `moves` (k, b) [m]: no point of a body gets farther.
@@ -60,7 +60,7 @@ class World(NamedTuple):
     moves: Floats
 
 
-class Spread(NamedTuple):
+class SetExtents(NamedTuple):
     """Sets of configurations (k,) around their middles.
 
     `spans` (k, nq) [rad, m]: how far each value is from that of the middle at most; `changes`
@@ -73,8 +73,10 @@ class Spread(NamedTuple):
 
 
 @njit(cache=True)
-def away(k: int, b: int, j: int, bodies: Bodies, world: World) -> float:  # pragma: no cover
-    """How far [m] no point of a body is from the axis of a joint."""
+def max_distance_to_axis(
+    k: int, b: int, j: int, bodies: Bodies, world: BodyPoses
+) -> float:  # pragma: no cover
+    """An upper bound [m] of the distance from any point of a body to the axis of a joint."""
     square, along = 0.0, 0.0
     for i in range(3):
         off = world.centres[k, b, i] - world.places[k, j, i]
@@ -85,9 +87,9 @@ def away(k: int, b: int, j: int, bodies: Bodies, world: World) -> float:  # prag
 
 @njit(cache=True)
 def bound_motion(
-    k: int, b: int, common: int, chain: Chain, bodies: Bodies, world: World, spans: Floats
+    k: int, b: int, common: int, chain: JointTree, bodies: Bodies, world: BodyPoses, spans: Floats
 ) -> float:  # pragma: no cover (compiled)
-    """How far [m] no point of a body gets from where it is, against joint `common`.
+    """An upper bound [m] of how far any point of a body moves, against joint `common`.
 
     The joints between are turned one after the other, that nearest to the body first, each by up to
     `spans` (k, nq): its axis is still where it was, and the body within `far` of where it was.
@@ -98,15 +100,15 @@ def bound_motion(
         if chain.slides[j]:
             far += span
         elif span > 0.0 and not (bodies.rounds[b] and j == bodies.joints[b]):
-            far += span * (away(k, b, j, bodies, world) + far)
+            far += span * (max_distance_to_axis(k, b, j, bodies, world) + far)
         j = int(chain.parents[j])
     return far
 
 
 @njit(cache=True)
 def poses(
-    chain: Chain, bodies: Bodies, q: Floats, spans: Floats, needed: Bools
-) -> World:  # pragma: no cover (compiled)
+    chain: JointTree, bodies: Bodies, q: Floats, spans: Floats, needed: Bools
+) -> BodyPoses:  # pragma: no cover (compiled)
     """Where bodies are at configurations (k, nq) [rad, m], with `spans` around them (k, nq).
 
     What Pinocchio's `forwardKinematics` gives, for many at once.  Of bodies that are not `needed`
@@ -162,7 +164,7 @@ def poses(
                 centres[k, b, i] = p[j, i]
                 for m in range(3):
                     centres[k, b, i] += R[j, i, m] * bodies.centres[b, m]
-    world = World(turns, centres, places, axes, np.empty((count, number)))
+    world = BodyPoses(turns, centres, places, axes, np.empty((count, number)))
     for k in range(count):
         for b in some:
             world.moves[k, b] = bound_motion(k, int(b), 0, chain, bodies, world, spans)
@@ -178,13 +180,15 @@ def _product(A: Floats, B: Floats, C: Floats) -> None:  # pragma: no cover (comp
 
 
 @njit(cache=True)
-def levers(chain: Chain, bodies: Bodies, world: World) -> Floats:  # pragma: no cover (compiled)
+def levers(
+    chain: JointTree, bodies: Bodies, world: BodyPoses
+) -> Floats:  # pragma: no cover (compiled)
     """How far [m/rad, m/m] each value moves the farthest body in the first world: about (nq,)."""
     most = np.zeros(len(chain.columns) - 1)
     for b in range(len(bodies.joints)):
         j = int(bodies.joints[b])
         while j != 0:
-            lever = 1.0 if chain.slides[j] else away(0, b, j, bodies, world)
+            lever = 1.0 if chain.slides[j] else max_distance_to_axis(0, b, j, bodies, world)
             most[chain.columns[j]] = max(most[chain.columns[j]], lever)
             j = int(chain.parents[j])
     return most

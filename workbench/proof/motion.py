@@ -18,7 +18,7 @@ STREAMED_ZONE = 0.5
 """A straight line between two samples of a curve cuts a corner by less than this of a segment."""
 
 
-TWICE = 1
+BLEND_HALVINGS = 1
 """How often what a parabola cuts off is halved before triangles stand for it."""
 
 
@@ -114,7 +114,7 @@ def _blend(tip: Floats, times: int) -> Iterator[Floats]:
 
 CUTS = {
     "stop": np.empty((0, 3, 3)),
-    "blend": np.stack(list(_blend(np.eye(3), TWICE))),
+    "blend": np.stack(list(_blend(np.eye(3), BLEND_HALVINGS))),
     "streamed": np.eye(3)[None],
 }
 """Triangles (c, 3, 3) for what is cut off a corner, whose corners are means of that corner's."""

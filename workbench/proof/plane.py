@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.proof.frames import Bodies, Chain, Spread, World, away
+from workbench.proof.frames import Bodies, BodyPoses, JointTree, SetExtents, max_distance_to_axis
 
 ROUNDING = 1e-9
 """[m] What sums of floats may be off by."""
@@ -23,10 +23,10 @@ def apart(
     kb: int,
     b: int,
     common: int,
-    chain: Chain,
+    chain: JointTree,
     bodies: Bodies,
-    world: World,
-    spread: Spread,
+    world: BodyPoses,
+    spread: SetExtents,
 ) -> float:  # pragma: no cover (compiled)
     """How far [m] two bodies stay apart along a direction, each in a whole set of configurations.
 
@@ -55,10 +55,10 @@ def _reach(
     k: int,
     b: int,
     common: int,
-    chain: Chain,
+    chain: JointTree,
     bodies: Bodies,
-    world: World,
-    spread: Spread,
+    world: BodyPoses,
+    spread: SetExtents,
 ) -> float:  # pragma: no cover (compiled)
     """How far [m] along a normal, or against it by its `sign`, no point of a body gets.
 
@@ -100,7 +100,7 @@ def _reach(
             a = world.axes[k, j]
             across = nx * a[0] + ny * a[1] + nz * a[2]
             tilt = np.sqrt(max(1.0 - across * across, 0.0))
-            off = away(k, b, j, bodies, world)
+            off = max_distance_to_axis(k, b, j, bodies, world)
             bent += d * tilt * far + d * d / 2 * (off + far)
             far += d * (off + far)
         j = int(chain.parents[j])

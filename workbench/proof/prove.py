@@ -12,7 +12,11 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, turned_pieces
-from workbench.proof.form import form_violations, limit_violations, range_violations
+from workbench.proof.form import (
+    form_violations,
+    joint_limit_violations,
+    opening_and_time_violations,
+)
 from workbench.proof.grasps.loads import load_violations
 from workbench.proof.grasps.rolls import roll_violations
 from workbench.proof.grasps.taking import grasp_violations, pair_violations
@@ -25,8 +29,7 @@ from workbench.proof.timing.pace import pace_violations
 from workbench.proof.walk import Walk
 
 RESOLUTION = 0.0005
-"""[m] Where nothing moves further than this, a state that was looked at stands for its
-neighbours."""
+"""[m] By so much a distance may fall short of its margin; see `search`."""
 
 
 def prove(
@@ -37,15 +40,19 @@ def prove(
     resolution: float = RESOLUTION,
     stated: Proof | None = None,
 ) -> Proof:
-    """Check everything that can be checked about a plan, whoever has made it.
+    """Check a plan, whoever has made it.
+
+    Structure and joint limits come first.  If one is violated, all other checks are left out, and
+    the proof states no clearance.
 
     Args:
         cell: as it is now.
         scene: what is known to be in the bin; what the plan says of it is compared.
         plan: as planned, or as read from a file.
         resolution: [m] see `search`; smaller is slower and never admits more.
-        stated: a proof of the same plan: its clearances are not searched for, which takes less
-            time; that they are not what it says is a violation.
+        stated: a proof of the same plan.  That a leg comes nearer than it states is a violation;
+            how near it comes is not searched for, which takes less time.  The result repeats
+            `clearance` and `nearest` of this proof, and leaves `apart` empty.
 
     Returns:
         A proof; `holds` is True when there is no violation.
@@ -55,10 +62,10 @@ def prove(
     arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
     legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
     # Joints that turn a hundred times would be followed for hours.
-    violations += [f for arm, leg in legs for f in range_violations(cell, arm, leg)]
+    violations += [f for arm, leg in legs for f in joint_limit_violations(cell, arm, leg)]
     if not violations:
         tree = tree_of(cell)
-        violations += [f for arm, leg in legs for f in limit_violations(cell, arm, leg)]
+        violations += [f for arm, leg in legs for f in opening_and_time_violations(cell, arm, leg)]
         violations += pace_violations(cell, plan)
         violations += [
             f for _, arm_plan in arms for f in grasp_violations(cell, tree, plan, arm_plan)
@@ -92,9 +99,9 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     """What is in the bin and at the places once a proven plan was carried out.
 
     The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
-    unless the arm passes parts on.  One that is put on a station is a part, which stands there:
-    where others may have moved (`may_have_moved`), nobody knows more of these than that they are in
-    the bin, so that this is full up to where they can be.
+    unless the arm passes parts on.  One that is put on a station is a part, which stands there.
+    A plan onto a station replaces all parts of the bin by one box if any of them may have moved
+    (`may_have_moved`).  Any other plan keeps the remaining detections unchanged.
 
     Args:
         cell: as it is now.

@@ -1,10 +1,12 @@
-"""Every configuration of some sets is looked at, by halving: none is too near, and how near it is.
+"""Searches sets of configurations by halving: whether bodies come too near, and how near.
 
 At the middle of a set two bodies are `d` apart.  Nothing in the set brings them nearer by more than
 `m`, the sum of what each joint may move them.  So `d - m` is a lower bound for the whole set, and
-so is how far they stay apart along any direction.  Where neither is enough, the set is halved;
-where `m` is below the resolution, the middle stands for the set, and the better of both still is
-what is said of it.
+so is how far they stay apart along any direction.  Where neither is enough, the set is halved.
+
+The search accepts a set if both bodies keep the margin at its middle and approach by at most the
+resolution.  The true distance may fall short of the margin by that much.  A positive margin below
+the resolution replaces it, but never below `FINEST`.
 """
 
 from collections.abc import Sequence
@@ -15,9 +17,16 @@ import numpy as np
 
 from workbench.model.geometry import Floats, Ints
 from workbench.proof.batch import Batch, around, firsts, inside, spread
-from workbench.proof.frames import Spread, World, poses
+from workbench.proof.frames import BodyPoses, SetExtents, poses
 from workbench.proof.motion import Sets
-from workbench.proof.sieve import Asked, Open, foremost, planes, reachable, sieve
+from workbench.proof.sieve import (
+    OpenPairs,
+    PairQuery,
+    planes,
+    select_nearest_pairs,
+    select_pairs_in_sight,
+    sieve,
+)
 from workbench.proof.space import Space
 from workbench.proof.table import Pairs
 
@@ -156,7 +165,7 @@ class _Search:
         self._space, self._base, self._pairs, self._resolution = space, base, pairs, resolution
         self._wanted, self._halves = wanted, 0
         first, second = space.table.first[pairs.rows], space.table.second[pairs.rows]
-        self._asked = Asked(first, second, pairs.commons, pairs.margins, pairs.shown)
+        self._asked = PairQuery(first, second, pairs.commons, pairs.margins, pairs.shown)
         # Where little is to be kept, it must not be lost between two looks.
         finer = np.where(pairs.margins > 0.0, pairs.margins.clip(min=FINEST), resolution)
         self._fine = np.minimum(resolution, finer)
@@ -177,7 +186,7 @@ class _Search:
             sides[moved.any(axis=1)] = 1
         _, spreads, world = self._world(batch, self._asked.first, self._asked.second, False)
         arrays = self._space.arrays
-        items = reachable(self._asked, self._sight, sides, split, arrays, world)
+        items = select_pairs_in_sight(self._asked, self._sight, sides, split, arrays, world)
         sets = firsts(self._base, blocks)
         q, around_q, there = self._world(sets, self._asked.first, self._asked.second, True)
         compiled = self._space.normals, self._space.chain, arrays, there, around_q
@@ -185,7 +194,7 @@ class _Search:
             # What seems nearest after each waypoint tells what is far enough; where that was
             # stated, the way from one to the other shows it for many sets.
             count = len(self.found.bounds)
-            seem = items[foremost(items, self._asked, sets.at, count, arrays, there)]
+            seem = items[select_nearest_pairs(items, self._asked, sets.at, count, arrays, there)]
             planes(seem, self._ways(sets, q, seem), self._asked, *compiled)
         close = self._sift(batch, items, world, spreads)
         if len(close.items) and not self.is_over():
@@ -236,7 +245,7 @@ class _Search:
 
     def _world(
         self, batch: Batch, first: Ints, second: Ints, is_motion: bool
-    ) -> tuple[Floats, Spread, World]:
+    ) -> tuple[Floats, SetExtents, BodyPoses]:
         """The middles (k, nq) of sets, how they lie around these, and where bodies are there."""
         space = self._space
         needed = np.zeros(len(space.joints), bool)
@@ -244,7 +253,7 @@ class _Search:
         q, spreads = spread(batch.corners, batch.sizes, is_motion)
         return q, spreads, poses(space.chain, space.arrays, q, spreads.spans, needed)
 
-    def _sift(self, batch: Batch, items: Ints, world: World, spreads: Spread) -> Open:
+    def _sift(self, batch: Batch, items: Ints, world: BodyPoses, spreads: SetExtents) -> OpenPairs:
         space, goals = self._space, np.array(self._wanted.goals)
         return sieve(
             items, self._asked, goals, batch.at, self.found.bounds, space.normals,
@@ -278,7 +287,7 @@ class _Search:
         margins, goals = self._asked.margins[which], np.array(self._wanted.goals)[at]
         return np.where(self._asked.shown[which], np.maximum(margins, goals), margins)
 
-    def _measure_pairs(self, q: Floats, close: Open, at: Ints) -> dict[int, Floats]:
+    def _measure_pairs(self, q: Floats, close: OpenPairs, at: Ints) -> dict[int, Floats]:
         """Measure pairs in the middles `q` (k, nq) of sets after waypoints (n,), nearest first.
 
         Better bounds are put into `close`.

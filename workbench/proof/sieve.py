@@ -6,15 +6,15 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.proof.frames import Bodies, Chain, Spread, World, bound_motion
+from workbench.proof.frames import Bodies, BodyPoses, JointTree, SetExtents, bound_motion
 from workbench.proof.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
 """Sine of an angle below which two edges count as parallel: their normal is badly known."""
 
 
-class Asked(NamedTuple):
-    """Pairs (p,) of bodies `first` and `second`, and what they are asked.
+class PairQuery(NamedTuple):
+    """Pairs (p,) of bodies `first` and `second`, and what is asked of them.
 
     `commons` is the joint next to both that moves both, `margins` [m] what they have to keep;
     `shown`: how near they come is told, too.
@@ -27,8 +27,8 @@ class Asked(NamedTuple):
     shown: Bools
 
 
-class Open(NamedTuple):
-    """Pairs that are not told apart: `items` (n, 3) as `Batch` says.
+class OpenPairs(NamedTuple):
+    """Pairs whose lower bound is not yet large enough: `items` (n, 3) as `Batch` says.
 
     `lower` [m] is a bound in the middles of the sets, `moves` [m] how much nearer they may come in
     them, `told` [m] a bound for the whole of them.
@@ -41,10 +41,10 @@ class Open(NamedTuple):
 
 
 @njit(cache=True)
-def reachable(
-    asked: Asked, sight: float, sides: Ints, split: int, bodies: Bodies, world: World
+def select_pairs_in_sight(
+    asked: PairQuery, sight: float, sides: Ints, split: int, bodies: Bodies, world: BodyPoses
 ) -> Ints:  # pragma: no cover (compiled)
-    """What is asked (n, 3), but of pairs that are farther apart than can be told.
+    """The pairs in sets (n, 3), without those whose swept boxes stay out of sight of each other.
 
     Around all that a body passes in all sets there is a box along the axes of the world.  What is
     no number is not far apart: such pairs are looked at.
@@ -96,10 +96,10 @@ def reachable(
 
 
 @njit(cache=True)
-def foremost(
-    items: Ints, asked: Asked, at: Ints, waypoints: int, bodies: Bodies, world: World
+def select_nearest_pairs(
+    items: Ints, asked: PairQuery, at: Ints, waypoints: int, bodies: Bodies, world: BodyPoses
 ) -> Ints:  # pragma: no cover (compiled)
-    """What of all that is asked and shown seems nearest after each waypoint (n,), by index.
+    """The pair that seems nearest after each waypoint (n,), of those shown, by index.
 
     Args:
         items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
@@ -131,17 +131,17 @@ def foremost(
 @njit(cache=True)
 def sieve(
     items: Ints,
-    asked: Asked,
+    asked: PairQuery,
     goals: Floats,
     at: Ints,
     bounds: Floats,
     normals: Floats,
-    chain: Chain,
+    chain: JointTree,
     bodies: Bodies,
-    world: World,
-    spread: Spread,
-) -> Open:  # pragma: no cover (compiled)
-    """Pairs that are not told apart without measuring them.
+    world: BodyPoses,
+    spread: SetExtents,
+) -> OpenPairs:  # pragma: no cover (compiled)
+    """The pairs whose lower bound is not large enough without measuring them.
 
     Args:
         items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
@@ -202,12 +202,12 @@ def sieve(
             count += 1
         elif asked.shown[pair]:
             bounds[place] = min(bounds[place], bound)
-    return Open(items[left[:count]], lower[:count], moves[:count], told[:count])
+    return OpenPairs(items[left[:count]], lower[:count], moves[:count], told[:count])
 
 
 @njit(cache=True)
 def _note(
-    known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: World
+    known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: BodyPoses
 ) -> None:  # pragma: no cover (compiled)
     """Note a direction (3,) as both bodies see it (2, 3)."""
     for i in range(3):
@@ -221,12 +221,12 @@ def _note(
 def planes(
     items: Ints,
     ways: Floats,
-    asked: Asked,
+    asked: PairQuery,
     normals: Floats,
-    chain: Chain,
+    chain: JointTree,
     bodies: Bodies,
-    world: World,
-    spread: Spread,
+    world: BodyPoses,
+    spread: SetExtents,
 ) -> Floats:  # pragma: no cover (compiled)
     """How far pairs are apart at least (n,) [m] in whole sets, seen along directions.
 
@@ -257,7 +257,7 @@ def planes(
 
 @njit(cache=True)
 def _off(
-    ka: int, a: int, kb: int, b: int, bodies: Bodies, world: World
+    ka: int, a: int, kb: int, b: int, bodies: Bodies, world: BodyPoses
 ) -> float:  # pragma: no cover (compiled)
     """How far [m] the ball around a body is from the box around another one, or how deep in it."""
     R, square, deep = world.turns[kb, b], 0.0, np.inf
@@ -278,7 +278,7 @@ def gap(
     kb: int,
     b: int,
     bodies: Bodies,
-    world: World,
+    world: BodyPoses,
     enough: float,
     axis: Floats,
     scratch: Floats,

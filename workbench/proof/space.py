@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.plan import Plan
 from workbench.proof.bodies import Body, coal_shape, hull, is_divided, measure
-from workbench.proof.frames import Bodies, Chain, levers, poses
+from workbench.proof.frames import Bodies, JointTree, levers, poses
 from workbench.proof.robot import Tree
 from workbench.proof.table import Table
 
@@ -136,10 +136,10 @@ def _arrays_of(bodies: tuple[Body, ...], table: Table) -> Bodies:
     )
 
 
-def _chain_of(tree: Tree) -> Chain:
+def _chain_of(tree: Tree) -> JointTree:
     model = tree.model
     joints = [tree.joints.get(j) for j in range(model.njoints)]
-    return Chain(
+    return JointTree(
         np.array(list(model.parents)),
         np.array([T.rotation for T in model.jointPlacements]),
         np.array([T.translation for T in model.jointPlacements]),

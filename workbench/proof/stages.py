@@ -18,8 +18,9 @@ from workbench.proof.motion import Sets, sweep_change, sweep_path
 from workbench.proof.robot import Tree
 from workbench.proof.table import Situation
 
-STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
-"""Legs on which tool and held part may come near what stands still."""
+NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract"})
+"""Legs on which tool and held part keep `near_margin`; the place leg is linear but keeps
+`margin`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,7 +160,7 @@ def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
     (arm_motion,) = ones
     return replace(
         now,
-        straight=arm_motion.arm.name if arm_motion.leg.name in STRAIGHT else "",
+        straight=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
     )
 

@@ -9,12 +9,13 @@
 | tool or held part, on a straight leg, and what no arm carries | `near_margin` |
 | tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
 | closing or opening fingers and the part they take or let go | is not compared |
-| lifted part and what it lies on, over the first `release` | not nearer than at the start |
+| lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
 | the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
-| hand and the part it has let go of, until it has left it once | not nearer than at the start |
+| hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
 | everything else | `margin` |
 
-"Not nearer than at the start" is as `kept` says, and `near_margin` where there is more room.
+`least_distance_allowed` says what that is for bodies that do not touch at the start; it is
+`near_margin` where there is more room.
 """
 
 from collections.abc import Mapping
@@ -35,10 +36,11 @@ TOUCH = 1e-6
 """[m] What touches may seem this far apart by rounding."""
 
 
-def kept(begins: float) -> float:
+def least_distance_allowed(begins: float) -> float:
     """The distance [m] below which two bodies may not come that begin a leg so far apart [m].
 
-    Where they touch they may come nearer by `SLACK`; where they do not they never do.
+    Bodies that touch at the start may approach by `SLACK`.  Separated bodies may approach by
+    `SLACK` or half their distance, whichever is less.
     """
     return begins - SLACK if begins <= TOUCH else max(begins - SLACK, begins / 2)
 
@@ -50,7 +52,8 @@ class Situation:
     `moves` (nq,): which values of the configuration change.  `held`: detection -> name of the arm
     that holds it; `placed`: detection -> arm that has put it where it lies.  `straight`: the arm
     on a straight leg, empty for none.  `target`: the detection that its tool is about to take.
-    `lets_go`: the detection around which fingers close or open now.
+    `lets_go`: the detection around which fingers close or open now; contacts with it are not
+    compared then.
     """
 
     moves: Bools

@@ -19,7 +19,7 @@ from workbench.proof.robot import Tree
 from workbench.proof.search import SIGHT, TIGHT, Found, Nearest, search
 from workbench.proof.space import Space
 from workbench.proof.stages import (
-    STRAIGHT,
+    NEAR_MARGIN_LEGS,
     Moving,
     Stage,
     Step,
@@ -31,7 +31,7 @@ from workbench.proof.stages import (
     steps_of,
     waiting_fingers,
 )
-from workbench.proof.table import Pairs, Situation, Table, kept
+from workbench.proof.table import Pairs, Situation, Table, least_distance_allowed
 
 ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
@@ -68,7 +68,7 @@ class _Question:
     sets: tuple[tuple[Sets, ...], ...]
     pairs: Pairs
     found: Found
-    is_free: bool
+    keeps_full_margin: bool
 
 
 class Walk:
@@ -161,7 +161,7 @@ class Walk:
         self._space.look(self._with(step, arm_motion, arm_motion.path[0]))
         for k in np.flatnonzero(may_touch).tolist():
             distance = self._space.distance(int(pairs.rows[k]))
-            margins[k] = min(margins[k], near, kept(distance))
+            margins[k] = min(margins[k], near, least_distance_allowed(distance))
             if (
                 stage.comes_off
                 and distance < -sink
@@ -274,19 +274,22 @@ class Walk:
         pairs: Pairs,
         other: Moving | None = None,
     ) -> None:
-        is_free = any(
-            each.leg.name not in STRAIGHT for each in (arm_motion, other) if each is not None
+        keeps_full_margin = any(
+            each.leg.name not in NEAR_MARGIN_LEGS
+            for each in (arm_motion, other)
+            if each is not None
         )
         count, stated, resolution = len(arm_motion.path), None, self._resolution
         if self._stated is not None:
             stated = self._claim(arm_motion)
-            if is_free:
-                stated, resolution = np.maximum(stated, self._stated.clearance), TIGHT
+            if keeps_full_margin:
+                stated = np.maximum(stated, self._stated.clearance)
+                resolution = min(TIGHT, resolution)
         found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
         if found.is_less_than(stated):
             problem = ProofText.NEARER_THAN_STATED()
             self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
-        self._asked.append(_Question(step, arm_motion, sets, pairs, found, is_free))
+        self._asked.append(_Question(step, arm_motion, sets, pairs, found, keeps_full_margin))
         if found.gave_up:
             problem = ProofText.NEAR_TOO_LONG()
             self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
@@ -315,7 +318,7 @@ class Walk:
 
         Bounds that are looked at more closely for it are better afterwards.
         """
-        free = [question for question in self._asked if question.is_free]
+        free = [question for question in self._asked if question.keeps_full_margin]
         measured = [
             (question.found.nearest, question)
             for question in free

@@ -18,7 +18,11 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Part
 from workbench.model.scan import ALL_KINDS, Detection, ScaleCheck
-from workbench.perception.localization.pose_error import mssd, pose_error, squared_error
+from workbench.perception.localization.pose_error import (
+    mahalanobis_squared,
+    mssd,
+    pose_error,
+)
 from workbench.perception.parts.sizing import sized
 from workbench.perception.simulation.noise_models import NOISE_MODELS, NoiseModel
 from workbench.perception.simulation.piles import pile_of
@@ -263,7 +267,7 @@ def compare(
 def _squared_error(part: Part, true: Detection, found: Detection) -> tuple[float, int] | None:
     if found.covariance is None:
         return None
-    return squared_error(
+    return mahalanobis_squared(
         part,
         true.T_world_part,
         found.T_world_part,

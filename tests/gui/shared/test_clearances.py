@@ -7,7 +7,7 @@ from workbench.gui.plan.views import outlines_html
 from workbench.gui.shared import views
 from workbench.model.messages.states import StateText
 from workbench.model.plan import at_least
-from workbench.proof.stages import STRAIGHT
+from workbench.proof.stages import NEAR_MARGIN_LEGS
 
 
 def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
@@ -16,7 +16,9 @@ def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
     ready = StateText.PLAN_READY(strategy="alternated", cycle=9.0, clearance=proof.clearance)
     state = replace(states.planned, message=ready)
     free, straight = state.proof.clearance, views.straight_bound(state.proof)
-    least = min(bounds.min() for _, leg, bounds in state.proof.clearances if leg in STRAIGHT)
+    least = min(
+        bounds.min() for _, leg, bounds in state.proof.clearances if leg in NEAR_MARGIN_LEGS
+    )
     assert straight == least
     free, straight = (at_least(one).removeprefix("at least ") for one in (free, straight))
     words = f"minimum clearance {free} (free motion), {straight} (linear motion)"

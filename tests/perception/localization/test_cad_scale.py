@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from workbench.perception.matching.depth_map import make_map
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.model.scan import ScaleCheck
 from workbench.perception.localization.cad_scale import scale_check
-from workbench.perception.matching.maps import make_map
 from workbench.perception.parts.part_surface import prepare
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.noise_models import NOISE_MODELS
@@ -34,13 +34,13 @@ def told(cell, part, truth, factor, noise, count=None):
     scan = synthesize(seen, truth, seed=1, noise=noise)
     large = replace(part, mesh=Mesh(part.mesh.points * factor, part.mesh.triangles))
     surface = prepare(large)
-    maps = make_map(
+    depth_map = make_map(
         scan, cell.bin, scene_model(scan, seen).bin, size=surface.diameter,
         pitch=surface.diameter / 70,
     )  # fmt: skip
-    assert maps is not None
+    assert depth_map is not None
     poses = [scan.T_world_scanner.actInv(one.T_world_part).homogeneous for one in truth[:count]]
-    return scale_check(part.name, maps, surface, poses, TOLERANCE)
+    return scale_check(part.name, depth_map, surface, poses, TOLERANCE)
 
 
 @pytest.mark.parametrize("noise", ["fine", "rough"])
@@ -83,11 +83,15 @@ def scale_at(cell, part, truth, poses):
     seen = replace(cell, parts=(part,))
     scan = synthesize(seen, truth, seed=1)
     surface = prepare(part)
-    maps = make_map(scan, cell.bin, scene_model(scan, seen).bin, size=0.1, pitch=0.001)
-    assert maps is not None
+    depth_map = make_map(scan, cell.bin, scene_model(scan, seen).bin, size=0.1, pitch=0.001)
+    assert depth_map is not None
     T = scan.T_world_scanner.inverse()
     return scale_check(
-        part.name, maps, surface, [(T * one.T_world_part).homogeneous for one in poses], TOLERANCE
+        part.name,
+        depth_map,
+        surface,
+        [(T * one.T_world_part).homogeneous for one in poses],
+        TOLERANCE,
     )
 
 

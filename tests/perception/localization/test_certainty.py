@@ -14,7 +14,7 @@ from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.perception.localization.certainty import count_shared, probability_of
-from workbench.perception.localization.pose_error import squared_error
+from workbench.perception.localization.pose_error import mahalanobis_squared
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts
@@ -101,10 +101,10 @@ def test_errors_are_taken_over_the_covariance_and_under_the_symmetry(plate, part
     T = pose_from_rpy((0.4, 0.1, 0.0), (0.2, 0.1, 0.5))
     covariance = np.diag([1e-6, 4e-6, 1e-6, 1e-4, 1e-4, 4e-4])
     moved = pose_from_rpy((0.401, 0.102, 0.0), (0.2, 0.1, 0.5))
-    assert squared_error(plate, T, moved, covariance) == (pytest.approx(2.0), 6)
+    assert mahalanobis_squared(plate, T, moved, covariance) == (pytest.approx(2.0), 6)
     turned = T * pose_from_rpy((0, 0, 0), (0, 0, 0.9))
-    assert squared_error(part, T, turned, covariance)[0] > 100
-    unknown = squared_error(part, T, turned, covariance, roll_known=False)
+    assert mahalanobis_squared(part, T, turned, covariance)[0] > 100
+    unknown = mahalanobis_squared(part, T, turned, covariance, roll_known=False)
     assert unknown == (pytest.approx(0.0, abs=0.02), 5)
 
 
@@ -129,7 +129,7 @@ def test_squared_errors_have_as_many_degrees_of_freedom_as_they_are_large(plate,
     squares = []
     for error in draw.multivariate_normal(np.zeros(6), covariance, count):
         found = pin.SE3(pin.exp3(error[3:]) @ T.rotation, T.translation + error[:3])
-        square, told = squared_error(one, T, found, covariance)
+        square, told = mahalanobis_squared(one, T, found, covariance)
         assert told == freedom
         squares.append(square)
     # Three times the deviation of a mean of chi-squared.

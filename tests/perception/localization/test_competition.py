@@ -28,7 +28,7 @@ def proposed(cell):
     scan = synthesize(mixed, truth, seed=21)
     scene = scene_model(scan, mixed)
     sought = [begin_search(scan, part, mixed, detail=1.0, scene=scene) for part in KINDS]
-    nothing = [np.zeros(one.maps.depth.size, np.bool_) for one in sought]
+    nothing = [np.zeros(one.depth_map.depth.size, np.bool_) for one in sought]
     return sought, [
         proposals(one, 0, taken, seed=0, step=lambda _: None)
         for one, taken in zip(sought, nothing, strict=True)
@@ -40,15 +40,17 @@ closely = partial(look_closely, lambda _: None)
 
 
 def afresh(sought):
-    return [replace(one, choice=Choice(np.full(one.maps.depth.size, -1), [], [])) for one in sought]
+    return [
+        replace(one, choice=Choice(np.full(one.depth_map.depth.size, -1), [], [])) for one in sought
+    ]
 
 
 def looked_at(monkeypatch) -> list[object]:
     looks, assess = [], kinds.assess
 
-    def counted(maps, glance, surface, *rest):
+    def counted(depth_map, coarse_map, surface, *rest):
         looks.append(surface)
-        return assess(maps, glance, surface, *rest)
+        return assess(depth_map, coarse_map, surface, *rest)
 
     monkeypatch.setattr(kinds, "assess", counted)
     return looks

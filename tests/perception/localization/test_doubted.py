@@ -10,7 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.scan import ALL_KINDS
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
-from workbench.perception.localization.judging import Sought, doubted_apart
+from workbench.perception.localization.judging import PartSearch, doubted_apart
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.simulation.noise_models import ROUGH
 from workbench.perception.simulation.piles import pile_of
@@ -34,14 +34,18 @@ def a_part(number: int, *, violated: int, is_rim: bool = False) -> Assessment:
         hidden=np.arange(0),
         ahead=np.zeros(0),
     )
-    return Assessment(np.eye(4), seen, None, roll_known=True, is_held=True, is_told=True)
+    return Assessment(
+        np.eye(4), seen, None, roll_known=True, is_constrained=True, is_flip_resolved=True
+    )
 
 
 def test_what_is_looked_through_in_its_middle_is_taken_out():
     parts = [a_part(0, violated=50), a_part(1, violated=0), a_part(2, violated=50, is_rim=True)]
     claimed = np.repeat(np.arange(3), AREA)
-    maps = SimpleNamespace(depth=np.zeros((3, AREA)))
-    one = Sought(None, None, maps, maps, 0.001, 0.0003, all, Choice(claimed, parts, []))  # type: ignore[arg-type]
+    depth_map = SimpleNamespace(depth=np.zeros((3, AREA)))
+    one = PartSearch(
+        None, None, depth_map, depth_map, 0.001, 0.0003, all, Choice(claimed, parts, [])
+    )  # type: ignore[arg-type]
     left, doubted = doubted_apart(one)
     assert [each.sighting for each in doubted] == [parts[0].sighting]
     assert left.choice.chosen == parts[1:]

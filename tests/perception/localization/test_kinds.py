@@ -12,9 +12,9 @@ from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis
 from workbench.model.symmetry import Symmetry
 from workbench.perception.localization import localize
-from workbench.perception.localization.hypotheses import hypotheses
+from workbench.perception.localization.hypotheses import find_hypotheses
 from workbench.perception.localization.kinds import merged
-from workbench.perception.localization.localize import Searched
+from workbench.perception.localization.localize import PartSearchResult
 from workbench.perception.parts.part_surface import prepare
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -58,9 +58,9 @@ def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch
     """All six are found at the first look: of each kind's pixels hardly any are left."""
     left = {}
 
-    def counted(maps, glance, surface, *rest, seed):
-        left[surface.diameter, seed[1]] = np.count_nonzero(maps.foreground)
-        return hypotheses(maps, glance, surface, *rest, seed=seed)
+    def counted(depth_map, coarse_map, surface, *rest, seed):
+        left[surface.diameter, seed[1]] = np.count_nonzero(depth_map.foreground)
+        return find_hypotheses(depth_map, coarse_map, surface, *rest, seed=seed)
 
     monkeypatch.setattr(localize, "hypotheses", counted)
     truth = drop_parts(KINDS * 2, mixed.bin, seed=3)
@@ -75,9 +75,9 @@ def test_of_many_kinds_those_that_lie_there_are_looked_for_first(mixed, monkeypa
     """The others are looked for in what they leave, and not found."""
     left: dict[float, int] = {}
 
-    def counted(maps, glance, surface, *rest, seed):
-        left.setdefault(surface.diameter, np.count_nonzero(maps.foreground))
-        return hypotheses(maps, glance, surface, *rest, seed=seed)
+    def counted(depth_map, coarse_map, surface, *rest, seed):
+        left.setdefault(surface.diameter, np.count_nonzero(depth_map.foreground))
+        return find_hypotheses(depth_map, coarse_map, surface, *rest, seed=seed)
 
     monkeypatch.setattr(localize, "hypotheses", counted)
     others = (drawn("cross", cross()), drawn("ell", ell()), drawn("nut", hex_nut()))
@@ -92,7 +92,7 @@ def test_of_many_kinds_those_that_lie_there_are_looked_for_first(mixed, monkeypa
 
 
 def searched(kind, *found, gains, rejected=()):
-    return Searched(LocalizationResult(found, rejected), prepare(kind), gains)
+    return PartSearchResult(LocalizationResult(found, rejected), prepare(kind), gains)
 
 
 def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for():

@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 from workbench.formats.parts.reading import read_part
 from workbench.perception.localization import kinds
 from workbench.perception.localization.certainty import loose_probability_of
-from workbench.perception.localization.kinds import all_kinds
+from workbench.perception.localization.kinds import localize_parts
 from workbench.perception.parts.sizing import sized
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.perception.simulation.piles import drop_parts
@@ -32,7 +32,7 @@ def lying(cell, bracket):
 
 
 def found(cell, part, scan):
-    return all_kinds(
+    return localize_parts(
         scan, replace(cell, parts=(part,)), seed=0, detail=1.0, report=silent, cancelled=never
     )
 

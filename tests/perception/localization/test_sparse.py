@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
+from workbench.perception.matching.depth_map import make_map
 
-from workbench.perception.matching.maps import make_map
 from workbench.perception.scene.scene_model import scene_model
 
 
@@ -17,8 +17,8 @@ def test_a_bin_much_larger_than_what_is_seen_does_not_blur_it(cell, scan, part):
     wide = replace(own, bin=replace(own.bin, size=own.bin.size * (2.5, 2.5, 1.0)))
 
     def pitch(one):
-        maps = make_map(cut, one.bin, scene_model(cut, one).bin, size=0.08, pitch=1e-4)
-        assert maps is not None
-        return maps.pitch
+        depth_map = make_map(cut, one.bin, scene_model(cut, one).bin, size=0.08, pitch=1e-4)
+        assert depth_map is not None
+        return depth_map.pitch
 
     assert pitch(wide) < 1.2 * pitch(own)

@@ -9,7 +9,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization import judging
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice, Rejection
-from workbench.perception.localization.judging import Judged, Sought, judge_choices
+from workbench.perception.localization.judging import Judged, PartSearch, judge_choices
 from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE, SPREAD = 0.001, 0.00025
@@ -31,7 +31,9 @@ def a_part(number: int, *, behind: int | None = None) -> Assessment:
         hidden=np.array(hidden, int),
         ahead=np.full(len(hidden), 2 * TOLERANCE),
     )
-    return Assessment(pose, sighting, None, roll_known=True, is_held=True, is_told=True)
+    return Assessment(
+        pose, sighting, None, roll_known=True, is_constrained=True, is_flip_resolved=True
+    )
 
 
 def lost(number: int, reason: Objection, rival: int) -> Rejection:
@@ -48,18 +50,20 @@ def judge(monkeypatch):
         ends: dict[int, int | None],
         rejected: list[Rejection] | None = None,
     ) -> Judged:
-        def ends_there(maps, surface, pose, tolerance, is_other, *, least) -> bool:
+        def has_visible_boundary(depth_map, surface, pose, tolerance, is_other, *, least) -> bool:
             number = int(pose[0, 3])
             beside = ends.get(number, number)
             if beside is None:
                 return False
             return beside == number or bool(is_other[beside * AREA])
 
-        monkeypatch.setattr(judging, "ends_there", ends_there)
+        monkeypatch.setattr(judging, "ends_there", has_visible_boundary)
         claimed = np.repeat(np.arange(len(parts)), AREA)
-        maps = SimpleNamespace(depth=np.zeros((len(parts), AREA)))
+        depth_map = SimpleNamespace(depth=np.zeros((len(parts), AREA)))
         choice = Choice(claimed, parts, rejected or [])
-        (one,) = judge_choices([Sought(None, None, maps, maps, TOLERANCE, SPREAD, all, choice)])  # type: ignore[arg-type]
+        (one,) = judge_choices(
+            [PartSearch(None, None, depth_map, depth_map, TOLERANCE, SPREAD, all, choice)]
+        )  # type: ignore[arg-type]
         return one
 
     return outcome

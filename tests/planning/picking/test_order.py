@@ -12,7 +12,7 @@ from workbench.model.cell import ORDER_NAMES, PlanOverrides
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
-from workbench.planning.picking.assign import planned
+from workbench.planning.picking.assign import plan_first_feasible
 from workbench.planning.picking.dual_arm import pairs_of
 from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.propose import propose
@@ -74,7 +74,7 @@ def test_parts_that_only_rub_off_wait_until_nothing_else_can_be_taken(world, pic
         marked = [
             replace(one, gain=0.0 if one.candidate.detection in rubbing else 0.003) for one in picks
         ]
-        plans, verdict = planned(world, marked, "auto", 0.0, "test", 0, lambda: False)
+        plans, verdict = plan_first_feasible(world, marked, "auto", 0.0, "test", 0, lambda: False)
         assert plans, verdict
         return {arm.detection for arm in plans[0].arms}
 

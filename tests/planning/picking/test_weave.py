@@ -97,7 +97,7 @@ def test_only_the_steps_of_ways_that_would_be_quickest_are_looked_at(cell, in_tu
 
 
 def test_what_may_be_done_in_turns_is_one_arm_after_the_other(in_turn):
-    allowed = [move for move in EVERY if move.is_in_turn]
+    allowed = [move for move in EVERY if move.is_sequential]
     assert len(allowed) == 2 * COUNT + 1
     assert [move for move in allowed if all(move.moves)] == [Move((COUNT - 1, 0), (True, True))]
 

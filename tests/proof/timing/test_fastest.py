@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 from judged_times import at_rest_between, curve_at, soonest
 
 from workbench.planning.kinematics.execution import timed
-from workbench.proof.timing.fastest import _between, ceilings, fastest, seconds, uneven_at
+from workbench.proof.timing.fastest import (
+    _between,
+    ceilings,
+    fastest,
+    find_infeasible_segment,
+    seconds,
+)
 from workbench.proof.timing.pace import CORNER, STRAIGHT, from_rest_to_rest, marks_of
 
 VELOCITY, ACCELERATION = np.array([1.0, 0.6, 2.5]), np.array([8.0, 3.0, 10.0])
@@ -81,8 +87,8 @@ def test_every_motion_of_a_leg_that_is_slower_is_found(seed, slower, zone):
     times = times_of(x, widths)
     most = ceilings(slopes, VELOCITY * 1.001)
     given_ = slopes, widths, x, most, ACCELERATION * 1.001
-    assert uneven_at(*given_, times * slower) == -1
-    assert uneven_at(*given_, times * 0.99) >= 0
+    assert find_infeasible_segment(*given_, times * slower) == -1
+    assert find_infeasible_segment(*given_, times * 0.99) >= 0
 
 
 def test_a_motion_that_cannot_brake_so_soon_is_not_found():
@@ -92,12 +98,12 @@ def test_a_motion_that_cannot_brake_so_soon_is_not_found():
     most = ceilings(slopes, VELOCITY * 1.001)
     times = np.full(5, 0.1 / VELOCITY[0])
     times[[0, -1]] *= 3
-    assert uneven_at(slopes, widths, x, most, ACCELERATION * 1.001, times) == -1
+    assert find_infeasible_segment(slopes, widths, x, most, ACCELERATION * 1.001, times) == -1
     # 0.1 rad with 8 rad/s2 can take up to 0.138 s at 1 rad/s at its ends, and up to 0.153 s where
     # the ways beside it use the 0.1 % of rounding to end at 0.96 rad/s.
     times[2] *= 1.6
-    assert uneven_at(slopes, widths, x, most, ACCELERATION * 1.001, times) >= 0
-    assert uneven_at(slopes, widths, x, most, ACCELERATION * 1.001, times * 3) == -1
+    assert find_infeasible_segment(slopes, widths, x, most, ACCELERATION * 1.001, times) >= 0
+    assert find_infeasible_segment(slopes, widths, x, most, ACCELERATION * 1.001, times * 3) == -1
 
 
 @settings(max_examples=60, deadline=None)
@@ -122,7 +128,7 @@ def test_what_planning_has_timed_is_possible(seed, zone):
     slopes, widths = marks_of(steps, zone)
     x = fastest(slopes, widths, VELOCITY, ACCELERATION)
     most = ceilings(slopes, VELOCITY * 1.001)
-    assert uneven_at(slopes, widths, x, most, ACCELERATION * 1.001, times) == -1
+    assert find_infeasible_segment(slopes, widths, x, most, ACCELERATION * 1.001, times) == -1
 
 
 def test_a_way_to_an_equal_waypoint_takes_any_time():
@@ -153,4 +159,4 @@ def test_a_motion_at_speeds_in_between_is_found(seed):
             soon, slow = _between(*known, x, end)
         times.append(soon + draw.choice([0.0, 0.98]) * (min(slow, 3 * soon) - soon))
         x = end
-    assert uneven_at(slopes, widths, quick, most, acceleration, np.array(times)) < 0
+    assert find_infeasible_segment(slopes, widths, quick, most, acceleration, np.array(times)) < 0

@@ -13,7 +13,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Step
 from workbench.planning.kinematics.execution import timed
 from workbench.plugins.robot_link import spoken_to_by
-from workbench.proof.timing.jerk import Limits, jerky_at
+from workbench.proof.timing.jerk import Limits, find_segment_over_jerk_limit
 from workbench.proof.timing.pace import pace_violations
 
 TOO_JERKY = ProofText.TOO_JERKY()
@@ -114,9 +114,12 @@ def test_ways_that_take_longer_by_different_shares_can_be(seed):
     velocity, acceleration, jerk = limits
     path = np.vstack([np.zeros(4), np.cumsum(steps, axis=0)])
     times = np.diff(timed(path, velocity, acceleration, 0.2, jerk))
-    assert jerky_at(steps, times, limits, 0.2) == -1
-    assert jerky_at(steps, times * (1 - 1e-5), limits, 0.2) >= 0
+    assert find_segment_over_jerk_limit(steps, times, limits, 0.2) == -1
+    assert find_segment_over_jerk_limit(steps, times * (1 - 1e-5), limits, 0.2) >= 0
     stops = np.diff(timed(path, velocity, acceleration, 0.0, jerk))
-    assert jerky_at(steps, stops * rng.uniform(1.0, 3.0, len(steps)), limits, 0.0) == -1
+    assert (
+        find_segment_over_jerk_limit(steps, stops * rng.uniform(1.0, 3.0, len(steps)), limits, 0.0)
+        == -1
+    )
     least = np.abs(steps).max(axis=1) / velocity[0] * 0.55
-    assert jerky_at(steps, least, limits, 0.2) >= 0
+    assert find_segment_over_jerk_limit(steps, least, limits, 0.2) >= 0

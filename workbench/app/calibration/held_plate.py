@@ -9,7 +9,7 @@ from workbench.model.geometry import Floats
 from workbench.model.scan import Scan
 from workbench.perception.simulation.held_plate import held_pose, is_plate_in_sight, scan_held_plate
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.planning.picking.viewpoints import ASIDE, poses_in_view
+from workbench.planning.picking.viewpoints import ASIDE, sample_showing_configurations
 
 SPARE = 3
 """Times as many poses are looked for as are wanted: the arm itself hides the plate in some."""
@@ -48,7 +48,9 @@ def suggested_poses(
     held = held_pose(plate) if T_tcp_plate is None else T_tcp_plate
     T_tcp_middle = held * pin.SE3(np.eye(3), plate.centres.mean(axis=0))
     kinematics, seen = Kinematics(cell), list[Floats]()
-    for q in poses_in_view(cell, arm, T_tcp_middle, SPARE * count, seed=seed, aside=aside):
+    for q in sample_showing_configurations(
+        cell, arm, T_tcp_middle, SPARE * count, seed=seed, aside=aside
+    ):
         links = kinematics.link_poses(cell.joint_values({arm.name: q}))
         if is_plate_in_sight(cell, links, arm.name, plate, held):
             seen.append(q)

@@ -17,7 +17,7 @@ from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_grip import grips_of
 from workbench.planning.kinematics.chain import chain_of
-from workbench.planning.picking.lifts import free_lifts
+from workbench.planning.picking.lifts import find_lifts_clear_for_part
 from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
@@ -106,7 +106,7 @@ def _is_holdable(world: World, number: int, rng: np.random.Generator) -> bool:
             grasp = grips.grasp(k)
             if grasp is not None:
                 candidate = candidate_of(world, number, grasp, arm)
-                if free_lifts(world, candidate, candidate.T_world_tcp)[1] is None:
+                if find_lifts_clear_for_part(world, candidate, candidate.T_world_tcp)[1] is None:
                     return True
     return False
 

@@ -12,7 +12,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
 from workbench.planning.collision.tool_check import ToolCheck
 from workbench.planning.collision.world import World
-from workbench.planning.picking.lifts import free_lifts
+from workbench.planning.picking.lifts import find_lifts_clear_for_part
 from workbench.planning.picking.propose import candidate_of
 
 WORTH = 0.5
@@ -94,7 +94,7 @@ def _is_covered(hand: Hand, world: World, number: int, k: int) -> bool:
     """Whether no lift leads out, whoever holds it: others lie on it."""
     grasp = hand.raw(k)
     candidate = candidate_of(world, number, grasp, hand.arm)
-    return free_lifts(world, candidate, candidate.T_world_tcp)[1] is not None
+    return find_lifts_clear_for_part(world, candidate, candidate.T_world_tcp)[1] is not None
 
 
 def _best(

@@ -15,7 +15,7 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, PlanResult, Proof, count_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
-from workbench.planning.picking.assign import BOTH, is_enough, planned
+from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
 from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.lifts import lift_message
 from workbench.planning.picking.propose import propose
@@ -103,7 +103,7 @@ def plan_pick(
         _judge(world, _without(avoided, found), looked, seed, part, cancelled, until)
         lap("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
-        if not is_last and not is_enough(world, looked.picks, strategy, threshold, avoided):
+        if not is_last and not has_enough_picks(world, looked.picks, strategy, threshold, avoided):
             continue
         results = []
         for attempt in wanted:
@@ -113,7 +113,7 @@ def plan_pick(
             plans: tuple[Plan, ...] = ()
             if looked.picks:
                 part(JUDGED, "looking for the motion")
-                plans, verdict = planned(
+                plans, verdict = plan_first_feasible(
                     world, looked.picks, attempt, threshold, scan_digest, seed, cancelled
                 )
                 took["route"], began = working_time() - began, working_time()

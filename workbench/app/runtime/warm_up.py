@@ -36,7 +36,7 @@ from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
-from workbench.proof.timing.jerk import Limits, jerky_at
+from workbench.proof.timing.jerk import Limits, find_segment_over_jerk_limit
 
 
 def main(use: Use) -> int:
@@ -79,7 +79,7 @@ def plan() -> None:
     ease_corners(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
     path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
     times = np.diff(timed(path, far_corner, far_corner, 0.2, far_corner))
-    jerky_at(
+    find_segment_over_jerk_limit(
         np.diff(path, axis=0), times * [1.0, 1.5], Limits(far_corner, far_corner, far_corner), 0.2
     )
     suggest(part, cell.arms[0].tool, most=1, seed=0)

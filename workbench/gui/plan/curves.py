@@ -20,7 +20,7 @@ from workbench.gui.shared.plots import Curve, Plot
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Proof
-from workbench.proof.stages import STRAIGHT
+from workbench.proof.stages import NEAR_MARGIN_LEGS
 
 LEGS: Mapping[str, str] = {
     "reach": "#4dabf7",
@@ -154,8 +154,8 @@ def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Float
     """
     kept = {(arm, leg): bounds for arm, leg, bounds in proof.clearances}
     apart = {(arm, leg): bounds for arm, leg, bounds in proof.apart}
-    free = tuple(run for run in runs if run.leg.name not in STRAIGHT)
-    straight = tuple(run for run in runs if run.leg.name in STRAIGHT)
+    free = tuple(run for run in runs if run.leg.name not in NEAR_MARGIN_LEGS)
+    straight = tuple(run for run in runs if run.leg.name in NEAR_MARGIN_LEGS)
     near, close, arms = (
         _spans(runs, *distances) for distances in ((free, kept), (straight, kept), (runs, apart))
     )

@@ -21,7 +21,7 @@ from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message
 from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.proof.spot import Spot
-from workbench.proof.stages import STRAIGHT
+from workbench.proof.stages import NEAR_MARGIN_LEGS
 
 NEAR_BY = 0.45
 """[m] From so far off two bodies are looked at."""
@@ -74,7 +74,9 @@ def _straight_words(state: State, proof: Proof) -> str:
     """How near hand and part come on their straight ways, where they may come near."""
     asked = f"{mm(state.cell.policy.near_margin)} asked"
     kept = [
-        (float(bounds.min()), arm, leg) for arm, leg, bounds in proof.clearances if leg in STRAIGHT
+        (float(bounds.min()), arm, leg)
+        for arm, leg, bounds in proof.clearances
+        if leg in NEAR_MARGIN_LEGS
     ]
     if not kept:
         return asked

@@ -12,7 +12,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, Plan, parts_taken
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.proof.stages import STRAIGHT
+from workbench.proof.stages import NEAR_MARGIN_LEGS
 
 AHEAD = 2.0
 """How far ahead on the plan's clock the robot is looked for [s]."""
@@ -120,7 +120,7 @@ def _does(row: Sequence[Plan], place: int, arm_plan: ArmPlan, leg: Leg) -> str:
     if arm_plan.station:
         return ON_STATION if leg.name == "place" else ""
     stands = row[place].detections[arm_plan.detection].T_world_found is not None
-    if not stands or leg.name not in STRAIGHT:
+    if not stands or leg.name not in NEAR_MARGIN_LEGS:
         return ""
     before = (
         [other.arm for other in row[place - 1].arms if other.station] if place else [arm_plan.arm]

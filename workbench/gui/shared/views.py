@@ -24,7 +24,7 @@ from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import Proof, cycle_words, floored
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
-from workbench.proof.stages import STRAIGHT
+from workbench.proof.stages import NEAR_MARGIN_LEGS
 from workbench.words.words import IN_ENGLISH, Words
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -314,7 +314,11 @@ def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:
 
 def straight_bound(proof: Proof) -> float | None:
     """What is kept [m] at least on the straight ways, where the tool may come near."""
-    kept = [bounds.min() for _, leg, bounds in proof.clearances if leg in STRAIGHT and len(bounds)]
+    kept = [
+        bounds.min()
+        for _, leg, bounds in proof.clearances
+        if leg in NEAR_MARGIN_LEGS and len(bounds)
+    ]
     return float(min(kept)) if kept else None
 
 

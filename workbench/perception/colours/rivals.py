@@ -7,8 +7,12 @@ import numpy as np
 
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
-from workbench.perception.localization.assessment import FAR_BEHIND, bring_to_rest, is_better
-from workbench.perception.localization.judging import Sought
+from workbench.perception.localization.assessment import (
+    FAR_BEHIND,
+    is_better,
+    refine_at_full_resolution,
+)
+from workbench.perception.localization.judging import PartSearch
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface
 
@@ -35,7 +39,7 @@ class Shape:
     `found` (4, 4) [m] is its pose, `surfaces` are those of all kinds.
     """
 
-    one: Sought
+    one: PartSearch
     surfaces: Sequence[PartSurface]
     found: Floats
     known: dict[Guess, Floats | None] = field(default_factory=dict[Guess, Floats | None])
@@ -64,9 +68,9 @@ class Shape:
 
     def _are_near(self, surface: PartSurface, poses: Floats) -> Bools:
         """Which poses (k, 4, 4) of a kind are not seen far less well than the part found."""
-        maps, tolerance = self.one.maps, self.one.tolerance
-        own = closeness(tally(maps, self.one.surface, self.found[None], tolerance))[0]
-        seen = closeness(tally(maps, surface, poses, tolerance))
+        depth_map, tolerance = self.one.depth_map, self.one.tolerance
+        own = closeness(tally(depth_map, self.one.surface, self.found[None], tolerance))[0]
+        seen = closeness(tally(depth_map, surface, poses, tolerance))
         return np.asarray(seen >= (1.0 - FAR_BEHIND) * own)
 
     def _bring_to_rest(self, guess: Guess) -> Floats | None:
@@ -75,7 +79,7 @@ class Shape:
             return self.found
         if not self._are_near(surface, guess.pose[None])[0]:
             return None
-        maps, tolerance = self.one.maps, self.one.tolerance
-        own = tally(maps, self.one.surface, self.found[None], tolerance)[0]
-        pose = bring_to_rest(maps, surface, guess.pose[None], tolerance)
-        return None if is_better(own, tally(maps, surface, pose, tolerance)) else pose[0]
+        depth_map, tolerance = self.one.depth_map, self.one.tolerance
+        own = tally(depth_map, self.one.surface, self.found[None], tolerance)[0]
+        pose = refine_at_full_resolution(depth_map, surface, guess.pose[None], tolerance)
+        return None if is_better(own, tally(depth_map, surface, pose, tolerance)) else pose[0]

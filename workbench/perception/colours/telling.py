@@ -24,7 +24,7 @@ from workbench.perception.colours.painted import (
 from workbench.perception.colours.rivals import Guess, Shape
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
-from workbench.perception.localization.judging import Sought, without
+from workbench.perception.localization.judging import PartSearch, without
 from workbench.perception.matching.sightings import look
 from workbench.perception.views.srgb import linear
 
@@ -84,7 +84,7 @@ class Told:
     assessed: Assessment
 
 
-def told_by_colour(scan: Scan, brought: Sequence[Sought]) -> list[Sought]:
+def told_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
     """The searches of all kinds, each part that was chosen as its colours show it.
 
     Args:
@@ -119,7 +119,7 @@ def _deviation(scan: Scan, on: Sequence[np.ndarray]) -> Floats:
 
 def _look(
     scan: Scan,
-    brought: Sequence[Sought],
+    brought: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
     k: int,
     i: int,
@@ -141,7 +141,7 @@ def _look(
 
 
 def _decide(
-    brought: Sequence[Sought],
+    brought: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
     seen: Seen,
     lights: Bools,
@@ -175,8 +175,8 @@ def _decide(
     assessed = replace(
         own,
         pose=pose,
-        sighting=look(target.maps, target.surface, pose, target.tolerance),
-        is_told=own.is_told or (not is_open and _flips_show(kind)),
+        sighting=look(target.depth_map, target.surface, pose, target.tolerance),
+        is_flip_resolved=own.is_flip_resolved or (not is_open and _flips_show(kind)),
         by_colour=not is_open,
     )
     return Told(seen.kind, seen.number, chosen, assessed)
@@ -195,7 +195,7 @@ def _flips_show(kind: Painted) -> bool:
     return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
 
 
-def _chosen_anew(brought: Sequence[Sought], decisions: Sequence[Told]) -> list[Sought]:
+def _chosen_anew(brought: Sequence[PartSearch], decisions: Sequence[Told]) -> list[PartSearch]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
         Choice(

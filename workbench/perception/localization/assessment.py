@@ -7,8 +7,8 @@ import numpy as np
 from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.localization.certainty import count_shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
-from workbench.perception.localization.settling import is_held, roll_error, settle
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
     EXPLAINED,
@@ -51,18 +51,18 @@ class Assessment:
 
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
-    turning the part about its axis changes nothing that the scan shows; `is_held` is False when a
-    small motion of another kind changes nothing either.  `is_told` is False when it is no better
-    than one the other way round: of a cup that lies nobody sees which end is open.  `by_colour` as
-    that of a `Detection`.
+    turning the part about its axis changes nothing that the scan shows; `is_constrained` is False
+    when a small motion of another kind changes nothing either.  `is_flip_resolved` is False when it
+    is no better than one the other way round: of a cup that lies nobody sees which end is open.
+    `by_colour` as that of a `Detection`.
     """
 
     pose: Floats
     sighting: Sighting
     gap: float | None
     roll_known: bool
-    is_held: bool
-    is_told: bool
+    is_constrained: bool
+    is_flip_resolved: bool
     by_colour: bool | None = None
 
     def __post_init__(self) -> None:
@@ -70,33 +70,33 @@ class Assessment:
 
 
 def assess(
-    maps: DepthMap, glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    depth_map: DepthMap, coarse_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> Assessment:
     """Look at all near-symmetric poses of one that was found, and take the best.
 
     Args:
-        maps: the scan.
-        glance: the same, coarser.
+        depth_map: the scan.
+        coarse_map: the same, coarser.
         surface: the part.
         pose: (4, 4) found for it.
         tolerance: [m] see `look`.
     """
     motions = surface.symmetry.motions
-    pose = _best_of(maps, glance, surface, pose @ motions, tolerance)
-    others = _different(glance, surface, pose, tolerance)
+    pose = _best_of(depth_map, coarse_map, surface, pose @ motions, tolerance)
+    others = _different(coarse_map, surface, pose, tolerance)
     for _ in range(MOST_SWITCHES):
-        tallies = tally(maps, surface, pose @ motions[[0, *others[:RIVALS]]], tolerance)
+        tallies = tally(depth_map, surface, pose @ motions[[0, *others[:RIVALS]]], tolerance)
         best = int(closeness(tallies).argmax())
         if best == 0:
             break
         # Turns of a pose that lies well are seen better than those of one that did not.
         rival = pose @ motions[others[[best - 1]]]
-        pose = _best_of(maps, glance, surface, rival, tolerance)
-        others = _different(glance, surface, pose, tolerance)
+        pose = _best_of(depth_map, coarse_map, surface, rival, tolerance)
+        others = _different(coarse_map, surface, pose, tolerance)
     is_turn = others < len(surface.symmetry.turns)
     turns = others[is_turn][:RIVALS]
-    sighting = look(maps, surface, pose, tolerance)
-    own, *rest = tally(maps, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
+    sighting = look(depth_map, surface, pose, tolerance)
+    own, *rest = tally(depth_map, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
     gap = None
     if rest:
         gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
@@ -106,19 +106,21 @@ def assess(
         sighting=sighting,
         gap=gap,
         roll_known=len(turns) == 0
-        or _is_roll_known(maps, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
-        is_held=is_held(maps, surface, pose, tolerance),
-        is_told=_is_told(maps, surface, pose, pose @ motions[others[~is_turn][:1]], own, tolerance),
+        or _is_roll_known(depth_map, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
+        is_constrained=is_constrained(depth_map, surface, pose, tolerance),
+        is_flip_resolved=_is_told(
+            depth_map, surface, pose, pose @ motions[others[~is_turn][:1]], own, tolerance
+        ),
     )
 
 
 def _different(
-    glance: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    coarse_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> np.ndarray:
     """Which near-symmetries (k,) make a different pose of one, the best at a glance first."""
     motions = surface.symmetry.motions
     others = pose @ motions
-    order = np.argsort(-closeness(tally(glance, surface, others, tolerance)), kind="stable")
+    order = np.argsort(-closeness(tally(coarse_map, surface, others, tolerance)), kind="stable")
     both = np.concatenate([pose[None], others])
     return _apart(surface, both, np.concatenate([[0], order + 1]))[1:] - 1
 
@@ -137,7 +139,7 @@ def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray
 
 
 def _is_told(
-    maps: DepthMap,
+    depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
     rival: Floats,
@@ -150,19 +152,21 @@ def _is_told(
     """
     if len(rival) == 0:
         return True
-    seen = closeness(tally(maps, surface, rival, tolerance))[0]
+    seen = closeness(tally(depth_map, surface, rival, tolerance))[0]
     if seen < (1.0 - FAR_BEHIND) * closeness(own[None])[0]:
         return True
-    rival = bring_to_rest(maps, surface, rival, tolerance)
+    rival = refine_at_full_resolution(depth_map, surface, rival, tolerance)
     both = np.concatenate([pose[None], rival])
     is_another = len(_apart(surface, both, np.arange(2))) == 2
-    return not is_another or is_better(own, tally(maps, surface, rival, tolerance))
+    return not is_another or is_better(own, tally(depth_map, surface, rival, tolerance))
 
 
-def bring_to_rest(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
-    """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `settle`."""
+def refine_at_full_resolution(
+    depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+) -> Floats:
+    """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `refine_poses`."""
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
-    return settle(maps, surface, poses, tolerance, steps)
+    return refine_poses(depth_map, surface, poses, tolerance, steps)
 
 
 def is_better(own: Floats, others: Floats) -> bool:
@@ -172,7 +176,7 @@ def is_better(own: Floats, others: Floats) -> bool:
 
 
 def _is_roll_known(
-    maps: DepthMap,
+    depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
     sighting: Sighting,
@@ -183,16 +187,16 @@ def _is_roll_known(
     """Whether the tallies (k, 4) of other turns are clearly worse, and the fit holds this one."""
     if len(sighting.explained) == 0 or not is_better(own, turned):
         return False
-    alike = count_shared(sighting, maps.depth.shape[1])
+    alike = count_shared(sighting, depth_map.depth.shape[1])
     deviation = float(np.sqrt(alike * np.mean(sighting.off**2)))
-    return roll_error(maps, surface, pose, tolerance, deviation) < ROLL_ERROR
+    return roll_error(depth_map, surface, pose, tolerance, deviation) < ROLL_ERROR
 
 
 def _best_of(
-    maps: DepthMap, glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+    depth_map: DepthMap, coarse_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
 ) -> Floats:
     """The best of the poses (k, 4, 4), after polishing the few that look best."""
-    glances = closeness(tally(glance, surface, poses, tolerance))
+    glances = closeness(tally(coarse_map, surface, poses, tolerance))
     kept = distinct(
         poses,
         np.argsort(-glances, kind="stable"),
@@ -203,8 +207,8 @@ def _best_of(
         most=RIVALS,
     )
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
-    rough = settle(glance, surface, poses[kept], tolerance, steps[:3])
-    values = closeness(tally(maps, surface, rough, tolerance))
+    rough = refine_poses(coarse_map, surface, poses[kept], tolerance, steps[:3])
+    values = closeness(tally(depth_map, surface, rough, tolerance))
     close = values >= values.max() - CLOSE * abs(values.max())
-    polished = settle(maps, surface, rough[close], tolerance, steps)
-    return polished[int(np.argmax(closeness(tally(maps, surface, polished, tolerance))))]
+    polished = refine_poses(depth_map, surface, rough[close], tolerance, steps)
+    return polished[int(np.argmax(closeness(tally(depth_map, surface, polished, tolerance))))]

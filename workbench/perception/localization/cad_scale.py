@@ -16,7 +16,7 @@ from scipy.ndimage import binary_erosion
 
 from workbench.model.geometry import Floats
 from workbench.model.scan import ScaleCheck
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.registration import move, transformed
 from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface
@@ -59,18 +59,18 @@ LEAST_DEVIATION = 0.001
 
 
 def scale_check(
-    name: str, maps: DepthMap, surface: PartSurface, poses: Sequence[Floats], tolerance: float
+    name: str, depth_map: DepthMap, surface: PartSurface, poses: Sequence[Floats], tolerance: float
 ) -> ScaleCheck | None:
     """How large a kind of part is in the scan over its CAD file, None where that cannot be told.
 
     Args:
         name: of the part.
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         poses: (4, 4) [m] of those found, in the scanner's frame.
         tolerance: [m] see `sightings.look`.
     """
-    fits = [_fit(maps, surface, pose, tolerance) for pose in poses]
+    fits = [_fit(depth_map, surface, pose, tolerance) for pose in poses]
     sure = [fit for fit in fits if fit is not None and np.hypot(*fit[1:]) <= TELLING]
     if len(sure) < FEWEST:
         return None
@@ -96,7 +96,7 @@ class _Pairs:
 
 
 def _fit(
-    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> tuple[float, float, float] | None:
     """By which share one part is larger than its CAD file, and the standard deviations of that.
 
@@ -105,7 +105,7 @@ def _fit(
     T, scale, radius = np.array(pose), 0.0, surface.diameter / 2
     deviation = shared = np.inf
     for step in range(STEPS):
-        pairs = _pair(maps, surface, T, 1.0 + scale, tolerance)
+        pairs = _pair(depth_map, surface, T, 1.0 + scale, tolerance)
         if len(pairs.off) < FEWEST_POINTS:
             return None
         centre = transformed(T, surface.middle)
@@ -138,10 +138,10 @@ def _fit(
 
 
 def _pair(
-    maps: DepthMap, surface: PartSurface, T: Floats, scale: float, tolerance: float
+    depth_map: DepthMap, surface: PartSurface, T: Floats, scale: float, tolerance: float
 ) -> _Pairs:
     """The pixels that a part of another size explains at `T` (4, 4), but those at its rim."""
-    seen, middle = maps.seen, surface.middle
+    seen, middle = depth_map.seen, surface.middle
     drawn = np.ascontiguousarray(middle + scale * (surface.vertices - middle))
     drawing = Drawing(seen, drawn, surface.triangles, surface.is_closed, tolerance)
     first_v, first_u, shown, hit, normals = predicted(drawing, np.ascontiguousarray(T))

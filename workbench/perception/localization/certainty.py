@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from workbench.model.geometry import Floats
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.registration import move, transformed
 from workbench.perception.matching.sightings import Sighting, closeness, pull, tally
 from workbench.perception.parts.part_surface import PartSurface
@@ -83,7 +83,7 @@ def count_shared(sighting: Sighting, columns: int) -> float:
 
 
 def covariance(
-    maps: DepthMap,
+    depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
     sighting: Sighting,
@@ -96,18 +96,18 @@ def covariance(
     Shifts are those of the part's origin, turns are about it; both along the scanner's axes.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         pose: (4, 4) [m] that was found.
         sighting: what the scan says of it.
         tolerance: [m] see `sightings.look`.
         filled: points of the map for each one that was measured.
     """
-    A, _ = pull(maps, surface, pose, tolerance)
+    A, _ = pull(depth_map, surface, pose, tolerance)
     off = max(float(np.sqrt(np.mean(sighting.off**2))), LEAST_OFF * tolerance)
     values, directions = np.linalg.eigh(A)
     information = np.maximum(values, 0.0) / (SHARED * filled * off**2)
-    radius, step = surface.diameter / 2, maps.pitch * np.sqrt(filled)
+    radius, step = surface.diameter / 2, depth_map.pitch * np.sqrt(filled)
     weak = np.flatnonzero(information * (EDGE * step) ** 2 < 1.0)
     if len(weak):
         tried = [np.array(pose)]
@@ -117,7 +117,7 @@ def covariance(
                 centre = transformed(shifted, surface.middle)
                 move(shifted, centre, sign * step * direction, radius)
                 tried.append(shifted)
-        own, *others = closeness(tally(maps, surface, np.array(tried), tolerance))
+        own, *others = closeness(tally(depth_map, surface, np.array(tried), tolerance))
         lost = own - np.array(others).reshape(-1, 2).max(axis=1)
         # A shift by a pixel costs as many pixels as lie along edges that hold against it.
         information[weak] += np.maximum(lost, 0.0) / (EDGE * step) ** 2

@@ -1,4 +1,4 @@
-"""Which hypotheses are parts: one after the other, the best first, no pixel explained twice."""
+"""Which hypotheses are parts: the best first, each by pixels that no accepted part explains."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -62,9 +62,9 @@ class Rejection:
 
 @dataclass(slots=True)
 class Choice:
-    """What has been taken so far, in that order, and what has not; grows while it is made.
+    """What was accepted so far, in that order, and what was rejected; grows while it is made.
 
-    `claimed` (pixels,): index of the chosen one that explains a pixel, or -1.
+    `claimed` (pixels,): index of the last accepted part that explains a pixel, or -1.
     """
 
     claimed: np.ndarray
@@ -140,7 +140,7 @@ def take(
     if rejected is None:
         assessment = assess(hypothesis)
         rejected = _objection(choice, surface, assessment) or _overlap(choice, surface, assessment)
-        if rejected is None and not assessment.is_held:
+        if rejected is None and not assessment.is_constrained:
             rejected = Rejection(assessment.pose, assessment.sighting, Objection.NOT_HELD)
         if (
             rejected is None

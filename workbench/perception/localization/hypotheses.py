@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from workbench.model.geometry import Floats
-from workbench.perception.localization.settling import settle
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.localization.settling import refine_poses
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.registration import quick_scores, refine
 from workbench.perception.matching.sightings import closeness, tally
@@ -55,15 +55,15 @@ class Effort(NamedTuple):
 
 
 EFFORTS = (Effort(0.1, 80, 6), Effort(0.5, 150, 24), Effort(1.0, 300, 80))
-"""At first, and for what is then left: clear parts are found at once, hidden ones with patience."""
+"""Three rounds vote with rising effort: clear parts first, hidden ones with patience."""
 
 FEW = Effort(0.0, 80, 6)
 FEW_VOTED, FEW_FITTED = 30, 12
 """What is enough to tell which of many kinds may lie there, and the poses that are followed."""
 
 
-def at_a_glance(
-    glance: DepthMap,
+def find_coarse_poses(
+    coarse_map: DepthMap,
     surface: PartSurface,
     tolerance: float,
     is_possible: Callable[[Floats], np.ndarray],
@@ -71,13 +71,13 @@ def at_a_glance(
     seed: int,
 ) -> Floats:
     """The best poses (k, 4, 4) [m] that a few points vote for, fitted once; see `hypotheses`."""
-    voted = _vote(glance, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
-    return _fit(glance, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
+    voted = _vote(coarse_map, surface, tolerance, is_possible, FEW, (seed, len(EFFORTS)))
+    return _fit(coarse_map, surface, voted[:FEW_VOTED], tolerance)[:FEW_FITTED]
 
 
-def hypotheses(
-    maps: DepthMap,
-    glance: DepthMap,
+def find_hypotheses(
+    depth_map: DepthMap,
+    coarse_map: DepthMap,
     surface: PartSurface,
     tolerance: float,
     is_possible: Callable[[Floats], np.ndarray],
@@ -85,11 +85,11 @@ def hypotheses(
     *,
     seed: tuple[int, int],
 ) -> tuple[Floats, Floats]:
-    """Poses worth a closer look, best first, and those that are not possible after the fit.
+    """Refined poses inside the bin, best first, and the fitted poses outside of it.
 
     Args:
-        maps: the scan; its foreground is what votes.
-        glance: the same, coarser.
+        depth_map: the scan; its foreground is what votes.
+        coarse_map: the same, coarser.
         surface: the part.
         tolerance: [m] see `sightings.look`.
         is_possible: which of poses (k, 4, 4) may be at all, (k,).
@@ -99,15 +99,15 @@ def hypotheses(
     Returns:
         Poses (k, 4, 4) brought to rest, and (m, 4, 4).
     """
-    voted = _vote(maps, surface, tolerance, is_possible, effort, seed)
-    fitted = _fit(maps, surface, voted, tolerance)
+    voted = _vote(depth_map, surface, tolerance, is_possible, effort, seed)
+    fitted = _fit(depth_map, surface, voted, tolerance)
     poses = np.concatenate([fitted, voted[:MOST_UNFITTED]])
     possible = is_possible(poses)
-    return _at_rest(glance, surface, poses[possible], tolerance), poses[~possible]
+    return _refine_best_symmetric(coarse_map, surface, poses[possible], tolerance), poses[~possible]
 
 
 def _vote(
-    maps: DepthMap,
+    depth_map: DepthMap,
     surface: PartSurface,
     tolerance: float,
     is_possible: Callable[[Floats], np.ndarray],
@@ -118,24 +118,26 @@ def _vote(
 
     Of poses that are one under near-symmetry the best is returned.
     """
-    chosen = maps.foreground & maps.normals.any(axis=-1)
+    chosen = depth_map.foreground & depth_map.normals.any(axis=-1)
     if not chosen.any():
         return np.empty((0, 4, 4))
-    seen = OrientedPoints((maps.rays * maps.depth[..., None])[chosen], maps.normals[chosen])
+    seen = OrientedPoints(
+        (depth_map.rays * depth_map.depth[..., None])[chosen], depth_map.normals[chosen]
+    )
     seen = seen.thinned(SPACING * surface.diameter)
     count = min(MOST_REFERENCES, max(effort.fewest, round(effort.references * len(seen))))
     references = np.random.default_rng(seed).permutation(len(seen))[:count]
     poses, _ = vote(surface.table, seen, references, effort.peaks)
     poses = poses[is_possible(poses)]
-    values = _values(maps, poses, surface.table.model, 2 * tolerance)
+    values = _values(depth_map, poses, surface.table.model, 2 * tolerance)
     return _best(surface, poses, values, most=MOST_VOTED, most_nearby=MOST_NEARBY)
 
 
-def _fit(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _fit(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The poses (k, 4, 4) after a first fit, best first; where several became one, the best."""
-    poses, errors = refine(maps, poses, surface.coarse, WIDE_GATES * tolerance)
+    poses, errors = refine(depth_map, poses, surface.coarse, WIDE_GATES * tolerance)
     poses = poses[np.isfinite(errors)]
-    values = _values(maps, poses, surface.coarse, tolerance)
+    values = _values(depth_map, poses, surface.coarse, tolerance)
     return _best(surface, poses, values, most=MOST_FITTED)
 
 
@@ -157,7 +159,9 @@ def _best(
     return poses[kept]
 
 
-def _at_rest(glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def _refine_best_symmetric(
+    coarse_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float
+) -> Floats:
     """The best near-symmetric pose of each of the poses (k, 4, 4), settled.
 
     Of turns about an axis one stands for all: they are told apart at the close look.
@@ -166,13 +170,13 @@ def _at_rest(glance: DepthMap, surface: PartSurface, poses: Floats, tolerance: f
     if surface.symmetry.axis is not None:
         motions = motions[:: len(surface.symmetry.turns)]
     variants = (poses[:, None] @ motions).reshape(-1, 4, 4)
-    values = closeness(tally(glance, surface, variants, 2 * tolerance))
+    values = closeness(tally(coarse_map, surface, variants, 2 * tolerance))
     best = values.reshape(len(poses), len(motions)).argmax(axis=1)
     steps = tuple(step * surface.diameter for step in WIDE_STEPS)
-    return settle(glance, surface, poses @ motions[best], 2 * tolerance, steps)
+    return refine_poses(coarse_map, surface, poses @ motions[best], 2 * tolerance, steps)
 
 
-def _values(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:
+def _values(depth_map: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:
     """How good the poses (k, 4, 4) look at a quick glance, (k,), at most 1."""
-    support, violation, occlusion = quick_scores(maps, poses, model, tolerance).T
+    support, violation, occlusion = quick_scores(depth_map, poses, model, tolerance).T
     return support - violation - 0.2 * occlusion

@@ -16,8 +16,8 @@ from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
 from workbench.perception.localization.likelihood import MOST, log_likelihood_ratio, looked_through
-from workbench.perception.localization.outline import LEAST_ENDS, ends_there
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.localization.outline import LEAST_ENDS, has_visible_boundary
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 
@@ -32,20 +32,20 @@ SAME_SURFACE = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sought:
-    """What the search for one part has taken so far.
+class PartSearch:
+    """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
 
-    `maps` are those of the scan for this part, `glance` the same, coarser; `tolerance` [m] see
-    `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
-    may be at all, (k,).  `least_ends` see `outline.ends_there`,
+    `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
+    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of poses (k, 4, 4)
+    may be at all, (k,).  `least_ends` see `outline.has_visible_boundary`,
     `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
     `scene_model.SceneModel`.
     """
 
     part: Part
     surface: PartSurface
-    maps: DepthMap
-    glance: DepthMap
+    depth_map: DepthMap
+    coarse_map: DepthMap
     tolerance: float
     spread: float
     are_possible: Callable[[Floats], Bools]
@@ -64,7 +64,7 @@ class Judged:
     ratios: tuple[float, ...]
 
 
-def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
+def judge_choices(brought: Sequence[PartSearch]) -> list[Judged]:
     """The choices of all kinds without what does not stand beside the others."""
     areas = _areas(brought)
     names = sorted(areas)
@@ -87,8 +87,8 @@ def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
         ending: dict[tuple[int, int], Objection] = {
             (k, i): Objection.GOES_ON
             for k, i in ratios
-            if not ends_there(
-                brought[k].maps,
+            if not has_visible_boundary(
+                brought[k].depth_map,
                 brought[k].surface,
                 brought[k].choice.chosen[i].pose,
                 brought[k].tolerance,
@@ -110,7 +110,7 @@ def judge_choices(brought: Sequence[Sought]) -> list[Judged]:
 
 
 def _outdone(
-    brought: Sequence[Sought], areas: Mapping[tuple[int, int], list[np.ndarray]]
+    brought: Sequence[PartSearch], areas: Mapping[tuple[int, int], list[np.ndarray]]
 ) -> list[tuple[int, int]]:
     """Parts in whose place one of another kind stands for which more speaks, by kind and number.
 
@@ -124,7 +124,7 @@ def _outdone(
         and all(_share(areas[one][k], areas[other][k]) > SAME_SURFACE for k in (one[0], other[0]))
     }
     evidence = {
-        (k, i): brought[k].maps.pitch ** 2
+        (k, i): brought[k].depth_map.pitch ** 2
         * len(areas[k, i][k])
         * _ratio(brought[k], i, _covered(brought, areas, k, set().union(*rivals)))
         for k, i in areas
@@ -143,7 +143,7 @@ def _share(pixels: np.ndarray, others: np.ndarray) -> float:
     return both / max(len(pixels), len(others), 1)
 
 
-def _ratio(search: Sought, i: int, others: Bools) -> float:
+def _ratio(search: PartSearch, i: int, others: Bools) -> float:
     """What speaks for the `i`-th part of a kind [nat]; `others` (pixels,) are explained anyway."""
     return log_likelihood_ratio(
         search.choice.chosen[i].sighting,
@@ -156,20 +156,20 @@ def _ratio(search: Sought, i: int, others: Bools) -> float:
 
 
 def _covered(
-    brought: Sequence[Sought],
+    brought: Sequence[PartSearch],
     areas: Mapping[tuple[int, int], list[np.ndarray]],
     k: int,
     but: Collection[tuple[int, int]],
 ) -> Bools:
     """The pixels (pixels,) of kind `k`'s maps that parts explain, but those named."""
-    covered = np.zeros(brought[k].maps.depth.size, np.bool_)
+    covered = np.zeros(brought[k].depth_map.depth.size, np.bool_)
     for name, pixels in areas.items():
         if name not in but:
             covered[pixels[k]] = True
     return covered
 
 
-def doubted_apart(search: Sought) -> tuple[Sought, list[Hypothesis]]:
+def doubted_apart(search: PartSearch) -> tuple[PartSearch, list[Hypothesis]]:
     """The search without the parts that are in doubt, and their poses.
 
     A vote that looks at few points may miss the pose that is right; a part that took its place
@@ -185,13 +185,13 @@ def doubted_apart(search: Sought) -> tuple[Sought, list[Hypothesis]]:
     return replace(search, choice=_only(search.choice, kept)), doubted
 
 
-def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
+def taken_by_others(brought: Sequence[PartSearch]) -> list[Bools]:
     """For each kind, which pixels of its maps standing parts of other kinds explain.
 
     Returns:
         For each kind (pixels,), no unit.
     """
-    taken = [np.zeros(search.maps.depth.size, np.bool_) for search in brought]
+    taken = [np.zeros(search.depth_map.depth.size, np.bool_) for search in brought]
     if len(brought) == 1:
         return taken
     there = [search for search in brought if search.choice.chosen]
@@ -200,18 +200,18 @@ def taken_by_others(brought: Sequence[Sought]) -> list[Bools]:
             if search is not other:
                 for part in standing.choice.chosen:
                     pixels[
-                        look(search.maps, other.surface, part.pose, other.tolerance).explained
+                        look(search.depth_map, other.surface, part.pose, other.tolerance).explained
                     ] = True
     return taken
 
 
-def _areas(brought: Sequence[Sought]) -> dict[tuple[int, int], list[np.ndarray]]:
+def _areas(brought: Sequence[PartSearch]) -> dict[tuple[int, int], list[np.ndarray]]:
     """For each part chosen, by kind and number, the pixels it explains in the maps of each kind."""
     return {
         (k, i): [
             chosen.sighting.explained
             if j == k
-            else look(other.maps, search.surface, chosen.pose, search.tolerance).explained
+            else look(other.depth_map, search.surface, chosen.pose, search.tolerance).explained
             for j, other in enumerate(brought)
         ]
         for k, search in enumerate(brought)

@@ -28,20 +28,20 @@ from workbench.perception.localization.choice import (
     reaches_into,
     take,
 )
-from workbench.perception.localization.hypotheses import EFFORTS, at_a_glance
+from workbench.perception.localization.hypotheses import EFFORTS, find_coarse_poses
 from workbench.perception.localization.judging import (
-    Sought,
+    PartSearch,
     doubted_apart,
     taken_by_others,
 )
 from workbench.perception.localization.localize import (
     MOST_REJECTED,
-    Searched,
+    PartSearchResult,
     begin_search,
     proposals,
     together,
 )
-from workbench.perception.localization.loosening import loosen
+from workbench.perception.localization.loosening import relax_tolerance
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
 from workbench.perception.scene.scene_model import scene_model
@@ -63,22 +63,22 @@ class Entry:
     the largest part of another kind that explains a pixel of this kind's maps, 0 where none does.
     """
 
-    one: Sought
+    search: PartSearch
     left: list[Hypothesis]
     gains: Floats
     largest: Floats
 
     def weigh(self) -> None:
         """The gains anew, when something was taken."""
-        claimed, area = self.one.choice.claimed, self.one.maps.pitch**2
+        claimed, area = self.search.choice.claimed, self.search.depth_map.pitch**2
         self.gains = np.array([area * gain(each.sighting, claimed) for each in self.left])
 
 
-Tell = Callable[[Scan, Sequence[Sought]], list[Sought]]
+ResolveByColour = Callable[[Scan, Sequence[PartSearch]], list[PartSearch]]
 """Tells kinds and turns apart that shape does not: the searches again, with other choices."""
 
 
-def all_kinds(
+def localize_parts(
     scan: Scan,
     cell: Cell,
     *,
@@ -86,7 +86,7 @@ def all_kinds(
     detail: float,
     report: Report,
     cancelled: Cancelled,
-    tell: Tell = lambda _, brought: list(brought),
+    tell: ResolveByColour = lambda _, brought: list(brought),
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
@@ -98,15 +98,15 @@ def all_kinds(
 
     sizes = [prepare(part).diameter for part in cell.parts]
     scene = scene_model(scan, cell, smallest=min(sizes, default=0.0))
-    brought: list[Sought | PartSurface] = []
+    brought: list[PartSearch | PartSurface] = []
     for part in cell.parts:
         step(f"prepare {part.name} and map the scan")
         brought.append(begin_search(scan, part, cell, detail=detail, scene=scene))
-    found = [search for search in brought if isinstance(search, Sought)]
+    found = [search for search in brought if isinstance(search, PartSearch)]
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1:
-            found = loosen(found, partial(compete, closely=closely))
+            found = relax_tolerance(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break
@@ -124,13 +124,14 @@ def all_kinds(
     searches = iter(tell(scan, found))
     return merged(
         together(
-            scan, [next(searches) if isinstance(search, Sought) else search for search in brought]
+            scan,
+            [next(searches) if isinstance(search, PartSearch) else search for search in brought],
         )
     )
 
 
 def _rounds(
-    found: Sequence[Sought], seed: int, step: Callable[[str], None]
+    found: Sequence[PartSearch], seed: int, step: Callable[[str], None]
 ) -> Iterator[tuple[int, Sequence[bool]]]:
     """The number of the effort of each round, and for each kind whether it is its turn.
 
@@ -145,7 +146,7 @@ def _rounds(
     yield from rounds
 
 
-def _likely(found: Sequence[Sought], seed: int, step: Callable[[str], None]) -> list[bool]:
+def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[str], None]) -> list[bool]:
     """For each kind whether poses of it stand that a few votes propose, among those of all kinds.
 
     Nothing is looked at closely, so twice as much is tolerated.
@@ -153,44 +154,58 @@ def _likely(found: Sequence[Sought], seed: int, step: Callable[[str], None]) -> 
     glances = [
         replace(
             search,
-            maps=search.glance,
+            depth_map=search.coarse_map,
             tolerance=2 * search.tolerance,
             spread=2 * search.spread,
-            choice=Choice(np.full(search.glance.depth.size, -1), [], []),
+            choice=Choice(np.full(search.coarse_map.depth.size, -1), [], []),
         )
         for search in found
     ]
     proposed: list[list[Hypothesis]] = []
-    for search, glance in zip(found, glances, strict=True):
+    for search, coarse_map in zip(found, glances, strict=True):
         step("glance")
-        poses = at_a_glance(
-            search.glance, search.surface, search.tolerance, search.are_possible, seed=seed
+        poses = find_coarse_poses(
+            search.coarse_map, search.surface, search.tolerance, search.are_possible, seed=seed
         )
         proposed.append(
-            [Hypothesis(p, look(glance.maps, search.surface, p, glance.tolerance)) for p in poses]
+            [
+                Hypothesis(p, look(coarse_map.depth_map, search.surface, p, coarse_map.tolerance))
+                for p in poses
+            ]
         )
     compete(glances, proposed, _as_it_is)
     return [bool(part_glance.choice.chosen) for part_glance in glances]
 
 
-Closely = Callable[[Sought, Hypothesis], Assessment]
+Closely = Callable[[PartSearch, Hypothesis], Assessment]
 """Looks closely at a hypothesis of a kind, and returns a better pose."""
 
 
-def look_closely(step: Callable[[str], None], search: Sought, hypothesis: Hypothesis) -> Assessment:
+def look_closely(
+    step: Callable[[str], None], search: PartSearch, hypothesis: Hypothesis
+) -> Assessment:
     """The best pose near one that was fitted roughly."""
     step("look closely")
-    return assess(search.maps, search.glance, search.surface, hypothesis.pose, search.tolerance)
-
-
-def _as_it_is(search: Sought, hypothesis: Hypothesis) -> Assessment:
-    """What is not looked at closely passes for what it seems to be."""
-    return Assessment(
-        hypothesis.pose, hypothesis.sighting, None, roll_known=True, is_held=True, is_told=True
+    return assess(
+        search.depth_map, search.coarse_map, search.surface, hypothesis.pose, search.tolerance
     )
 
 
-def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closely: Closely) -> None:
+def _as_it_is(search: PartSearch, hypothesis: Hypothesis) -> Assessment:
+    """What is not looked at closely passes for what it seems to be."""
+    return Assessment(
+        hypothesis.pose,
+        hypothesis.sighting,
+        None,
+        roll_known=True,
+        is_constrained=True,
+        is_flip_resolved=True,
+    )
+
+
+def compete(
+    brought: Sequence[PartSearch], found: Sequence[list[Hypothesis]], closely: Closely
+) -> None:
     """Take the hypotheses that hold together after a close look, those that gain most first.
 
     Args:
@@ -199,7 +214,7 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
         closely: see there.
     """
     entries = [
-        Entry(search, list(poses), np.empty(0), np.zeros(search.maps.depth.size))
+        Entry(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
         for search, poses in zip(brought, found, strict=True)
         if poses
     ]
@@ -216,11 +231,11 @@ def compete(brought: Sequence[Sought], found: Sequence[list[Hypothesis]], closel
         entry.weigh()
         for other in entries:
             if other is not entry:
-                _cover(other, entry.one, taken)
+                _cover(other, entry.search, taken)
 
 
 def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
-    search = entry.one
+    search = entry.search
     if _is_outdone(entry, hypothesis):
         search.choice.rejected.append(
             Rejection(hypothesis.pose, hypothesis.sighting, Objection.OUTDONE)
@@ -239,20 +254,20 @@ def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Asse
 def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:
     """Whether much larger parts of other kinds leave too little of what it explains."""
     seen = hypothesis.sighting
-    area = max(seen.gain, 0.0) * entry.one.maps.pitch**2
+    area = max(seen.gain, 0.0) * entry.search.depth_map.pitch**2
     outdone = entry.largest[seen.explained] > OUTDONE * area
     left = len(outdone) - int(np.count_nonzero(outdone))
     return left < len(outdone) and left < enough(seen)
 
 
-def _cover(entry: Entry, kind: Sought, taken: Assessment) -> None:
+def _cover(entry: Entry, kind: PartSearch, taken: Assessment) -> None:
     """What a part of another kind that was taken explains in this kind's maps."""
-    area = taken.sighting.gain * kind.maps.pitch**2
-    explained = look(entry.one.maps, kind.surface, taken.pose, kind.tolerance).explained
+    area = taken.sighting.gain * kind.depth_map.pitch**2
+    explained = look(entry.search.depth_map, kind.surface, taken.pose, kind.tolerance).explained
     entry.largest[explained] = np.maximum(entry.largest[explained], area)
 
 
-def merged(brought: Sequence[Searched]) -> LocalizationResult:
+def merged(brought: Sequence[PartSearchResult]) -> LocalizationResult:
     """The searches for several kinds as one.
 
     A bolt fits on the side of a cylinder: each kind by itself would be found there.  Where a
@@ -306,7 +321,7 @@ def merged(brought: Sequence[Searched]) -> LocalizationResult:
 
 
 def _overlap(
-    brought: Sequence[Searched], j: int, first: Detection, k: int, second: Detection
+    brought: Sequence[PartSearchResult], j: int, first: Detection, k: int, second: Detection
 ) -> bool:
     """Whether a part of kind `j` and one of kind `k` would share room."""
 

@@ -42,7 +42,10 @@ def log_likelihood_ratio(
     is_all_known: bool,
     most: float = MOST,
 ) -> float:
-    """Mean log likelihood ratio [nat] of a pixel: of this part against something unknown.
+    """Log likelihood ratio [nat] of a pixel: of this part against something unknown.
+
+    That is the mean over the pixels that this part alone explains, at most `most`, minus the summed
+    penalties divided by their number.
 
     Args:
         sighting: what the pixels of the part's picture say.

@@ -38,9 +38,9 @@ from workbench.perception.localization.hypotheses import (
     SAME_DISTANCE,
     hypotheses,
 )
-from workbench.perception.localization.judging import Judged, Sought, judge_choices
+from workbench.perception.localization.judging import Judged, PartSearch, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
-from workbench.perception.matching.maps import DepthMap, make_map
+from workbench.perception.matching.depth_map import DepthMap, make_map
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
@@ -61,7 +61,7 @@ TOLERANCE_OVER_NOISE = 4.0
 RIM = 2
 """Pixels around a part found that do not vote for others: edges, where normals are mixed."""
 
-EITHER = 0.5
+FLIP_FACTOR = 0.5
 """Share of the chance that a pose has which is no better than one the other way round."""
 
 MOST_REJECTED = 20
@@ -69,7 +69,7 @@ MOST_REJECTED = 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Searched:
+class PartSearchResult:
     """What the search for one part brought.
 
     `gains` [m2]: for each detection the area seen that speaks for it, less what speaks against.
@@ -80,35 +80,35 @@ class Searched:
     gains: tuple[float, ...]
 
 
-def together(scan: Scan, brought: Sequence[Sought | PartSurface]) -> list[Searched]:
+def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[PartSearchResult]:
     """The searches for several parts in one scan, without what does not stand beside the others."""
-    found = [search for search in brought if isinstance(search, Sought)]
+    found = [search for search in brought if isinstance(search, PartSearch)]
     standing = iter(judge_choices(found))
     return [
         _conclude(scan, search, next(standing))
-        if isinstance(search, Sought)
-        else Searched(LocalizationResult(()), search, ())
+        if isinstance(search, PartSearch)
+        else PartSearchResult(LocalizationResult(()), search, ())
         for search in brought
     ]
 
 
-def _conclude(scan: Scan, search: Sought, standing: Judged) -> Searched:
+def _conclude(scan: Scan, search: PartSearch, standing: Judged) -> PartSearchResult:
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
-    gains = tuple(choice.chosen[k].sighting.gain * search.maps.pitch**2 for k in order)
+    gains = tuple(choice.chosen[k].sighting.gain * search.depth_map.pitch**2 for k in order)
     detections = tuple(
         _detection(scan, search, choice.chosen[k], standing.ratios[k]) for k in order
     )
     rejected = _list_rejected(scan, search, choice, order)
     poses = [chosen.pose for chosen in choice.chosen]
-    scale = scale_check(search.part.name, search.maps, search.surface, poses, search.tolerance)
+    scale = scale_check(search.part.name, search.depth_map, search.surface, poses, search.tolerance)
     scales = () if scale is None else (scale,)
-    return Searched(LocalizationResult(detections, rejected, scales), search.surface, gains)
+    return PartSearchResult(LocalizationResult(detections, rejected, scales), search.surface, gains)
 
 
 def begin_search(
     scan: Scan, part: Part, cell: Cell, *, detail: float, scene: SceneModel
-) -> Sought | PartSurface:
+) -> PartSearch | PartSurface:
     """The search for a part before anything is found; see `proposals`.
 
     Args:
@@ -126,8 +126,10 @@ def begin_search(
     """
     surface = prepare(part)
     pitch = surface.diameter / (PIXELS_ACROSS * detail)
-    maps = make_map(_dense(scan, scene), cell.bin, scene.bin, size=surface.diameter, pitch=pitch)
-    if maps is None:
+    depth_map = make_map(
+        _dense(scan, scene), cell.bin, scene.bin, size=surface.diameter, pitch=pitch
+    )
+    if depth_map is None:
         return surface
     noise = _noise(cell, scan, scene)
     tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
@@ -137,11 +139,11 @@ def begin_search(
     def are_possible(poses: Floats) -> np.ndarray:
         return are_in_bin(surface, poses, T_scanner_bin, cell.bin, scene.bin)
 
-    choice = Choice(np.full(maps.depth.size, -1), [], [])
-    glance = _coarser(maps, surface)
+    choice = Choice(np.full(depth_map.depth.size, -1), [], [])
+    coarse_map = _coarser(depth_map, surface)
     filled = scene.filled
-    return Sought(
-        part, surface, maps, glance, tolerance, spread, are_possible, choice, filled=filled
+    return PartSearch(
+        part, surface, depth_map, coarse_map, tolerance, spread, are_possible, choice, filled=filled
     )
 
 
@@ -153,7 +155,7 @@ def _dense(scan: Scan, scene: SceneModel) -> Scan:
 
 
 def proposals(
-    search: Sought, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
+    search: PartSearch, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
 ) -> list[Hypothesis]:
     """Where a part may lie in what is left of the scan, looked at with an effort of that number.
 
@@ -173,10 +175,10 @@ def proposals(
     """
 
     def seen(pose: Floats) -> Hypothesis:
-        return Hypothesis(pose, look(search.maps, search.surface, pose, search.tolerance))
+        return Hypothesis(pose, look(search.depth_map, search.surface, pose, search.tolerance))
 
     step("vote")
-    free = _without(search.maps, (search.choice.claimed >= 0) | taken)
+    free = _without(search.depth_map, (search.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
         return []
     poses, outside = hypotheses(
@@ -194,17 +196,19 @@ def proposals(
     return [seen(pose) for pose in poses]
 
 
-def _coarser(maps: DepthMap, surface: PartSurface) -> DepthMap:
+def _coarser(depth_map: DepthMap, surface: PartSurface) -> DepthMap:
     """What a glance is taken at: half the map's resolution, where that still shows the part."""
-    return maps.halved() if surface.diameter / maps.pitch >= 2 * FEWEST_ACROSS else maps
+    return (
+        depth_map.halved() if surface.diameter / depth_map.pitch >= 2 * FEWEST_ACROSS else depth_map
+    )
 
 
-def _without(maps: DepthMap, claimed: Bools) -> DepthMap:
+def _without(depth_map: DepthMap, claimed: Bools) -> DepthMap:
     """The scan without the pixels (pixels,) that parts explain, and without the rims around."""
     if not claimed.any():
-        return maps
-    rims: Any = binary_dilation(claimed.reshape(maps.depth.shape), iterations=RIM)
-    return replace(maps, foreground=maps.foreground & ~rims)
+        return depth_map
+    rims: Any = binary_dilation(claimed.reshape(depth_map.depth.shape), iterations=RIM)
+    return replace(depth_map, foreground=depth_map.foreground & ~rims)
 
 
 def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
@@ -214,7 +218,7 @@ def _noise(cell: Cell, scan: Scan, scene: SceneModel) -> float:
 
 
 def _list_rejected(
-    scan: Scan, search: Sought, choice: Choice, order: Sequence[int]
+    scan: Scan, search: PartSearch, choice: Choice, order: Sequence[int]
 ) -> tuple[RejectedHypothesis, ...]:
     """The best of those rejected; `order` is that of the chosen ones as detections."""
     rank = {k: place for place, k in enumerate(order)}
@@ -250,14 +254,14 @@ def _different(surface: PartSurface, choice: Choice) -> list[Rejection]:
     return [ranked[k - len(choice.chosen)] for k in kept if k >= len(choice.chosen)]
 
 
-def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -> Detection:
+def _detection(scan: Scan, sought: PartSearch, assessed: Assessment, ratio: float) -> Detection:
     sighting = assessed.sighting
     axes = np.kron(np.eye(2), scan.T_world_scanner.rotation)
     chance = (
         loose_probability_of(ratio, sighting.visible) if sought.is_loose else probability_of(ratio)
     )
     known = covariance(
-        sought.maps,
+        sought.depth_map,
         sought.surface,
         assessed.pose,
         sighting,
@@ -273,7 +277,7 @@ def _detection(scan: Scan, sought: Sought, assessed: Assessment, ratio: float) -
         residual=float(np.sqrt(np.mean(sighting.off**2))),
         roll_known=assessed.roll_known,
         covariance=axes @ known @ axes.T,
-        probability=chance * (1.0 if assessed.is_told else EITHER),
+        probability=chance * (1.0 if assessed.is_flip_resolved else FLIP_FACTOR),
         roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
         by_colour=assessed.by_colour,
     )

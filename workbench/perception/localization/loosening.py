@@ -14,8 +14,8 @@ import numpy as np
 
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
-from workbench.perception.localization.judging import Sought, judge_choices
-from workbench.perception.localization.settling import settle
+from workbench.perception.localization.judging import PartSearch, judge_choices
+from workbench.perception.localization.settling import refine_poses
 from workbench.perception.matching.sightings import look
 
 DOUBTFUL = 0.5
@@ -37,12 +37,14 @@ EXPLAINED, TIMES = 0.4, 1.5
 STEPS = (0.02, 0.01, 0.005)
 """Lengths of the steps by which poses are brought to rest, over the diameter."""
 
-Compete = Callable[[Sequence[Sought], Sequence[list[Hypothesis]]], None]
+Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
 """Takes the hypotheses of each kind that hold together."""
 
 
-def loosen(found: list[Sought], compete: Compete) -> list[Sought]:
-    """The searches with what they need to explain what lies in the bin; as they are if they do.
+def relax_tolerance(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
+    """The searches with a relaxed tolerance where the accepted parts explain less than half.
+
+    The result is kept only if it explains much more; otherwise the searches stay as they are.
 
     Args:
         found: the searches of all kinds, after the first vote.
@@ -60,20 +62,20 @@ def loosen(found: list[Sought], compete: Compete) -> list[Sought]:
     return loose if now >= max(EXPLAINED, TIMES * strict) else found
 
 
-def measure_explained(found: Sequence[Sought]) -> float:
+def measure_explained(found: Sequence[PartSearch]) -> float:
     """Share of what lies in the bin that the parts which stand explain, 0..1."""
     if not found:
         return 1.0
-    maps = found[0].maps
-    covered: Bools = np.zeros(maps.depth.size, np.bool_)
+    depth_map = found[0].depth_map
+    covered: Bools = np.zeros(depth_map.depth.size, np.bool_)
     for search, standing in zip(found, judge_choices(found), strict=True):
         for part in standing.choice.chosen:
-            covered[look(maps, search.surface, part.pose, search.tolerance).explained] = True
-    lying = maps.foreground.ravel()
+            covered[look(depth_map, search.surface, part.pose, search.tolerance).explained] = True
+    lying = depth_map.foreground.ravel()
     return float(np.count_nonzero(covered & lying)) / max(int(np.count_nonzero(lying)), 1)
 
 
-def _loose(search: Sought) -> Sought:
+def _loose(search: PartSearch) -> PartSearch:
     tolerance = LOOSE * search.tolerance
     return replace(
         search,
@@ -86,16 +88,20 @@ def _loose(search: Sought) -> Sought:
     )
 
 
-def _nothing(search: Sought) -> Choice:
-    return Choice(np.full(search.maps.depth.size, -1), [], [])
+def _nothing(search: PartSearch) -> Choice:
+    return Choice(np.full(search.depth_map.depth.size, -1), [], [])
 
 
-def _again(search: Sought, before: Sought) -> list[Hypothesis]:
+def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
     poses = [each.pose for each in (*before.choice.chosen, *before.choice.rejected)]
     if not poses:
         return []
     steps = tuple(step * search.surface.diameter for step in STEPS)
-    rested = settle(search.glance, search.surface, np.array(poses), search.tolerance, steps)
+    rested = refine_poses(
+        search.coarse_map, search.surface, np.array(poses), search.tolerance, steps
+    )
     rested = rested[search.are_possible(rested)]
-    return [Hypothesis(p, look(search.maps, search.surface, p, search.tolerance)) for p in rested]
+    return [
+        Hypothesis(p, look(search.depth_map, search.surface, p, search.tolerance)) for p in rested
+    ]

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats
-from workbench.perception.matching.maps import DepthMap
+from workbench.perception.matching.depth_map import DepthMap
 from workbench.perception.matching.sightings import Drawing, drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface
 
@@ -28,8 +28,8 @@ ALIKE = 0.95
 """Cosine between normals above which what lies beyond may be the same surface."""
 
 
-def ends_there(
-    maps: DepthMap,
+def has_visible_boundary(
+    depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
     tolerance: float,
@@ -39,19 +39,23 @@ def ends_there(
 ) -> bool:
     """Whether a part ends along its outline, as far as that is seen.
 
+    Also where fewer than `FEWEST` pixels of the outline are seen.
+
     Where nothing is measured beyond, or something lies in front, or another part found, nothing is
     known.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         pose: (4, 4) [m] in the scanner's frame.
         tolerance: [m] see `sightings.look`.
         is_other: (pixels,) which of them other parts found explain.
         least: share of the outline at which the part must end.
     """
-    others = is_other.reshape(maps.depth.shape)
-    ends, goes_on = _outline(drawing(maps, surface, tolerance), np.ascontiguousarray(pose), others)
+    others = is_other.reshape(depth_map.depth.shape)
+    ends, goes_on = _outline(
+        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others
+    )
     return ends + goes_on < FEWEST or ends >= least * (ends + goes_on)
 
 

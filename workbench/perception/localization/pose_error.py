@@ -51,7 +51,7 @@ def pose_error(
     return float(np.linalg.norm(T.act(middle) - middle)), min(tilts)
 
 
-def squared_error(
+def mahalanobis_squared(
     part: Part,
     T_world_true: pin.SE3,
     T_world_found: pin.SE3,
@@ -59,7 +59,9 @@ def squared_error(
     *,
     roll_known: bool = True,
 ) -> tuple[float, int]:
-    """The squared error of a pose over its covariance (6, 6) [m, rad], see `Detection`; no unit.
+    """The squared Mahalanobis distance of a pose from the truth; no unit.
+
+    The covariance (6, 6) [m, rad] is that of `Detection`.
 
     Of all motions that leave the part as it is, that counts after which it is the smallest.  The
     other arguments are those of `pose_error`.

@@ -1,10 +1,10 @@
-"""Bringing poses to rest: a dense fit to the scan, and a search where surfaces do not hold them."""
+"""Refining poses: a dense fit to the scan, then a search along what the fit leaves weak."""
 
 import numpy as np
 from numba import njit, prange
 
 from workbench.model.geometry import Floats, Ints
-from workbench.perception.matching.maps import DepthMap, Seen
+from workbench.perception.matching.depth_map import DepthMap, Seen
 from workbench.perception.matching.registration import move, solved, transformed
 from workbench.perception.matching.sightings import (
     AGAINST,
@@ -25,7 +25,7 @@ from workbench.perception.parts.part_surface import PartSurface
 FITS = 3
 """Gauss-Newton steps of the dense fit, at most."""
 
-AT_REST = 0.002
+CONVERGED = 0.002
 """The fit ends when a step turns and shifts the part by less, over the tolerance."""
 
 HOPELESS_SHOWN, HOPELESS_SEEN = 0.2, 0.5
@@ -65,33 +65,35 @@ DAMPING = 1e-4
 """Share of the mean information that is added to all directions: nothing may hold one of them."""
 
 
-def settle(
-    maps: DepthMap,
+def refine_poses(
+    depth_map: DepthMap,
     surface: PartSurface,
     poses: Floats,
     tolerance: float,
     steps: tuple[float, ...],
 ) -> Floats:
-    """Each of the poses (k, 4, 4) after a fit, and a search along what the fit leaves loose.
+    """The poses (k, 4, 4), each refined by dense ICP and a search along what ICP leaves weak.
+
+    Balls, and poses that explain too little, get ICP only.
 
     A cylinder slides along its axis without leaving its surface, a plate in its plane; where they
     end is seen by which pixels show them, which no distance between points and planes expresses.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         poses: (k, 4, 4) not far from the truth.
         tolerance: [m] see `sightings.look`.
         steps: [m] lengths of the search's steps, one after the other.
     """
-    return _settle_arrays(
-        *drawing(maps, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
+    return _refine_arrays(
+        *drawing(depth_map, surface, tolerance), np.ascontiguousarray(poses), surface.middle,
         surface.diameter / 2, np.array(steps), 0 if surface.is_ball else WEAK,
     )  # fmt: skip
 
 
 @njit(cache=True, parallel=True)
-def _settle_arrays(
+def _refine_arrays(
     seen: Seen,
     vertices: Floats,
     triangles: Ints,
@@ -103,7 +105,7 @@ def _settle_arrays(
     steps: Floats,
     searched: int,
 ) -> Floats:  # pragma: no cover (compiled)
-    """See `settle`; a `Drawing` is taken apart, since threads cannot be given tuples in tuples."""
+    """See `refine_poses`; a `Drawing` is taken apart: threads take no tuples in tuples."""
     rested = poses.copy()
     for k in prange(len(poses)):
         _settle(
@@ -180,23 +182,27 @@ def _fit(
             break
         solved(A, b, x)
         move(T, centre, x, radius)
-        if np.abs(x).max() < AT_REST * drawing.tolerance:
+        if np.abs(x).max() < CONVERGED * drawing.tolerance:
             break
 
 
-def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> bool:
-    """Whether the scan shows where the part ends: no small shift of it is explained as well.
+def is_constrained(
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+) -> bool:
+    """Whether the scan fixes the pose in every direction but turns about its symmetry axis.
+
+    Every weakly fitted direction must lose `HELD` pixels when the pose is shifted along it.
 
     Turns about a near-symmetry axis do not count, that is what `roll_error` is for, and no turns
     of a ball.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         pose: (4, 4).
         tolerance: [m] see `sightings.look`.
     """
-    A, _ = pull(maps, surface, pose, tolerance)
+    A, _ = pull(depth_map, surface, pose, tolerance)
     if surface.is_ball:
         A = A + FIRM * np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     elif surface.symmetry.axis is not None:
@@ -217,7 +223,7 @@ def is_held(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
             centre = transformed(shifted, surface.middle)
             move(shifted, centre, sign * step * direction, radius)
             tried.append(shifted)
-    own, *others = closeness(tally(maps, surface, np.array(tried), tolerance))
+    own, *others = closeness(tally(depth_map, surface, np.array(tried), tolerance))
     return max(others) <= own - HELD
 
 
@@ -229,18 +235,18 @@ def _travels(surface: PartSurface, pose: Floats, motions: Floats) -> Floats:
 
 
 def roll_error(
-    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float, deviation: float
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float, deviation: float
 ) -> float:
     """Standard error [rad] of the turn about the near-symmetry axis, all else being free too.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: one that has such an axis.
         pose: (4, 4).
         tolerance: [m] see `sightings.look`.
         deviation: [m] of the points from the surface, as if each had an error of its own.
     """
-    A, _ = pull(maps, surface, pose, tolerance)
+    A, _ = pull(depth_map, surface, pose, tolerance)
     turn = _turn(surface, pose)
     others = np.linalg.svd(turn[None])[2][1:]
     basis = np.column_stack([turn, others.T])

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.matching.maps import DepthMap, Seen
+from workbench.perception.matching.depth_map import DepthMap, Seen
 from workbench.perception.parts.oriented import OrientedPoints
 
 Triple = tuple[float, float, float]
@@ -29,11 +29,13 @@ SUPPORT, VIOLATION, OCCLUSION = 0, 1, 2
 """Columns of `quick_scores`."""
 
 
-def quick_scores(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float) -> Floats:
+def quick_scores(
+    depth_map: DepthMap, poses: Floats, model: OrientedPoints, tolerance: float
+) -> Floats:
     """How the scan agrees with each pose, from the model points that face the scanner.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         poses: (k, 4, 4).
         model: points of the part's surface.
         tolerance: distance from the surface [m] up to which a point counts as measured.
@@ -43,19 +45,19 @@ def quick_scores(maps: DepthMap, poses: Floats, model: OrientedPoints, tolerance
         the scan looks through them, and which hide behind something else.
     """
     return _quick_scores(
-        maps.seen, np.ascontiguousarray(poses), model.points, model.normals, tolerance,
+        depth_map.seen, np.ascontiguousarray(poses), model.points, model.normals, tolerance,
     )  # fmt: skip
 
 
 def refine(
-    maps: DepthMap, poses: Floats, model: OrientedPoints, gates: Floats
+    depth_map: DepthMap, poses: Floats, model: OrientedPoints, gates: Floats
 ) -> tuple[Floats, Floats]:
     """Point-to-plane ICP (Chen & Medioni 1992) with projective association.
 
     Each model point that faces the scanner is paired with the scan point in its pixel.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         poses: (k, 4, 4), where to begin.
         model: points of the part's surface.
         gates: (iterations,) [m] the largest distance of a pair in each iteration.
@@ -65,7 +67,7 @@ def refine(
         the last iteration, infinite when there were too few.
     """
     return _refine(
-        maps.seen, np.ascontiguousarray(poses), model.points, model.normals,
+        depth_map.seen, np.ascontiguousarray(poses), model.points, model.normals,
         np.ascontiguousarray(gates),
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
-from workbench.perception.matching.maps import DepthMap, Seen
+from workbench.perception.matching.depth_map import DepthMap, Seen
 from workbench.perception.matching.registration import Triple, transformed
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.views.rendering import rendered
@@ -94,17 +94,17 @@ class Sighting:
         return max(self.gain, 0.0) / max(self.shown, 1)
 
 
-def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Sighting:
+def look(depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -> Sighting:
     """Render the part at `pose` (4, 4) in the scanner's frame, and compare pixel by pixel.
 
     Args:
-        maps: the scan.
+        depth_map: the scan.
         surface: the part.
         pose: where it is thought to be.
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
     pixels, states, off, is_rim = _look(
-        drawing(maps, surface, tolerance), np.ascontiguousarray(pose)
+        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose)
     )
     explained, violated, hidden = (states == k for k in (EXPLAINED, VIOLATED, HIDDEN))
     return Sighting(
@@ -117,17 +117,17 @@ def look(maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float) -
     )
 
 
-def tally(maps: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+def tally(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
     """The same for many poses (k, 4, 4) [m], counted only: (k, 4).
 
     Columns are `EXPLAINED`, `VIOLATED`, `HIDDEN` [px], and `SQUARES`, the sum of the squares
     of the distances of the explained points over the tolerance.
     """
-    return _tally(drawing(maps, surface, tolerance), np.ascontiguousarray(poses))
+    return _tally(drawing(depth_map, surface, tolerance), np.ascontiguousarray(poses))
 
 
 def pull(
-    maps: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
+    depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: float
 ) -> tuple[Floats, Floats]:
     """How the explained points pull at the part: A x = b of a point-to-plane fit.
 
@@ -138,7 +138,7 @@ def pull(
         A (6, 6) and b (6,) [m].
     """
     centre = transformed(pose, surface.middle)
-    it = drawing(maps, surface, tolerance)
+    it = drawing(depth_map, surface, tolerance)
     return pulled(it, np.ascontiguousarray(pose), centre, surface.diameter / 2)
 
 
@@ -152,9 +152,11 @@ def closeness(tallies: Floats) -> Floats:
     return gains(tallies) - tallies[:, SQUARES]
 
 
-def drawing(maps: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
+def drawing(depth_map: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
     """A part to be held against a scan."""
-    return Drawing(maps.seen, surface.vertices, surface.triangles, surface.is_closed, tolerance)
+    return Drawing(
+        depth_map.seen, surface.vertices, surface.triangles, surface.is_closed, tolerance
+    )
 
 
 @njit(cache=True)

@@ -18,7 +18,7 @@ MOST_PIECES = 32
 LONGEST = 4.0
 """[s] of simulated time after the last drop, if the parts do not come to rest before."""
 
-AT_REST = 0.01
+CONVERGED = 0.01
 """[m/s] and, over the part's radius, [rad/s]: slower than this is lying still."""
 
 LOST = -0.1
@@ -111,7 +111,7 @@ def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> N
     for _ in range(round(LONGEST / TIMESTEP / 25)):
         mujoco.mj_step(model, data, nstep=25)
         there = np.abs(speed[place[:, 2] > LOST]) * ([1.0] * 3 + [radius] * 3)
-        if there.max(initial=0.0) < AT_REST:
+        if there.max(initial=0.0) < CONVERGED:
             break
 
 

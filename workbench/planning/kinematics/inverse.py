@@ -69,6 +69,11 @@ class Answers:
     is_complete: bool
     starts: int
 
+    @property
+    def shortfall(self) -> float:
+        """How far the nearest stays away [m]: its distance, and 0.1 m for each radian."""
+        return float(self.away @ (1.0, 0.1))
+
 
 def configurations(
     chain: Chain, T_world_tcp: pin.SE3, starts: Floats, *, turns: int = MOST_TURNS

@@ -1,4 +1,6 @@
-"""From parts found to a plan: candidates, the straight ways, the free ones, one arm or two.
+"""From parts found to a plan: candidates, straight legs, free paths, for one arm or two.
+
+`app.picking.pipeline` calls `propose`, `resolve` and `plan_first_feasible` in this order.
 
 Imports `kinematics`, `collision` and `planners`.
 """

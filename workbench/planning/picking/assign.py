@@ -39,22 +39,22 @@ ATTEMPTS = 6
 """Assignments of parts to arms that are planned before giving up."""
 
 
-def is_enough(
+def has_enough_picks(
     world: World,
     picks: Sequence[Pick],
     strategy: str,
     threshold: float,
     avoided: Container[int] = (),
 ) -> bool:
-    """Whether there are picks for as many arms as a strategy lets work, and as quickly as it can.
+    """Whether resolving more candidates cannot give a better kind of plan.
 
-    Where all parts are of one heap a plan takes but one of them.
+    Two arms need two parts from different heaps; with `auto` also `threshold` apart, if any are.
 
     Args:
         world: of the cell and the detections that the picks were made from.
         picks: found so far.
-        strategy: as that of `planned`.
-        threshold: [m] see there.
+        strategy: as that of `plan_first_feasible`.
+        threshold: [m] as that of `plan_first_feasible`.
         avoided: indices of parts that nobody takes for now.
     """
     if strategy not in ("auto", "both", *BOTH):
@@ -79,7 +79,7 @@ def is_enough(
     return not pairs or any(first and second and len(first | second) > 1 for first, second in able)
 
 
-def planned(
+def plan_first_feasible(
     world: World,
     picks: list[Pick],
     strategy: str,
@@ -88,16 +88,17 @@ def planned(
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[tuple[Plan, ...], Verdict]:
-    """The first assignment for which a plan comes out; coordinated ones fall back to alternated.
+    """Plans for the first assignment of parts to arms for which there is one.
 
-    Where both arms may work at once, their legs are put into the quickest order there is.
+    The arms are planned in turn; then their legs overlap where that is faster.  With
+    `coordinated` both arms are also planned leg by leg.
 
     Args:
         world: of the cell and the detections that the picks were made from.
         picks: all that work.
         strategy: with `auto` both arms may work at once on parts that lie far enough apart, where
             the controller can move them so.
-        threshold: [m] so far.
+        threshold: [m] with `auto`, two arms work at once only on parts at least this far apart.
         scan_digest: what the detections were found in.
         seed: of everything random.
         cancelled: asked between assignments; True ends the work.

@@ -201,12 +201,17 @@ def _sweep_of(world: World, task: Task) -> ArmSweep:
 
 
 def find_arm_contact(world: World, pair: Pair) -> ArmContact | None:
-    """Where the arms meet, or one what the other has placed, on the ways that they have."""
+    """A contact of one arm with the other, or with a part that the other has placed.
+
+    With such a part, the arm that does not meet it is given where its leg begins.
+    """
     _enter(world, pair)
-    for task in pair:
-        contact = along_placed(world, task.plan.arm, np.asarray(task.leg.q))
-        if contact is not None:
-            return ArmContact(contact, (pair[0].leg.q[0], pair[1].leg.q[0]), (0, 0))
+    for number, task in enumerate(pair):
+        found = along_placed(world, task.plan.arm, np.asarray(task.leg.q))
+        if found is not None:
+            q = [np.asarray(each.leg.q[0]) for each in pair]
+            q[number] = found[1]
+            return ArmContact(found[0], (q[0], q[1]), (0, 0))
     first, second = (_sweep_of(world, task) for task in pair)
     return first_contact(world, world.configuration({}), first, second)
 

@@ -14,14 +14,14 @@ ROOM = 0.0005
 slide along parts at a distance that may just be the margin."""
 
 
-def comes_back(
+def find_contact_after_release(
     world: World,
     arms: Sequence[str],
     columns: Ints,
     base: Floats,
     path: Floats,
 ) -> tuple[Contact, Floats, int] | None:
-    """Where arms come near the parts again that they have let go of where `path` begins.
+    """Where a hand violates the margin to the part it has let go of, or never leaves it.
 
     From the first waypoint on at which they have left them they keep the full margin; what holds
     until then is a matter of `World.allow_start_contacts`.  An arm that does not move at all,

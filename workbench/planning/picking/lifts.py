@@ -94,12 +94,12 @@ def has_several(world: World, candidate: Candidate) -> bool:
     return candidate.grasp.retreat is None and len(world.policy.lifts) > 1
 
 
-def free_lifts(
+def find_lifts_clear_for_part(
     world: World, candidate: Candidate, T_world_tcp: pin.SE3
 ) -> tuple[list[tuple[str, Floats]], Verdict | None]:
-    """The lifts (3,) [m] on which the part itself meets nothing; else what the first of them meets.
+    """The lifts (3,) [m] on which the part alone collides with nothing; else what the first meets.
 
-    Where there is but one lift it is left to the closer look that follows.  See `lifts`.
+    A single lift is returned unchecked, for the closer look that follows.  See `lifts`.
     """
     every = list(lifts(world, candidate, T_world_tcp))
     if len(every) < 2:
@@ -114,10 +114,10 @@ def free_lifts(
     return [], Verdict(Reason.EXTRACT_BLOCKED, Stage.EXTRACT, pair, note=note)
 
 
-def clear_lifts(
+def find_lifts_clear_for_part_and_hand(
     world: World, candidate: Candidate, T_world_tcp: pin.SE3, most: int = MOST_CLEAR
 ) -> tuple[list[tuple[str, Floats]], Verdict | None]:
-    """The first lifts on which neither part nor hand meets anything.
+    """The first lifts on which neither the part nor the hand collides with anything.
 
     Args:
         world: of the cell and the detections.
@@ -126,9 +126,9 @@ def clear_lifts(
         most: so many are enough.
 
     Returns:
-        As `free_lifts`: names with ways (3,) [m], and why there is none.
+        As `find_lifts_clear_for_part`: names with ways (3,) [m], and why there is none.
     """
-    free, refusal = free_lifts(world, candidate, T_world_tcp)
+    free, refusal = find_lifts_clear_for_part(world, candidate, T_world_tcp)
     arm, tools = world.arm(candidate.arm), world.tool_check
     clear: list[tuple[str, Floats]] = []
     for lift in free:

@@ -42,7 +42,8 @@ def _nearest(world: World, pick: Pick) -> float:
     return pick.candidate.rank
 
 
-def _walls(world: World, pick: Pick) -> float:
+def _far_from_walls(world: World, pick: Pick) -> float:
+    """Minus the distance [m] to the nearest wall: the part farthest from walls comes first."""
     return -float((np.asarray(world.cell.bin.size[:2]) / 2 - np.abs(_p_bin(world, pick)[:2])).min())
 
 
@@ -61,6 +62,6 @@ _COSTS: Mapping[OrderName, Callable[[World, Pick], float]] = {
     "highest": _highest,
     "score": _score,
     "nearest": _nearest,
-    "walls": _walls,
+    "walls": _far_from_walls,
     "thesis": _thesis,
 }

@@ -24,7 +24,7 @@ from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.kinematics.quickness import between, draw_towards, pace_of
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.leaving import comes_back
+from workbench.planning.picking.leaving import find_contact_after_release
 from workbench.planning.placing.pallets import open_places, why_full
 from workbench.planning.planners.clock import processor_time
 
@@ -32,7 +32,7 @@ PLACE_LIFT = 0.05
 """[m] The last straight way to the place."""
 
 DRAWN = 4
-"""Configurations at a place that are drawn to be nearer in time: the soonest of those found."""
+"""So many configurations at a place, the soonest, are moved in their null space to come sooner."""
 
 LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
@@ -48,7 +48,7 @@ class PutDown:
     out: Floats
 
 
-def ways_down(
+def plan_straight_descents(
     world: World, arm: Arm, phase: Phase, q_from: Floats, near: Floats | None = None
 ) -> Iterator[Floats | Verdict]:
     """The straight ways (m, n) to the places of an arm, in order; what speaks against others.
@@ -178,7 +178,7 @@ def _standing_in(world: World, phase: Phase, arm: Arm, T_world_tcp: pin.SE3) -> 
 
 
 @dataclass(slots=True)
-class AtPlaces:
+class PlaceConfigurations:
     """What becomes of a part at the places for its kind, held in one way.
 
     `near` are configurations (n,) [rad] of the arm there that touch nothing; when there are none,
@@ -189,7 +189,9 @@ class AtPlaces:
     refusal: Verdict | None
 
 
-def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
+def find_configurations_at_places(
+    world: World, arm: Arm, phase: Phase, starts: Floats
+) -> PlaceConfigurations:
     """Whether a part, held so, can be brought to a place for its kind: the place alone counts.
 
     Args:
@@ -209,7 +211,7 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
             roll = T_world_part
             continue
         if processor_time() > world.deadline:
-            return AtPlaces([], LATE)
+            return PlaceConfigurations([], LATE)
         ways += 1
         T_world_tcp = T_world_part * T_tcp_part.inverse()
         stood = _standing_in(world, phase, arm, T_world_tcp)
@@ -219,7 +221,7 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
             continue
         answers = configurations(chain, T_world_tcp, starts)
         if not len(answers.q):
-            far.append((float(answers.away[0]), answers.nearest))
+            far.append((answers.shortfall, answers.nearest))
             continue
         world.enter(phase)
         near: list[Floats] = []
@@ -230,17 +232,17 @@ def at_places(world: World, arm: Arm, phase: Phase, starts: Floats) -> AtPlaces:
             else:
                 met.append(Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q))
         if near:
-            return AtPlaces(near, None)
+            return PlaceConfigurations(near, None)
     if ways == 0:
-        return AtPlaces([], roll or why_full(world, arm, number))
+        return PlaceConfigurations([], roll or why_full(world, arm, number))
     close = ways - stands - len(far)
     note = VerdictNote.TARGET_POSES(count=ways, blocked=stands, far=len(far), close=close)
     if met:
         # That which came nearest to being right: where the arm is meant, by how much is known.
         nearest = max(met, key=lambda verdict: (verdict.q is not None, verdict.distance or 0.0))
-        return AtPlaces([], replace(nearest, note=note))
+        return PlaceConfigurations([], replace(nearest, note=note))
     away, q = min(far, key=lambda found_pose: found_pose[0])
-    return AtPlaces([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
+    return PlaceConfigurations([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 
 def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
@@ -263,7 +265,9 @@ def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
         held={arm.name: held},
     )
     refusal: Verdict | None = None
-    for down in one_by_one([pick.place], ways_down(world, arm, brings, pick.extract[-1])):
+    for down in one_by_one(
+        [pick.place], plan_straight_descents(world, arm, brings, pick.extract[-1])
+    ):
         if isinstance(down, Verdict):
             refusal = refusal or down
             continue
@@ -333,7 +337,7 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> 
         world.enter(phase)
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
         found = path_contact(world, columns, base, path)
-        found = found or comes_back(world, (arm.name,), columns, base, path)
+        found = found or find_contact_after_release(world, (arm.name,), columns, base, path)
         if found is None:
             return path
         contact, q, _ = found

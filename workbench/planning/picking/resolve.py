@@ -24,8 +24,15 @@ from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import Answers, configurations, starts_of
 from workbench.planning.kinematics.quickness import draw_towards, legs_seconds, pace_of
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.lifts import clear_lifts, free_lifts, has_several
-from workbench.planning.picking.put_down import at_places, ways_down
+from workbench.planning.picking.lifts import (
+    find_lifts_clear_for_part,
+    find_lifts_clear_for_part_and_hand,
+    has_several,
+)
+from workbench.planning.picking.put_down import (
+    find_configurations_at_places,
+    plan_straight_descents,
+)
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
@@ -62,7 +69,7 @@ def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     arm = world.arm(candidate.arm)
     if candidate.grasp.retreat is None:
         # The part's own way out does not depend on the arm: looked at first, it is cheap.
-        _, blocked = free_lifts(world, candidate, candidate.T_world_tcp)
+        _, blocked = find_lifts_clear_for_part(world, candidate, candidate.T_world_tcp)
         if blocked is not None:
             return blocked
     part = world.detections[candidate.detection].part
@@ -103,7 +110,7 @@ def _hands(world: World, candidate: Candidate, arm: Arm) -> list[pin.SE3] | Verd
     found: list[pin.SE3] = []
     refusal: Verdict | None = None
     for T_world_tcp in fitting:
-        ways, blocked = clear_lifts(world, candidate, T_world_tcp, most=1)
+        ways, blocked = find_lifts_clear_for_part_and_hand(world, candidate, T_world_tcp, most=1)
         if ways:
             found.append(T_world_tcp)
         refusal = refusal or blocked
@@ -141,7 +148,7 @@ def _that_can_be_put(
             continue
         T_tcp_part = T_world_tcp.actInv(detection.T_world_part)
         phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
-        found = at_places(world, arm, phase, starts)
+        found = find_configurations_at_places(world, arm, phase, starts)
         if found.near:
             near[key] = np.array(found.near)
         else:
@@ -194,12 +201,11 @@ def _grasp_solutions(
 
 def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     """The verdict on hands that no configuration was found for, by that which comes nearest."""
-    nearest = min(every, key=lambda answers: float(answers.away @ (1.0, 0.1)))
+    nearest = min(every, key=lambda answers: answers.shortfall)
     note = None
     if not all(answers.is_complete for answers in every):
         note = VerdictNote.NO_CONFIGURATION(starts=sum(answers.starts for answers in every))
-    away = float(nearest.away @ (1.0, 0.1))
-    return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, away, nearest.nearest, note)
+    return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, nearest.shortfall, nearest.nearest, note)
 
 
 def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
@@ -240,7 +246,10 @@ def _complete(
     room: float,
     near: Floats | None,
 ) -> Pick | Verdict:
-    """Approach, extraction and place for one grasp configuration; `near` as in `ways_down`."""
+    """Approach, extraction and place for one grasp configuration.
+
+    `near` is as in `plan_straight_descents`.
+    """
     q_grasp = world.motion.rounded(q_grasp)
     approach = _approach(world, candidate, arm, q_grasp, T_world_tcp)
     if isinstance(approach, Verdict):
@@ -248,9 +257,11 @@ def _complete(
     T_world_part = world.detections[candidate.detection].T_world_part
     T_tcp_part = world.chains[arm.name].pose(q_grasp).actInv(T_world_part)
     if has_several(world, candidate):
-        ways, refusal = clear_lifts(world, candidate, T_world_tcp)
+        ways, refusal = find_lifts_clear_for_part_and_hand(world, candidate, T_world_tcp)
     else:
-        ways, refusal = free_lifts(world, candidate, world.chains[arm.name].pose(q_grasp))
+        ways, refusal = find_lifts_clear_for_part(
+            world, candidate, world.chains[arm.name].pose(q_grasp)
+        )
     for name, way in ways:
         extract = _extract(world, candidate, arm, q_grasp, T_tcp_part, way)
         if isinstance(extract, Verdict):
@@ -374,7 +385,7 @@ def _place(
     """The straight way down to the first place that works, shape (m, n)."""
     refusal = _no_place(world, candidate, arm)
     phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
-    for way in ways_down(world, arm, phase, q_from, near):
+    for way in plan_straight_descents(world, arm, phase, q_from, near):
         if not isinstance(way, Verdict):
             return way
         refusal = way

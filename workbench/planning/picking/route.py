@@ -123,10 +123,11 @@ def arm_plan(
     plan = _straight_legs(world, pick, put)
     for name in STRAIGHT_REASONS:
         world.enter(phase_of([(plan, name, plan.leg(name).opening)], waiting(name)))
-        contact = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
-        if contact is not None:
+        found = along_placed(world, arm.name, np.asarray(plan.leg(name).q))
+        if found is not None:
+            contact, q = found
             reason = STRAIGHT_REASONS[name]
-            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance)
+            return Verdict(reason, Stage.ROUTE, contact.pair, contact.distance, q)
     home = home_of(world, arm)
     seeds = np.random.SeedSequence([seed, plan.detection, ord(arm.controller_id)])
     rng = np.random.default_rng(seeds)
@@ -144,7 +145,7 @@ def arm_plan(
             world.allow_start_contacts(world.configuration({arm.name: lead[0]}))
         path = free_path(world, arm, lead, goal, rng)
         if isinstance(path, Verdict):
-            return path if name == "reach" else _without_return(path, name)
+            return path if name == "reach" else _refuse_later_leg(path, name)
         free.append(leg_of(world, arm, name, path, opening))
     legs = sorted((*plan.legs, *free), key=lambda leg: LEG_NAMES.index(leg.name))
     return replace(plan, legs=tuple(legs))
@@ -165,18 +166,27 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads)
 
 
-def along_placed(world: World, arm: str, path: Floats) -> Contact | None:
-    """What an arm meets on a path (m, n) [rad], in this phase, of parts that other arms placed."""
+def along_placed(world: World, arm: str, path: Floats) -> tuple[Contact, Floats] | None:
+    """The first part placed by another arm that an arm meets on a path, in this phase.
+
+    Args:
+        world: in the phase of the leg.
+        arm: its name.
+        path: (m, n) [rad] waypoints.
+
+    Returns:
+        What meets what, and the arm's configuration (n,) [rad] there.
+    """
     among = world.pairs.to_placed(arm)
     if len(among) == 0:
         return None
     columns, base = world.kinematics.columns[arm], world.configuration({})
     found = path_contact(world, columns, base, path, among)
-    return None if found is None else found[0]
+    return None if found is None else found[:2]
 
 
-def _without_return(verdict: Verdict, name: LegName) -> Verdict:
-    """The verdict on a way back that was not found; where time ran out, nothing else is known."""
+def _refuse_later_leg(verdict: Verdict, name: LegName) -> Verdict:
+    """The verdict where the path to the place or home was not found, or time ran out before."""
     if verdict.reason is Reason.OUT_OF_TIME:
         return verdict
     return replace(verdict, reason=Reason.NO_RETURN, note=VerdictNote.LEG(leg=leg_message(name)))

@@ -25,10 +25,12 @@ STARTS = 16
 """Starting points of the inverse kinematics, beside home."""
 
 
-def poses_in_view(
+def sample_showing_configurations(
     cell: Cell, arm: Arm, T_tcp_shown: pin.SE3, count: int, *, seed: int, aside: float = ASIDE
 ) -> tuple[Floats, ...]:
-    """Configurations in which an arm shows something to the scanner, above the bin.
+    """Configurations in which an arm holds something near the scanner's axis, above the bin.
+
+    Whether the scanner sees it is not checked.
 
     The other arms stand at home, fingers are closed, and everything keeps the policy's margin.  The
     turns of the tool are as different as those that were found allow.

@@ -28,7 +28,7 @@ WON = 0.001
 class Move:
     """One step: how many legs each arm has done before, and who moves.
 
-    `is_in_turn`: plans may have it in which the arms take turns, the first before the second.
+    `is_sequential`: the second arm starts no earlier than the home leg of the first.
     """
 
     done: tuple[int, int]
@@ -40,8 +40,8 @@ class Move:
         return self.done[0] + self.moves[0], self.done[1] + self.moves[1]
 
     @property
-    def is_in_turn(self) -> bool:
-        """Whether plans have it in which the arms take turns."""
+    def is_sequential(self) -> bool:
+        """Whether plans have it whose second arm starts no earlier than the first goes home."""
         alone = (self.done[1] == 0, self.done[0] == COUNT)
         return self.done == (HOMEWARD, 0) if all(self.moves) else alone[self.moves[1]]
 
@@ -136,7 +136,7 @@ def interleave(world: World, plan: Plan, *, freely: bool) -> tuple[Plan, ...]:
         Plans that no proof has seen yet, and the given one last; that alone where nothing is won.
     """
     first, second = plan.arms
-    in_turn = tuple(move for move in EVERY if move.is_in_turn)
+    in_turn = tuple(move for move in EVERY if move.is_sequential)
     # The plan was made so that its own steps are possible.
     weave = Weave(world, (first, second), {m: True for m in in_turn if not all(m.moves)})
     ways = [weave.quickest(in_turn)]
@@ -162,10 +162,10 @@ def _plan_of(plan: Plan, moves: tuple[Move, ...]) -> Plan:
         )
         for move in moves
     )
-    is_in_turn = all(move.is_in_turn for move in moves)
+    is_sequential = all(move.is_sequential for move in moves)
     return replace(
         plan,
         sequence=steps,
-        strategy=Strategy.ALTERNATED if is_in_turn else Strategy.COORDINATED,
+        strategy=Strategy.ALTERNATED if is_sequential else Strategy.COORDINATED,
         guarantee=Guarantee.TIME_INDEPENDENT,
     )

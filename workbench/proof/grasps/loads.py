@@ -80,7 +80,7 @@ def _of_part(part: Part) -> pin.Inertia:
 
 def _even(solids: Sequence[Solid], mass: float) -> pin.Inertia:
     """Solids of one density and of this mass [kg] in all."""
-    bodies = [solid.T_owner_shape.act(_water(solid)) for solid in solids]
+    bodies = [solid.T_owner_shape.act(_unit_density_inertia(solid)) for solid in solids]
     whole = bodies[0]
     for body in bodies[1:]:
         whole = whole + body
@@ -88,8 +88,8 @@ def _even(solids: Sequence[Solid], mass: float) -> pin.Inertia:
     return pin.Inertia(mass, whole.lever, whole.inertia * share)
 
 
-def _water(solid: Solid) -> pin.Inertia:
-    """A solid in its shape's frame, of 1 kg/m3."""
+def _unit_density_inertia(solid: Solid) -> pin.Inertia:
+    """The inertia of a solid in its shape's frame, with a density of 1 kg/m3."""
     match solid.shape:
         case Box(size=size):
             x, y, z = map(float, size)

@@ -15,7 +15,7 @@ from workbench.model.scan import Detection
 from workbench.proof.bodies import gap_of, hull, roll_turns, still_of, turned_pieces
 from workbench.proof.robot import Tree
 from workbench.proof.stages import in_hand, tcp
-from workbench.proof.table import kept
+from workbench.proof.table import least_distance_allowed
 
 NEARLY, FINE = 0.0005, 0.0004
 """[m, rad] How much nearer or farther counts as the same at a turn; and the sum of all joints'
@@ -119,7 +119,7 @@ def _bed_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> It
             begins = gap_of(mine[k][turn], where, far)
             if begins < -policy.sink or begins >= far:
                 continue
-            keeps = min(policy.near_margin, kept(begins))
+            keeps = min(policy.near_margin, least_distance_allowed(begins))
             gap = lift.too_near(mine[k][turn], where, begins, keeps)
             if gap is not None:
                 problem, pair = ProofText.STAYS_ON(), (f"part-{arm_plan.detection + 1}", name)

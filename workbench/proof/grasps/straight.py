@@ -31,6 +31,9 @@ def straight_violations(
 ) -> Iterator[Violation]:
     """Whether a hand goes straight, and, where `way` (3,) [m] in the world is given, that way.
 
+    At waypoints the TCP stays within `OFF_LINE` of the line, between them within `OFF_ARC`; it
+    backs up by no more than `OFF_LINE`, and turns no more than `largest_turn`.
+
     `reach` [m] is how far its part extends from the TCP: a long part limits how the hand may turn.
 
     Joints between two waypoints (m, n) [rad] move in proportion, and the hand then on a curve: it

@@ -27,7 +27,7 @@ from workbench.proof.tolerances import (
 
 
 def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
-    """Whether an arm takes its part by a grasp that it may use, as authored, and to a place."""
+    """Check regions, permission, openings, grasp pose, straight legs and place of one arm."""
     arm, part = cell.arm(arm_plan.arm), cell.part(plan.detections[arm_plan.detection].part)
     grasp = next((g for g in part.grasps if g.name == arm_plan.grasp), None)
     if grasp is None:

@@ -15,7 +15,7 @@ from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.bodies import gap_of, roll_axis, still_of, turned_pieces
 from workbench.proof.places.lying import place_offs
-from workbench.proof.places.standing import STEADY, middle_of, stands_within
+from workbench.proof.places.standing import STEADY, centre_of_mass, stands_within
 from workbench.proof.robot import Tree
 from workbench.proof.stages import put_at
 
@@ -79,7 +79,7 @@ def _may_fill(place: PartPlace, part: Part, T_world_put: pin.SE3) -> bool:
 
 
 def occupation(cell: Cell, arm: Arm, place: PartPlace, known: Sequence[Obstacle]) -> Message | None:
-    """Why no part may be put at a place of a pallet by what lies there; None where one may."""
+    """What lies at a place of a pallet and keeps it from taking a part; None for nothing."""
     names = {part.name for part in cell.parts}
     filled = [
         place_at(arm, cell.part(obstacle.part), obstacle.T_world_put)
@@ -118,7 +118,7 @@ def _falls_over(
 
 def standing_problem(part: Part, place: PartPlace, T_world_put: pin.SE3) -> Message | None:
     """Why a part would not stay as it stands at a place of a pallet; None where it does."""
-    centre = middle_of(part)
+    centre = centre_of_mass(part)
     if centre is None:
         return ProofText.NO_WEIGHT()
     points = part.mesh.points @ T_world_put.rotation.T + T_world_put.translation
@@ -181,7 +181,7 @@ def kept_box(
     *,
     is_sure: bool = True,
 ) -> Obstacle:
-    """A part that was put down, as what is kept clear of from then on.
+    """The box around a part that was put down: later plans keep clear of it.
 
     On a pallet in layers it is where it has fallen to, and counts as what others stand on, as long
     as it `is_sure` that it is there.  Elsewhere it is where the hand has let go of it.

@@ -68,7 +68,7 @@ def standing_violations(
     stands_on = points[points[:, 2] <= low + FLAT, :2]
     if np.any(np.abs(stands_on) > station.size / 2):
         yield violation(ProofText.OVER_EDGE(station=station.name))
-    centre = middle_of(part)
+    centre = centre_of_mass(part)
     if centre is None:
         yield violation(ProofText.NO_WEIGHT())
         return
@@ -110,7 +110,7 @@ def _standing(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan, station: St
     return Detection(found.part, T_world_part, found.score, T_world_found=was)
 
 
-def middle_of(part: Part) -> Floats | None:
+def centre_of_mass(part: Part) -> Floats | None:
     """The centre of mass (3,) [m] of a part of one material; None where its surface is open."""
     points = np.asarray(part.mesh.points)
     middle = points.mean(axis=0)

@@ -214,7 +214,7 @@ def _onward(
 
 
 @njit(cache=True)
-def uneven_at(
+def find_infeasible_segment(
     slopes: Floats,
     widths: Floats,
     quick: Floats,
@@ -222,7 +222,7 @@ def uneven_at(
     acceleration: Floats,
     times: Floats,
 ) -> int:  # pragma: no cover (compiled)
-    """The number of the first segment that cannot take as long as it should; -1 for none.
+    """The segment at which the best attempt failed, or -1 if the planned times are feasible.
 
     What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg,
     and slower where a segment takes longer than it could then; or by the speeds of `SHARES`, in any

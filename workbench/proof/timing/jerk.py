@@ -35,8 +35,8 @@ class Limits(NamedTuple):
     jerk: Floats
 
 
-def jerky_at(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
-    """The number of the first way that cannot take as long as it should; -1 for none.
+def find_segment_over_jerk_limit(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
+    """The segment at which the best attempt failed, or -1 if the planned times are feasible.
 
     A motion of another kind than is looked for may be missed.
 

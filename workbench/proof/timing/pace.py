@@ -3,7 +3,8 @@
 Where a controller stops at waypoints, each way is one from rest to rest.  Where it rounds corners,
 or is streamed, the curve is the polyline with corners rounded by parabolas, as wide as the zone
 allows.  A leg holds where there is a motion along it, from rest to rest, that passes every waypoint
-when the plan says, and no joint is anywhere faster, or accelerates more, than the cell allows.
+when the plan says, and no joint is anywhere faster, or accelerates more, than the cell allows, by
+more than `LIMIT_TOLERANCE`.
 Where the cell limits jerk nothing follows a parabola, and the motion is one of `timing.jerk`.
 """
 
@@ -15,11 +16,11 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Leg, Plan, Violation, are_in_step
-from workbench.proof.timing.fastest import ceilings, fastest, seconds, uneven_at
-from workbench.proof.timing.jerk import Limits, jerky_at
+from workbench.proof.timing.fastest import ceilings, fastest, find_infeasible_segment, seconds
+from workbench.proof.timing.jerk import Limits, find_segment_over_jerk_limit
 
-ROUNDING = 1.001
-"""What sums of rounded values may exceed a limit by."""
+LIMIT_TOLERANCE = 1.001
+"""Speeds and accelerations may be this many times the cell's: sums of rounded values."""
 
 CORNER, STRAIGHT = 8, 16
 """Pieces of each half of a corner, and of the straight between two: where they are fewer than a
@@ -63,9 +64,9 @@ def _violations(cell: Cell, legs: list[tuple[Arm, Leg]]) -> Iterator[Violation]:
 
 def _jerky_at(cell: Cell, steps: Floats, times: Floats, limits: Limits) -> int:
     """The first way (m, n) [rad] that no motion with these limits passes in its time; -1: none."""
-    row = jerky_at(steps, times, limits, cell.zone)
+    row = find_segment_over_jerk_limit(steps, times, limits, cell.zone)
     if row >= 0 and cell.controller.motion.corners == "blend":
-        return jerky_at(steps, times, limits, 0.0)
+        return find_segment_over_jerk_limit(steps, times, limits, 0.0)
     return row
 
 
@@ -92,8 +93,8 @@ def from_rest_to_rest(
     no joint forbids.
     """
     # What the whole way would take at full speed, and squared at full acceleration.
-    speed = (np.abs(steps) / (velocity * ROUNDING)).max(axis=1)
-    push = (np.abs(steps) / (acceleration * ROUNDING)).max(axis=1)
+    speed = (np.abs(steps) / (velocity * LIMIT_TOLERANCE)).max(axis=1)
+    push = (np.abs(steps) / (acceleration * LIMIT_TOLERANCE)).max(axis=1)
     # Up to speed and down again, or never quite up to speed.
     reaches = speed**2 > push
     least = np.where(reaches, speed + push / np.where(reaches, speed, 1.0), 2 * np.sqrt(push))
@@ -110,14 +111,16 @@ def _check_rounded(
     """What is wrong with ways (m, n) [rad] in times (m,) [s], corners rounded, and with which."""
     slopes, widths = marks_of(steps, zone)
     pieces = len(widths) // len(steps)
-    most = ceilings(slopes, velocity * ROUNDING)
+    most = ceilings(slopes, velocity * LIMIT_TOLERANCE)
     for row, planned in enumerate(times.tolist()):
         first, last = row * pieces, (row + 1) * pieces
         if planned < seconds(most[first : last + 1], widths[first:last]):
             return ProofText.TOO_FAST, row
     # Speeds of a motion within the limits, then of any that exceed them by no more than rounding.
     quick = fastest(slopes, widths, velocity, acceleration)
-    row = uneven_at(slopes, widths, quick, most, acceleration * ROUNDING, times)
+    row = find_infeasible_segment(
+        slopes, widths, quick, most, acceleration * LIMIT_TOLERANCE, times
+    )
     return None if row < 0 else (ProofText.TOO_HARD, row)
 
 

@@ -28,7 +28,7 @@ from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.inverse import starts_of
 from workbench.planning.kinematics.straight import follow
 from workbench.planning.picking.propose import propose
-from workbench.planning.picking.put_down import at_places
+from workbench.planning.picking.put_down import find_configurations_at_places
 from workbench.planning.picking.resolve import resolve
 
 TURNS = 48
@@ -119,7 +119,10 @@ class Exchanges:
             for T_grip in grips(arm.tool, grasp):
                 hold = _hold(arm, grasp, grasp.T_part_tcp, grasp.T_part_tcp * T_grip)
                 phase = _bringing(number, hold)
-                if arm.places_for(kind) and at_places(self._world, arm, phase, starts).near:
+                if (
+                    arm.places_for(kind)
+                    and find_configurations_at_places(self._world, arm, phase, starts).near
+                ):
                     yield hold
 
     def asked(self, number: int) -> Got:
