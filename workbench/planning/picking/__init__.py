@@ -1,4 +1,4 @@
-"""From parts found to a plan: candidates, the straight ways, the free ones, one arm or two.
+"""From detections to a plan: candidates, legs, one or two arms.
 
 Imports `kinematics`, `collision` and `planners`.
 """
