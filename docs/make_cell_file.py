@@ -16,7 +16,8 @@ PAGE = Path(__file__).with_name("cell_file.md")
 HEAD = """# Keys of cell, part and grasp files
 
 `python docs/make_cell_file.py` makes this page from the readers' schemas. `workbench cell schema`
-prints the schema of cell files for editors. Keys with the default *needed* are required.
+prints the schema of cell files for editors. In brackets stand the values of a key and, behind a
+semicolon, its default; *needed* keys have none.
 
 A table with a *pose* has `position_mm` (x, y, z) and `rpy_deg` (roll, pitch, yaw about the fixed
 axes x, y, z); both are zero by default.
@@ -54,8 +55,6 @@ ENDINGS = {"mm": "mm", "deg": "deg", "g": "g", "n": "N", "s": "s", "ms": "ms", "
 ENDINGS |= {"px": "pixels"}
 
 NUMBERS = {"number": "number", "integer": "whole number", "boolean": "true or false"}
-
-TABLE = ["", "| key | value | default | meaning |", "|---|---|---|---|"]
 
 PLUGINS = (("scanner", "source"), ("controller", "protocol"), ("localizer", "name"))
 
@@ -135,15 +134,15 @@ def _rows(schema: Schema) -> Iterator[str]:
         for key, form in schema["properties"].items()
         if key not in hidden and not _has_section(form)
     }
-    yield from TABLE if forms else ()
+    yield from [""] if forms else ()
     for key, form in forms.items():
         if form.get("type") == "object" and key == "options":
             continue
-        meaning = form.get("description", "").replace("|", "\\|")
-        usual = "needed" if key in schema["required"] else _usual(form)
+        usual = "*needed*" if key in schema["required"] else _usual(form)
         value, unit = _type(form), _unit(key)
         value += f"{',' if value[-1].isalpha() else ''} {unit}" if unit else ""
-        yield f"| `{key}` | {value} | {usual} | {meaning} |"
+        values = "; ".join(filter(None, (value, usual)))
+        yield f"- `{key}` ({values}): {form.get('description', '')}"
 
 
 def _usual(form: Schema) -> str:
