@@ -102,7 +102,7 @@ def test_what_is_said_of_messages_is_of_the_plan_on_its_way(in_rows):
     line.do(Sent(Receipt(NOW, "right", "start", "startR#", 1, 4)))
     ends(line)
     assert line.state.receipts == line.state.part_reports == ()
-    assert line.state.message == "plan 2 of 3 follows"
+    assert str(line.state.message) == "plan 2 of 3 follows"
 
 
 @pytest.mark.parametrize("command", [Approve, WatchPlan])
