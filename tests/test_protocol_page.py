@@ -59,7 +59,7 @@ def test_frames_are_as_shown():
 
 
 def test_the_conversation_has_every_word_of_the_table():
-    words = set(re.findall(r"^\| [CW] \| `([a-z]+)", PAGE, re.MULTILINE))
+    words = set(re.findall(r"^- [CW]: `([a-z]+)", PAGE, re.MULTILINE))
     assert {word for _, word in NEXT} - {"wait"} <= words
     said = " ".join(block("abb-socket/2"))
     assert {word for word in words if word not in said} == {"no", "ping", "fault", "next"}

@@ -1,4 +1,4 @@
-"""The table of rights in the documents is that of the code."""
+"""The list of rights in the documents is that of the code."""
 
 from pathlib import Path
 
@@ -9,11 +9,11 @@ PAGE = Path(__file__).parents[1] / "docs" / "rights.md"
 
 
 def row(command: type, right: Right) -> str:
-    passes = "yes" if right.without_control else ""
-    return f"| `{command.__name__}` | {right.says} | {right.role} | {passes} |"
+    always = ", always" if right.without_control else ""
+    return f"- `{command.__name__}` ({right.role}{always}): {right.says}"
 
 
 def test_every_command_of_people_stands_there_with_its_rights():
-    stands = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:3] == "| `"]
+    stands = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line[:3] == "- `"]
     expected = [row(command, command.right) for command in COMMANDS if not command.right.by_machine]
     assert stands == expected
