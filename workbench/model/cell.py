@@ -90,7 +90,7 @@ class Arm:
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
     order, those of one position that follow each other by time, after `part_places`, which say how
-    the part shall lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
+    the part has to lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
     where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
@@ -126,7 +126,7 @@ class Arm:
         )
 
     def places_for(self, part: str) -> tuple[PartPlace, ...]:
-        """The places where parts of that kind shall lie, in the order in which they are tried."""
+        """The places where parts of that kind has to lie, in the order in which they are tried."""
         return tuple(place for place in self.part_places if place.is_for(part))
 
     def to_axes(self, q: Floats) -> Floats:

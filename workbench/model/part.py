@@ -1,4 +1,4 @@
-"""A part to be picked, the grasps that people put on it, where it lies and where it shall lie."""
+"""A part to be picked, the grasps that people put on it, where it lies and where it has to lie."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -172,7 +172,7 @@ DOWN = (0.0, 0.0, -1.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
-    """Where a part shall lie when an arm lets go of it, however the hand holds it.
+    """Where a part has to lie when an arm lets go of it, however the hand holds it.
 
     `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
     kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either

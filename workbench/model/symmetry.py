@@ -121,7 +121,7 @@ class Symmetry:
 
     @property
     def turns(self) -> tuple[tuple[str, pin.SE3], ...]:
-        """The motions of the group but for the identity, each with a name.
+        """The motions of the group except for the identity, each with a name.
 
         Where any angle changes nothing, they stand for all, `ANY_TURN` apart; those of a
         dodecahedron stand for those of a ball.

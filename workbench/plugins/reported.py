@@ -119,7 +119,7 @@ def check_status(status: LinkStatus, cell: Cell) -> None:
 
 
 class Receipts:
-    """The receipts of one sending, each looked at as it comes.
+    """The receipts of one sending, each checked as it comes.
 
     Lifetime: one sending.
     """

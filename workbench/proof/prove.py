@@ -1,4 +1,4 @@
-"""The proof: everything about a plan is looked at anew, in the scene as it is known, or refused."""
+"""The proof: everything about a plan is checked anew, in the scene as it is known, or refused."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -25,7 +25,7 @@ from workbench.proof.timing.pace import pace_violations
 from workbench.proof.walk import Walk
 
 RESOLUTION = 0.0005
-"""[m] Where nothing moves further than this, a state that was looked at stands for its
+"""[m] Where nothing moves further than this, a state that was checked stands for its
 neighbours."""
 
 

@@ -1,4 +1,4 @@
-"""Compiled: which pairs of bodies are told apart without measuring them."""
+"""Compiled: which pairs of bodies are distinguished without measuring them."""
 
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ class Asked(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Pairs that are not told apart: `items` (n, 3) as `Batch` says.
+    """Pairs that are not distinguished: `items` (n, 3) as `Batch` says.
 
     `lower` [m] is a bound in the middles of the sets, `moves` [m] how much nearer they may come in
     them, `told` [m] a bound for the whole of them.
@@ -47,7 +47,7 @@ def reachable(
     """What is asked (n, 3), but of pairs that are farther apart than can be told.
 
     Around all that a body passes in all sets there is a box along the axes of the world.  What is
-    no number is not far apart: such pairs are looked at.
+    no number is not far apart: such pairs are checked.
 
     Args:
         asked: the pairs.
@@ -141,14 +141,14 @@ def sieve(
     world: World,
     spread: Spread,
 ) -> Open:  # pragma: no cover (compiled)
-    """Pairs that are not told apart without measuring them.
+    """Pairs that are not distinguished without measuring them.
 
     Args:
         items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
         asked: the pairs.
         goals: (w,) [m] how far apart is far enough after each waypoint, where that is shown.
         at: (k,) the waypoint before each set, see `Batch`.
-        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are told apart.
+        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are distinguished.
         normals: (b, b, 2, 3) directions from the one to the other that were good before, as the
             one and as the other sees them; zero where none is known.
         chain: the joints.
@@ -295,7 +295,7 @@ def gap(
         b: the other body.
         bodies: all bodies.
         world: where they are.
-        enough: [m] nothing larger is looked for.
+        enough: [m] nothing larger is searched for.
         axis: (3,) becomes the direction of the gap in the world, from the one to the other.
         scratch: (4, 3) is written to: the axes of the other and the way to it, as the one sees
             them.

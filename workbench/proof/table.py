@@ -171,7 +171,7 @@ class Table:
         return Pairs(rows, margins, commons, beds, left, arms, shown)
 
     def between_hands(self, pairs: Pairs, joints: Ints) -> Bools:
-        """Which pairs (p,) are of two arms, True, but for two shoulders: these stay near.
+        """Which pairs (p,) are of two arms, True, except for two shoulders: these stay near.
 
         A shoulder is what the first two joints of an arm carry; `joints` (b,) carry the bodies now.
         """

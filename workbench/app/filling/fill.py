@@ -46,7 +46,7 @@ FIRST_PRIORITY = -1
 """Of the families that take most.  Of spares a plan looks only at as many as it needs."""
 
 USUAL = 0.8
-"""Share of what is taken that the families take which are looked at first in each plan."""
+"""Share of what is taken that the families take which are checked first in each plan."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,7 @@ class Filled:
     `entries` are new, those that take most first, and `adds` the share of all parts that each takes
     beyond those before it.  Of `parts` that lay in piles `taken` came out.  `stays` says by reason
     how many no grip of the tools takes as they lie, and `lifts` how many kinds of lifts there were.
-    `looked` of those at which no hand fits were looked at, and `helps` are changes of tool or bin
+    `looked` of those at which no hand fits were checked, and `helps` are changes of tool or bin
     by which a hand would hold some.  `seconds` [s] of processor time.
     """
 

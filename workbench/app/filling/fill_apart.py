@@ -31,7 +31,7 @@ def fill_apart(cell: Cell, part: Part, report: Report, given_up: Event) -> Fille
     Args:
         cell: whose bin, arms and tools are used.
         part: with its library.
-        report: told from another thread how far it is.
+        report: called from another thread with the progress.
         given_up: set by who does not want to wait any longer.
 
     Raises:

@@ -12,7 +12,7 @@ from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import opposite_points
 
 PAIRS = 600
-"""Points of the surface from which axes are looked for."""
+"""Points of the surface from which axes are searched for."""
 
 NEAR = 0.0007
 """[m] Middles of pairs no farther from an axis belong to it."""

@@ -42,7 +42,7 @@ def scene_of(
     detections: Sequence[Detection] | None = None,
     scan: Scan | None = None,
 ) -> Scene:
-    """What is known to be in the bin when a plan is looked at.
+    """What is known to be in the bin when a plan is checked.
 
     A part of which the plan knows nothing is something in the scan that no part explains, and so an
     obstacle that the plan leaves out.  One that the scan does not show is not known to be there.

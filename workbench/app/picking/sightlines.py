@@ -1,7 +1,7 @@
 """From where on a plan leaves the scanner its view: proven for all that arms and held parts pass.
 
 The scanner's view is a pyramid that stands around as one more fixture, and the plan's last steps
-are looked at for contacts with it as planning does: continuously, along all that the controller may
+are checked for contacts with it as planning does: continuously, along all that the controller may
 make of the waypoints.  So nothing in it is hidden, and nothing of the robot counts as an obstacle.
 """
 

@@ -58,7 +58,7 @@ RESULTS: Mapping[Any, str] = {
     Tool: "tool",
     Emptying: "emptying",
 }
-"""What a record calls the results of jobs; an error is told by its type and text."""
+"""What a record calls the results of jobs; an error is reported by its type and text."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

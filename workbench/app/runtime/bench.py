@@ -195,7 +195,7 @@ class Bench:
         return isinstance(command, Approve | SendPlan)
 
     def ask(self, question: Question) -> None:
-        """Have something worked out that is only looked at: it is not recorded, changes nothing."""
+        """Have something worked out that is only checked: it is not recorded, changes nothing."""
         self._effects.ask(question)
 
     @property

@@ -158,7 +158,7 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
     "arm": lambda cycle, pick: pick.arm,
     "strategy": lambda cycle, pick: cycle.strategy,
 }
-"""What success is told by."""
+"""What success is reported by."""
 
 
 class Count:

@@ -42,12 +42,12 @@ class StudyLocalization:
     tilted: float = 0.0
     """And is turned by this about the bin's x axis [degrees]."""
     search: str = ""
-    """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
+    """Kinds to look for instead of those that lie there, as in --parts: what is found is wrong."""
     seed: FirstSeed = 0
     cad_scale: float = 1.0
     """The CAD files are so many times as large as what lies there: is that said?"""
     models: Maybe[Path] = None
-    """Folder with a PLY file [mm] for each part, searched with in place of its CAD file."""
+    """Folder with a PLY file [mm] for each part, searched with instead of its CAD file."""
     cases: Maybe[Path] = None
     """Folder of kept cases, to search in these and in no pile; goes with --json alone."""
     plot: Maybe[Path] = None
@@ -110,7 +110,7 @@ class StudyThreshold:
 class StudyEmptying:
     """Empty full bins: what is taken, how fast, and what stays in the corners and why.
 
-    Parts fall into the bin by physics; plan after plan is made, carried out and the bin looked at
+    Parts fall into the bin by physics; plan after plan is made, carried out and the bin checked
     again, until three looks in a row bring no plan, or three picks in a row have failed.
     """
 
@@ -231,7 +231,7 @@ class StudyGrips:
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
-    Its depth images alone are looked at.
+    Its depth images alone are checked.
     """
 
     folder: Positional[Path]
@@ -247,7 +247,7 @@ class StudyBop:
     """Name under robots/, or path of a cell.toml: its localizer searches, and its scanner's noise
     counts where an image tells none."""
     own_bin: bool = False
-    """The images are of that cell's bin, by its scanner.  If not, things are looked for above the
+    """The images are of that cell's bin, by its scanner.  If not, things are searched for above the
     plane on which most of an image lies: a floor little above a table is taken for the table."""
     images: int = 0
     """No more than the first so many images; 0 takes all."""

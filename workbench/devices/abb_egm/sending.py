@@ -233,7 +233,7 @@ class Sending:
         self._said[run.arm] = (*said[:6], 0.0, *said[7:])
 
     def _hear(self) -> list[str]:
-        """Arms with new reports, each of which is looked at."""
+        """Arms with new reports, each of which is checked."""
         heard: list[str] = []
         for name, reports in self._news():
             for feedback in reports:

@@ -2,7 +2,7 @@
 
 Source: Technical reference manual: RAPID instructions, functions and data types (3HAC050917),
 SocketCreate to SocketPeek: one message has at most 1,024 bytes, a string 80; receiving waits 60 s
-unless told otherwise; a link that was closed by the other side is ERR_SOCK_CLOSED.  Whether
+unless stated otherwise; a link that was closed by the other side is ERR_SOCK_CLOSED.  Whether
 SocketPeek tells of such a link as well is not said there: `peek_tells_end` chooses.
 """
 

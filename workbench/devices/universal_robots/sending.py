@@ -90,7 +90,7 @@ class Sending:
                     self._client.say(stop=True)
 
     def _follow(self, cancelled: Cancelled) -> Iterator[State]:
-        """States of the program as it runs, each looked at, up to that of its end."""
+        """States of the program as it runs, each checked, up to that of its end."""
         total, clock = len(self._program.legs), self._patience.clock
         began, stood, over = clock(), None, None
         while True:

@@ -1,4 +1,4 @@
-"""What the client tells of the controller, looked at before anything is done with it."""
+"""What the client tells of the controller, checked before anything is done with it."""
 
 import math
 from dataclasses import dataclass

@@ -172,7 +172,7 @@ def points_of(path: Path, content: bytes) -> Floats:
     """The points (n, 3) of a PLY or PCD file, whatever their unit and axes.
 
     Raises:
-        FileError: as `parse_cloud` has it, but for the unit.
+        FileError: as `parse_cloud` has it, except for the unit.
     """
     points = _rows(path, content).points
     return np.array(points[_select_measured(path, points)], dtype=np.float64)

@@ -115,7 +115,7 @@ def read_certificate(path: str | Path) -> Certificate:
 
 
 def _content(plan: Plan, scene: Scene, proof: Proof, made_with: dict[str, str]) -> dict[str, Any]:
-    """What a certificate holds, but for its digest."""
+    """What a certificate holds, except for its digest."""
     return {
         "format": CERTIFICATE_FORMAT,
         "made_with": made_with,

@@ -1,4 +1,4 @@
-"""Where the packages of ROS lie that robot files name: looked for beside the files, without ROS.
+"""Where the packages of ROS lie that robot files name: searched for beside the files, without ROS.
 
 Source: https://ros.org/reps/rep-0127.html (`package.xml`)
 """
@@ -72,7 +72,7 @@ class Packages:
         )
 
     def missing(self, name: str) -> str:
-        """The sentence that says where a package was looked for."""
+        """The sentence that says where a package was searched for."""
         places = [*self._more, *self._above[:-2]][:4]
         listed = ", ".join(str(place) for place in places) or "no folder"
         return (

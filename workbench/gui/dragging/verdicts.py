@@ -46,7 +46,7 @@ class LiveVerdicts:
         visitor.on_end(self.end)
 
     def prepare(self) -> None:
-        """A drag may begin soon: have looked at once for what takes the first answer a second."""
+        """A drag may begin soon: have viewed once for what takes the first answer a second."""
         with self._lock:
             self.begin()
             self.ask({}, pin.SE3.Identity())

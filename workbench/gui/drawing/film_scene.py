@@ -1,4 +1,4 @@
-"""The parts of a film, in one browser alone, in place of what is really in the cell."""
+"""The parts of a film, in one browser alone, instead of what is really in the cell."""
 
 from dataclasses import replace
 from functools import partial

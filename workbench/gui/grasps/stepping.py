@@ -21,7 +21,7 @@ from workbench.planning.collision.legs import grips
 from workbench.words.words import IN_ENGLISH, Words
 
 NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
-"""[rad, m] What is told of a turn and of a shift would be 0."""
+"""[rad, m] What is reported a turn and of a shift would be 0."""
 
 
 def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
@@ -126,7 +126,7 @@ class CopySteps:
         visitor.on_key("C", "Next copy of the grasp", lambda: is_alone() and self._go(1))
 
     def show(self, state: State, part: Part, entry: Entry | None) -> Grasp | None:
-        """The chosen grasp is `entry` now; the copy that is looked at, None: the grasp itself."""
+        """The chosen grasp is `entry` now; the copy that is viewed, None: the grasp itself."""
         tool = self._editing.tool
         of = digest_of((part.digest, tool.name, "" if entry is None else entry.name))
         if of != self._of:

@@ -24,7 +24,7 @@ from workbench.proof.spot import Spot
 from workbench.proof.stages import STRAIGHT
 
 NEAR_BY = 0.45
-"""[m] From so far off two bodies are looked at."""
+"""[m] From so far off two bodies are viewed."""
 
 TOUCH = 0.0001
 """[m] Bodies that are nearer than this touch, for people."""

@@ -85,7 +85,7 @@ class Stage:
         self._clicked = clicked
 
     def close(self) -> None:
-        """Look at the cell again, from where it was looked at."""
+        """Look at the cell again, from where it was viewed."""
         self._scene.remove_by_name(STAGE)
         if self._clicked is not None:
             self._scene.remove_click_callback(self._clicked)
@@ -167,7 +167,7 @@ def size_of(part: Part) -> float:
 
 
 def view_of(part: Part) -> tuple[Floats, Floats]:
-    """From where the part is looked at first, and to which point, each (3,) [m] in the world."""
+    """From where the part is viewed first, and to which point, each (3,) [m] in the world."""
     points = np.asarray(part.mesh.points)
     middle = T_WORLD_STAGE.act((points.min(axis=0) + points.max(axis=0)) / 2)
     return middle + size_of(part) * np.array([2.1, -2.4, 1.5]), middle

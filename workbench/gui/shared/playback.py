@@ -15,7 +15,7 @@ from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.stages import STRAIGHT
 
 AHEAD = 2.0
-"""How far ahead on the plan's clock the robot is looked for [s]."""
+"""How far ahead on the plan's clock the robot is searched for [s]."""
 
 AHEAD_STEP = 0.02
 """In which steps [s]."""

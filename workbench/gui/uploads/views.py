@@ -1,4 +1,4 @@
-"""What is told of a CAD file that was chosen."""
+"""What is reported a CAD file that was chosen."""
 
 import math
 

@@ -24,7 +24,7 @@ from workbench.perception.views.surfaces import add_solids, add_surface, triangl
 Kind = Literal["bin", "fixture", "part"]
 
 ENOUGH = 20_000
-"""Points of a scan that are looked at, and all around parts; of more every second, third, ..."""
+"""Points of a scan that are checked, and all around parts; of more every second, third, ..."""
 
 REACH, GATES = 0.008, (0.006, 0.004, 0.003, 0.003)
 """[m] Points this near to a surface may belong to it; the same in each step of the fit."""

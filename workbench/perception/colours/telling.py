@@ -35,7 +35,7 @@ AS_GOOD = 4.0
 """By so much more than the best light another one may miss all parts together, and is possible."""
 
 FEWEST, LEAST = 12, 0.03
-"""Points, and share of those seen, by which two guesses must differ to be told apart."""
+"""Points, and share of those seen, by which two guesses must differ to be distinguished."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -61,7 +61,7 @@ LEAST_DEVIATION = 0.001
 def scale_check(
     name: str, maps: DepthMap, surface: PartSurface, poses: Sequence[Floats], tolerance: float
 ) -> ScaleCheck | None:
-    """How large a kind of part is in the scan over its CAD file, None where that cannot be told.
+    """How large a kind of part is in the scan over its CAD file, None where that is unknown.
 
     Args:
         name: of the part.

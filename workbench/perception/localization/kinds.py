@@ -52,7 +52,7 @@ OUTDONE = 1.5
 all that counts of the other."""
 
 FEW_KINDS = 5
-"""So many are all looked for at once; to glance at more before costs less than it saves."""
+"""So many are all searched for at once; to glance at more before costs less than it saves."""
 
 
 @dataclass(slots=True, eq=False)
@@ -134,7 +134,7 @@ def _rounds(
 ) -> Iterator[tuple[int, Sequence[bool]]]:
     """The number of the effort of each round, and for each kind whether it is its turn.
 
-    Of many kinds those come first of which a glance shows some: the others are looked for in what
+    Of many kinds those come first of which a glance shows some: the others are searched for in what
     these leave, which is little if they are not there.
     """
     everyone = [True] * len(found)
@@ -148,7 +148,7 @@ def _rounds(
 def _likely(found: Sequence[Sought], seed: int, step: Callable[[str], None]) -> list[bool]:
     """For each kind whether poses of it stand that a few votes propose, among those of all kinds.
 
-    Nothing is looked at closely, so twice as much is tolerated.
+    Nothing is checked closely, so twice as much is tolerated.
     """
     glances = [
         replace(
@@ -184,7 +184,7 @@ def look_closely(step: Callable[[str], None], search: Sought, hypothesis: Hypoth
 
 
 def _as_it_is(search: Sought, hypothesis: Hypothesis) -> Assessment:
-    """What is not looked at closely passes for what it seems to be."""
+    """What is not checked closely passes for what it seems to be."""
     return Assessment(
         hypothesis.pose, hypothesis.sighting, None, roll_known=True, is_held=True, is_told=True
     )

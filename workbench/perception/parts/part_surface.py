@@ -25,7 +25,7 @@ DENSE = 12_000
 """Points sampled on the surface before thinning."""
 
 DIRECTIONS = 80
-"""From which the part is looked at to find which of its surface can be seen at all."""
+"""From which the part is checked to find which of its surface can be seen at all."""
 
 VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""

@@ -30,7 +30,7 @@ FLAT_POINTS, FLAT_SHARE = 6, 0.4
 show something flat: stray points of scanners lie alone."""
 
 MARGIN = 0.01
-"""[m] Beside walls nothing flat is looked for: scanners smooth wall and floor into each other."""
+"""[m] Beside walls nothing flat is searched for: scanners smooth wall and floor into each other."""
 
 OVER_CELLS = 4
 """Pieces of the grid over which something sticks out, or it is a mistake of the scanner."""

@@ -20,7 +20,7 @@ NARROW, WIDE = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
 
 ENOUGH = 100_000
-"""Points that are looked at; of more every second, third, ..."""
+"""Points that are checked; of more every second, third, ..."""
 
 FEWEST_POINTS = 16
 """Points that a window needs."""

@@ -53,7 +53,7 @@ def first_contact(
     """The first place found where two arms come too close; None when there surely is none.
 
     Args:
-        world: in a phase in which both arms may move; only pairs between the two are looked at.
+        world: in a phase in which both arms may move; only pairs between the two are checked.
         base: whole configuration (nq,) of all other joints.
         first: the way of one arm.
         second: the way of the other.
@@ -79,7 +79,7 @@ def first_contact(
 def _measure(
     world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
 ) -> ArmContact | None:
-    """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""
+    """As `first_contact`, every state checked by Coal: for bodies that are not convex."""
     q, d = base.copy(), np.zeros(len(base))
     columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()

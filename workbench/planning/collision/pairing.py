@@ -26,7 +26,7 @@ def kept(begins: Floats) -> Floats:
     """The distances [m] that are kept by what is so far apart (k,) [m] where a leg begins.
 
     What is in touch may come nearer by `SLACK`.  What is clear stays so, by half at least: the rest
-    is for what states are looked at apart, and measured otherwise.
+    is for what states are checked apart, and measured otherwise.
     """
     return np.where(begins > CLEAR, np.maximum(begins / 2, begins - SLACK), begins - SLACK)
 
@@ -117,7 +117,7 @@ class Checks:
         return among[(self.carriers[among] == self.arms[arm]).any(axis=1)]
 
     def all_but(self, arm: str, other: str) -> Ints:
-        """The pairs of one arm, but for those with the other."""
+        """The pairs of one arm, except for those with the other."""
         return np.setdiff1d(self.involving(arm), self.between(arm, other))
 
     def to_placed(self, arm: str) -> Ints:

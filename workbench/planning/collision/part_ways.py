@@ -23,7 +23,7 @@ from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings
 
 STEP = 0.004
-"""[m] Parts are looked at so far apart on their way."""
+"""[m] Parts are checked so far apart on their way."""
 
 ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
@@ -39,10 +39,10 @@ LEANS, SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
 within the first 10 mm, from which on `near_margin` is kept to it."""
 
 MOST_OFF = 12
-"""Ways off that are told of a part, those that lead away most."""
+"""Ways off that are reported a part, those that lead away most."""
 
 COMES_OFF = 0.001
-"""[m] Steps in which a part comes off what it lies on, where its turns are looked at."""
+"""[m] Steps in which a part comes off what it lies on, where its turns are checked."""
 
 
 Body = tuple[Shape, pin.SE3]
@@ -66,7 +66,7 @@ class Caught:
 
 
 def steps_along(first: float, most: float) -> Floats:
-    """How far [m] along a way something is looked at, shape (k,): from `first` to its end."""
+    """How far [m] along a way something is checked, shape (k,): from `first` to its end."""
     return np.append(np.arange(first, most, STEP), most)
 
 
@@ -166,10 +166,10 @@ class PartWays:
     def ways_off(self, number: int) -> tuple[Floats, ...]:
         """The ways (3,) [m] in the world on which a part comes off and then meets nothing.
 
-        They are looked for all over the half sphere above it, up to 60 degrees from upright, each
+        They are searched for all over the half sphere above it, up to 60 degrees from upright, each
         as long as the policy's lift.
         Those come first that lead away most in their first mm, and of these the steepest.  It is
-        the part alone that is looked at, so all its grasps have them in common.
+        the part alone that is checked, so all its grasps have them in common.
 
         Args:
             number: of the detection.
@@ -226,7 +226,7 @@ class PartWays:
 
         Args:
             number: of the detection.
-            way: (3,) [m] in the world; its first `release` is looked at.
+            way: (3,) [m] in the world; its first `release` is checked.
         """
         if all(detection.roll_known for detection in self._detections):
             return None

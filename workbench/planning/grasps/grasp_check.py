@@ -131,7 +131,7 @@ class GraspChecker:
     ) -> tuple[float, str]:
         """How far the tool is from the part [m], below 0 how deep it cuts, and the solid nearest.
 
-        Distances beyond `within` are not told apart.
+        Distances beyond `within` are not distinguished.
         """
         best, at = within, ""
         for solid in self._solids:

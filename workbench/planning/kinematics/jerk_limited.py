@@ -32,7 +32,7 @@ UNLIMITED = 1e18
 """What the parameter may do where no joint moves that has a limit."""
 
 HALVINGS = 50
-"""Of an interval in which a share is looked for."""
+"""Of an interval in which a share is searched for."""
 
 
 @njit(cache=True)

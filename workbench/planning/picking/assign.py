@@ -21,7 +21,7 @@ from workbench.planning.picking.weave import interleave
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
 ALIKE = 3
-"""Grasps of a part that are looked at for an arm, where both arms may work at once."""
+"""Grasps of a part that are checked for an arm, where both arms may work at once."""
 
 WOVEN = 2
 """Pairs of them that are planned, of which the quicker is taken."""

@@ -90,7 +90,7 @@ def _unlike(directions: Floats) -> list[int]:
 
 
 def has_several(world: World, candidate: Candidate) -> bool:
-    """Whether there is a choice of lifts: then they are looked at without the arm first."""
+    """Whether there is a choice of lifts: then they are checked without the arm first."""
     return candidate.grasp.retreat is None and len(world.policy.lifts) > 1
 
 

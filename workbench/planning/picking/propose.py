@@ -41,8 +41,8 @@ def propose(
 
     Args:
         world: of the cell with the parts found.
-        priorities: of the grasps that are looked at; None for all of them.
-        looked: is told how far it is, and may end it by raising.
+        priorities: of the grasps that are checked; None for all of them.
+        looked: is called with the progress, and may end it by raising.
     """
     detections = world.detections
     grasps = grasps_of(world, priorities)
@@ -62,7 +62,7 @@ def propose(
 
 
 def grasps_of(world: World, priorities: Collection[int] | None) -> dict[str, tuple[Grasp, ...]]:
-    """The grasps that are looked at, by part; see `propose`."""
+    """The grasps that are checked, by part; see `propose`."""
     return {
         part.name: tuple(
             grasp for grasp in part.grasps if priorities is None or grasp.priority in priorities

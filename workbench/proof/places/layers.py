@@ -23,7 +23,7 @@ FALL = 0.003
 """[m] So much more than the margin a part may fall when it is let go of onto a pallet."""
 
 FARTHEST = 0.05
-"""[m] Nothing that is farther beneath is looked for."""
+"""[m] Nothing that is farther beneath is searched for."""
 
 NEAR = 1e-5
 """[m] A part that has come so near to something lies on it."""

@@ -20,7 +20,7 @@ SOONEST = 0.001
 """[s] From a waypoint to an equal one."""
 
 HALVINGS, FEWER = 45, 20
-"""Of an interval in which a limit is looked for, and in which a speed is."""
+"""Of an interval in which a limit is searched for, and in which a speed is."""
 
 NEAR = 1e-9
 """Share of a squared speed that rounding may decide."""

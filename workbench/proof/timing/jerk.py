@@ -38,7 +38,7 @@ class Limits(NamedTuple):
 def jerky_at(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
     """The number of the first way that cannot take as long as it should; -1 for none.
 
-    A motion of another kind than is looked for may be missed.
+    A motion of another kind than is searched for may be missed.
 
     Args:
         steps: the ways (m, n) [rad, m].

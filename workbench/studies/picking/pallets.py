@@ -46,7 +46,7 @@ class Filled:
     """What came of a pallet.
 
     Of its `places` so many were filled with `parts`; `ends` says why there are no more, empty
-    where it is full.  `piles` were looked at, of which `unplanned` brought no plan.  Of the parts
+    where it is full.  `piles` were checked, of which `unplanned` brought no plan.  Of the parts
     `off` do not lie where they were put and have fallen to; `shift` [m] and `lean` [rad] are the
     most of all.
     """
@@ -117,7 +117,7 @@ def _off(cell: Cell, placed: Sequence[Detection], case: Case) -> tuple[int, floa
 
 
 def summary(results: Sequence[Filled]) -> dict[str, Any]:
-    """What is told of all pallets."""
+    """What is reported all pallets."""
     return {
         "pallets": len(results),
         "full": sum(result.parts == result.places for result in results),

@@ -57,7 +57,7 @@ READERS = 3
 """So many answers are made at once: clouds take memory and time."""
 
 COMMANDERS = 4
-"""So many commands are looked at at once."""
+"""So many commands are checked at once."""
 
 Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
 

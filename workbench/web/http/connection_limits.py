@@ -103,7 +103,7 @@ class ConnectionLimits:
         """Nobody is there.
 
         Args:
-            is_login: tells who has logged in.
+            is_login: returns who has logged in.
             clock: [s], does not jump.
             room: for how many.
         """

@@ -28,7 +28,7 @@ SILENCE = 60.0
 """[s] In which it is said only once that nothing is left."""
 
 LOOK = 1.0
-"""How often [s] it is looked for those who have taken too long."""
+"""How often [s] it is searched for those who have taken too long."""
 
 
 class Gate:

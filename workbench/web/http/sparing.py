@@ -64,7 +64,7 @@ class Sparing(logging.Filter):
 
         Args:
             at_once: lines of a kind that may be written together.
-            clock: tells [s] and does not jump.
+            clock: returns [s] and does not jump.
         """
         super().__init__()
         self._at_once = at_once

@@ -60,7 +60,7 @@ class Surface:
 
         Args:
             points: [m] within the box around the surface; of those about as far the first counts.
-            enough: [m] what surely is no farther is not looked at closer.
+            enough: [m] what surely is no farther is not checked closer.
             too_far: [m] the search ends at a point that is farther.
         """
         is_at_surface = self._are(self._is_taken, points, elsewhere=False)

@@ -32,14 +32,14 @@ def _pieces(shape: Shape) -> _Pieces:
 
 
 def has_pieces(shape: Shape) -> bool:
-    """Whether a shape goes around pieces that have to be looked at."""
+    """Whether a shape goes around pieces that have to be checked."""
     return isinstance(shape, Mesh) and bool(shape.pieces)
 
 
 def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
     """The distance [m] of two shapes at poses in a common frame, negative where they overlap.
 
-    Distances beyond `within` are not told apart.
+    Distances beyond `within` are not distinguished.
     """
     a, b = _pieces(shape), _pieces(other)
     at, bt = (

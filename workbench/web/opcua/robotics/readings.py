@@ -1,6 +1,6 @@
 """What is known of the robot, for the variables of OPC UA for Robotics; what is not stays unknown.
 
-Nothing is made up: a variable without a reading here is told with a status that says so.
+Nothing is made up: a variable without a reading here is reported with a status that says so.
 """
 
 import math

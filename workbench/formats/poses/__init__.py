@@ -1,0 +1,4 @@
+"""Poses on pendants, and in files of hand-eye calibrations.
+
+Imports `files`.
+"""
