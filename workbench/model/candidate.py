@@ -159,7 +159,7 @@ class Pick:
 
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
     end of the extraction; `place` (n,) releases the part.  `T_tcp_part` is the part in the
-    hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that leads away
+    hand; `lift` the name of the way in which it is taken out; `gain` [m] how much that leads away
     from what the part lies against (`PartWays.gain`), told where there are several lifts.
     `clearance` [m] is the smallest found over them, `seconds` what its legs take at least, each
     straight from rest to rest.

@@ -162,9 +162,9 @@ class ScannerMount:
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
     standard deviation at 1 m of a simulated pixel before any averaging, `near` and `far` [m] the
-    range it measures in.  `source` names the driver (`plugins.scanner`), `address` is where it
-    finds the scanner, in its own way, `unit` that of files, `patience` [s] how long to wait for a
-    scan, `options` are the driver's own keys.  `calibration` says who has measured the pose and
+    range it measures in.  `source` names the driver (`plugins.scanner`); `address` is where it
+    finds the scanner, in its own way; `unit` that of files; `patience` [s] how long to wait for a
+    scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
     when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
     axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
     as good while arms move out of its view, so that it need not wait for them.

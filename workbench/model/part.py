@@ -34,7 +34,7 @@ class Grasp:
     `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
     part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
-    about its own z either way, `tilt` [rad] how far about its closing axis y, `slide` [m] how far
+    about its own z either way; `tilt` [rad] how far about its closing axis y; `slide` [m] how far
     it may be moved along its x.  `tool` is the one it is for; empty means any.
     """
 

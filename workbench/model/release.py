@@ -126,7 +126,7 @@ class Receipt:
     `at` [s since the epoch]; `kind` is a word of the link's own; `sent` the text without padding,
     empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
     or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
-    what became of a part, `waits` when it reported that it stands before that step of the plan,
+    what became of a part; `waits` when it reported that it stands before that step of the plan,
     counted from 1, and waits for a person's word.  `step` is the step that it reported to run,
     counted from 1; 0 where it said nothing of that.
     """

@@ -49,7 +49,7 @@ class Request:
 class Question:
     """Something to be worked out between jobs, soon or not at all; nothing of it is on record.
 
-    `asker` returns who asks: what they ask next takes the place of what has not begun.  `name` and
+    `asker` names who asks: what they ask next takes the place of what has not begun.  `name` and
     `arguments` are those of a job.  `answered` is told the result, or the `WorkbenchError` that
     ended it, by one thread of the owner; a question that a newer one has replaced never is.
     """

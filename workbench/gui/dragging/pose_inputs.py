@@ -113,7 +113,7 @@ class PoseInputs:
             place(self._gizmo, T)
 
     def _tell_verdicts(self) -> None:
-        """What is reported the candidates; with a gizmo there is room for it before a drag."""
+        """The text about the candidates; with a gizmo there is room for it before a drag."""
         room = Room.NONE if self._gizmo is None else Room.EMPTY
         if self._gizmo is not None and self._visitor.bench.state.detections:
             room = Room.TOLD

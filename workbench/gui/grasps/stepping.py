@@ -21,7 +21,7 @@ from workbench.planning.collision.legs import grips
 from workbench.words.words import IN_ENGLISH, Words
 
 NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
-"""[rad, m] What is reported a turn and of a shift would be 0."""
+"""[rad, m] Turns and shifts below this are shown as 0."""
 
 
 def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:

@@ -179,7 +179,7 @@ class View:
     picture.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
-    look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
+    look; `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
     that is laid over the robot, and `filmed`, the moment of a film that is shown there.
     """
 

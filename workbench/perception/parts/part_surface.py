@@ -56,8 +56,8 @@ class PartSurface:
     `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
     `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
     still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
-    `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
-    part counts as the same by its author's word, `fixed` (3,) [m] the place near the middle that
+    `symmetry` is what the localizer may mix up; `stated` (k, 4, 4) the motions after which the
+    part counts as the same by its author's word; `fixed` (3,) [m] the place near the middle that
     these leave where it is.  Of what `is_ball` no turn is ever seen.
     """
 

@@ -18,7 +18,7 @@ def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
 
     Args:
         views: n of them, in the model's frame.
-        gate: [m] what is measured by so much further away was checked through the point.  As
+        gate: [m] what is measured by so much further away was seen through the point.  As
             many others as carve a surface away must have done so.
     """
     shares: list[float] = []

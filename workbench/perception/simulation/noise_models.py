@@ -13,8 +13,8 @@ class NoiseModel:
 
     `baseline` [m] is from camera to projector, along the image's rows.  Below the cosine
     `grazing` too little of the pattern comes back; failures begin at `fading`.  `drop_outs` is the
-    share of pixels that fail anywhere (dust, gloss), `outliers` that of pixels which are decoded
-    wrongly and lie anywhere up to `stray` [m] off, `flying` that of pixels beside a depth edge
+    share of pixels that fail anywhere (dust, gloss); `outliers` that of pixels which are decoded
+    wrongly and lie anywhere up to `stray` [m] off; `flying` that of pixels beside a depth edge
     which measure something between its two sides.
 
     The rest is none unless it is said.  Near things are `fattened` by so many pixels; depths are

@@ -66,8 +66,8 @@ class Checks:
     `arms` are the numbers of arms by name, `among` those of the pairs that count.  For every pair
     there is its margin [m], the arms that carry its bodies in `carriers` (pairs, 2), -1 where none
     does, and in `commons` the deepest joint that carries both.  `lifts` tells whether one of them
-    is a part that is being lifted, `leaves` whether it is a part that has been placed and the other
-    is of the arm that now goes away from it, `placed` whether it is a placed part at all.
+    is a part that is being lifted; `leaves` whether it is a part that has been placed and the other
+    is of the arm that now goes away from it; `placed` whether it is a placed part at all.
     """
 
     arms: Mapping[str, int]

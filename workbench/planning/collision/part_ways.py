@@ -39,7 +39,7 @@ LEANS, SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
 within the first 10 mm, from which on `near_margin` is kept to it."""
 
 MOST_OFF = 12
-"""Ways off that are reported a part, those that lead away most."""
+"""Reported extraction directions of a part, those that lead away most."""
 
 COMES_OFF = 0.001
 """[m] Steps in which a part comes off what it lies on, where its turns are checked."""

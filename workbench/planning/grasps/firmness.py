@@ -138,7 +138,7 @@ def _blocks(points: Floats, weights: Floats) -> tuple[Floats, Floats]:
 
 
 def in_words(firmness: Firmness) -> str:
-    """What a person is reported a grip, with the numbers that it depends on."""
+    """The text about a grip, with the numbers that it depends on."""
     by = f"{firmness.force:g} N, friction {firmness.friction:g}, {firmness.acceleration:.1f} m/s2"
     if firmness.is_enough:
         return f"holds {min(firmness.share, MOST_TOLD):.1f} times the load ({by})"

@@ -106,7 +106,7 @@ def suggest(
         seed: of the samples.
         name: of the grasps, followed by a number that makes it new in the library.
         acceleration: [m/s2] that grips have to hold against; see `GraspChecker`.
-        refused: is reported each that nothing but the part's weight speaks against.
+        refused: is called with each that nothing but the part's weight speaks against.
 
     Returns:
         At most `most`; none when the tool cannot take the part.

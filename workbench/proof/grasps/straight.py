@@ -34,7 +34,7 @@ def straight_violations(
     `reach` [m] is how far its part extends from the TCP: a long part limits how the hand may turn.
 
     Joints between two waypoints (m, n) [rad] move in proportion, and the hand then on a curve: it
-    is checked this often that it is less than 0.3 mm off the chord of two neighbours.
+    is checked so finely that it is less than 0.3 mm off the chord of two neighbours.
     """
     rows, at = _dense(path)
     start = tcp(tree, tree.rest, arm, rows[0])

@@ -117,7 +117,7 @@ def _off(cell: Cell, placed: Sequence[Detection], case: Case) -> tuple[int, floa
 
 
 def summary(results: Sequence[Filled]) -> dict[str, Any]:
-    """What is reported all pallets."""
+    """The report of all pallets."""
     return {
         "pallets": len(results),
         "full": sum(result.parts == result.places for result in results),

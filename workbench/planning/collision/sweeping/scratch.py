@@ -33,8 +33,8 @@ class Scratch(NamedTuple):
     `R_j` (j, 3, 3), `p_j` (j, 3) [m] and `z_j` (j, 3) place joints, `R` (b, 3, 3) and `c` (b, 3)
     [m] bodies; `twist` (j, 6) [m, rad] is how links move by `ahead`, at the world's origin, and
     turn.  `most` (j, j) [m] says how far anything on a joint can move relative to each joint before
-    it, `rest` (j, j) [m] by how much more than its `twist` says.  `hub` (j, 4) [m] is a ball in the
-    joint's frame around all bodies on it, of radius zero for the world, `hub_c` (j, 3) [m] its
+    it; `rest` (j, j) [m] by how much more than its `twist` says.  `hub` (j, 4) [m] is a ball in the
+    joint's frame around all bodies on it, of radius zero for the world; `hub_c` (j, 3) [m] its
     centre in the world, `hub_most` and `hub_rest` (j, j) [m] are those of the centre alone.
     `normal` (3,) is a direction in which something was found to be apart.
     `placed` (b,) are the numbers of the last looks in which a body was placed, `look` (1,) that of
