@@ -43,7 +43,7 @@ class Finger:
 class Tool:
     """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m].
 
-    `press` [m]: how far it gives way to the part that it takes, pads of fingers as they close,
+    `press` [m]: how far it gives way to the part that it takes: pads of fingers as they close,
     the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
     pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
     estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
@@ -228,7 +228,7 @@ class Policy:
     name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a
     stop against input that nobody foresaw, not a budget.  `order` says which part is taken first:
     which takes the least time, the highest, the best score, the nearest to the tool, the farthest
-    from walls, or by the thesis' rules (see `planning.picking.order`).
+    from walls; or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     `lifts` are ways to take a part out whose grasp says none, tried in this order until one is

@@ -22,7 +22,7 @@ class MotionModel:
 
     Angles travel in `unit` with so many `decimals`, or as they are where `decimals` is None.
     `corners` at waypoints: it comes to rest there (`stop`), it rounds them by at most the cell's
-    zone (`blend`), or it is sent a configuration every `period` [s] along the rounded way
+    zone (`blend`); or it is sent a configuration every `period` [s] along the rounded way
     (`streamed`).  `arms_at_once` is how many arms it moves at the same time.  `reports_progress`:
     the link itself acknowledges what is sent, a stop and the end, and says what became of each
     part; otherwise all that is known comes from the states that the controller reports beside it.

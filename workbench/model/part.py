@@ -182,7 +182,7 @@ class PartPlace:
 
     Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
     place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
-    it, so it takes parts only when every place beneath has one, and none when one lies above.
+    it.  So it takes parts only when every place beneath has one, and none when one lies above.
     """
 
     T_world_part: pin.SE3
@@ -207,7 +207,7 @@ class Station:
     """A level surface on which an arm may put a part down for a moment, to take it anew.
 
     `T_base_station` is the middle of the surface with z up, in the frame of the fixture that it
-    belongs to, which is empty where that is the world.  `size` (2,) [m] along its x and y.
+    belongs to; that is empty where that is the world.  `size` (2,) [m] along its x and y.
     """
 
     name: str

@@ -18,7 +18,7 @@ TOGETHER = "+"
 
 FAILURES = ("missed", "crooked", "turned", "slipped")
 """Kinds of failed picks: the fingers close on nothing, on a part that lies elsewhere, on one that
-lies there except for its roll, which the scan did not show, and that is not held so, or on one that
+lies there except for its roll, which the scan did not show, and that is not held so; or on one that
 weighs more than they hold, where force and friction are stated."""
 
 CHANGE_KINDS = ("fingers", "grasps", "lifts", "margins", "bin", "arms", "order", "tool")

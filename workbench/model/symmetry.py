@@ -1,7 +1,7 @@
 """The turns that leave a part as it is: any finite group of rotations, or a round one.
 
 A group is stated by axes through one point.  Together with all their products the turns about them
-are it: two axes across each other make D-n or D-infinity, two round ones a ball's, and three-fold
+are it: two axes across each other make D-n or D-infinity, two round ones a ball's; three-fold
 axes over the corners of a cube the groups of the regular bodies.
 """
 

@@ -1,7 +1,7 @@
 """The proof of a plan, by code that shares nothing with planning.
 
 Imports `model` alone: its own kinematics (Pinocchio) and distances (Coal), its own table of which
-pairs count, and its own bounds, so that an error of the planner is not an error here.
+pairs count, and its own bounds.  So an error of the planner is not an error here.
 
 To read it, begin with `prove`, then what is asked: `form` (cell, scene, joints), `timing` (speeds
 and accelerations), `grasps` (how hands take parts), `places`, `tolerances` (in metres of any

@@ -29,7 +29,7 @@ class Bodies(NamedTuple):
     `turns` (b, 3, 3), `centres` (b, 3) [m], `halves` (b, 3) [m] half lengths of the boxes around
     them, `radii` (b,) [m] of the balls.  `rounds` (b,) tells that a body fills the same space
     however its own joint is turned.  A body is the hull of points (m, 3) [m], those from
-    `starts[b]` to `starts[b + 1]` seen from its centre, each with a box of half lengths `boxes`
+    `starts[b]` to `starts[b + 1]` seen from its centre: each with a box of half lengths `boxes`
     (b, 3) [m], a disc across z of radius `discs` (b,) [m] and a ball of radius `balls` (b,) [m].
     """
 

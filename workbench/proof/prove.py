@@ -94,7 +94,7 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
     The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
     unless the arm passes parts on.  One that is put on a station is a part, which stands there:
     where others may have moved (`may_have_moved`), nobody knows more of these than that they are in
-    the bin, so that this is full up to where they can be.
+    the bin; so this is full up to where they can be.
 
     Args:
         cell: as it is now.

@@ -30,7 +30,7 @@ class Asked(NamedTuple):
 class Open(NamedTuple):
     """Pairs that are not distinguished: `items` (n, 3) as `Batch` says.
 
-    `lower` [m] is a bound in the middles of the sets, `moves` [m] how much nearer they may come in
+    `lower` [m] is a bound in the middles of the sets; `moves` [m] how much nearer they may come in
     them, `told` [m] a bound for the whole of them.
     """
 

@@ -28,7 +28,7 @@ class Tally:
     """Detections against what a person says: `is_right` of each part that lies there.
 
     `wrong` detections are where one was called wrong (removed, or moved by more than the limits of
-    the study on simulated piles), at a part that a better one has taken, or
+    the study on simulated piles), at a part that a better one has taken; or
     elsewhere in a scan in which nothing else lies; otherwise those elsewhere are `unjudged`.
     """
 

@@ -1,6 +1,6 @@
 """The thesis' last table: two parts at random in the bin, and the distance that decides.
 
-Every pile is planned with the arms one after the other, with both at once, and by `auto` where both
+Every pile is planned with the arms one after the other, with both at once; and by `auto` where both
 are allowed, which takes the quicker.  From that follows what any threshold would have given: both
 are allowed for parts that lie at least so far apart, for others only one after the other.
 """

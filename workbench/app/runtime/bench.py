@@ -56,7 +56,7 @@ class Bench:
     """Takes commands from anybody, one at a time, and tells everybody the newest state.
 
     Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
-    a session; one with entries is continued where it ended, and what was under way then is
+    a session; one with entries is continued where it ended; what was under way then is
     entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
     votes and approvals: they let nothing out but in the bench that they were given to.
 

@@ -14,7 +14,7 @@ class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie.
 
     Or search again in scans that were kept with what people said of them: it ends with 3 when a
-    part that was right is not now, or more is wrong, and with 2 when a case cannot be used.
+    part that was right is not now, or more is wrong; and with 2 when a case cannot be used.
     """
 
     cell: CellName = "yumi"
@@ -111,7 +111,7 @@ class StudyEmptying:
     """Empty full bins: what is taken, how fast, and what stays in the corners and why.
 
     Parts fall into the bin by physics; plan after plan is made, carried out and the bin checked
-    again, until three looks in a row bring no plan, or three picks in a row have failed.
+    again; until three looks in a row bring no plan, or three picks in a row have failed.
     """
 
     cell: Positional[CellName] = "yumi"
@@ -157,7 +157,7 @@ class StudyPlacing:
     """How sure the hand is: where parts lie in it as said before, and as MuJoCo has it.
 
     Parts fall one at a time, are found in a simulated scan and gripped by some of the grasps that
-    fit, each time off by an error drawn from what is said of scanner and search.
+    fit; each time off by an error drawn from what is said of scanner and search.
     """
 
     cell: Positional[CellName] = "yumi"

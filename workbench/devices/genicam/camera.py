@@ -149,7 +149,7 @@ def one_frame(
 ) -> Frame:
     """Take one frame, of what is before the camera after this call.
 
-    The stream, its port and its buffers are new, and what comes before the trigger is thrown away,
+    The stream, its port and its buffers are new; what comes before the trigger is thrown away,
     by the numbers of its frames as well: what is taken was not taken earlier.
 
     Args:

@@ -140,7 +140,7 @@ def shares_within(
 def _pieces(segments: Sequence[Segment]) -> list[Piece]:
     """Straight ones and blends.
 
-    Where a blend begins and ends both moves have the same share of their speed, the largest with
+    Where a blend begins and ends both moves have the same share of their speed: the largest with
     which all that comes after, and came before, can be done.
     """
     count = len(segments)

@@ -1,6 +1,6 @@
 """Certificates: a proof as a file that another machine checks without searching for anything.
 
-A certificate holds the plan, what was known to be in the bin, what the proof said of every leg, and
+A certificate holds the plan, what was known to be in the bin, what the proof said of every leg; and
 for which cell, software and libraries it was made.  Checking it asks whether all of that is so,
 which takes less time than finding it; nothing in it is believed.
 

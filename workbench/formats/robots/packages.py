@@ -29,9 +29,9 @@ VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 class Packages:
     """The packages around one file.
 
-    A package is a folder of that name, or one whose `package.xml` says it.  It is looked for in the
-    folders that a person names, among the folders above the file, beside and below these, and where
-    the variables of ROS say.
+    A package is a folder of that name, or one whose `package.xml` says it.  It is searched for in
+    the folders that a person names; then among the folders above the file, beside and below these,
+    and where the variables of ROS say.
     """
 
     def __init__(self, file: Path, more: Sequence[Path] = ()):

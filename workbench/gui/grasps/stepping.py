@@ -27,7 +27,7 @@ NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
 def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
     """The grips that planning tries for an entry, each as a grasp with the hand there.
 
-    They are those of a pattern, what the part's symmetry makes of each, and what each leaves free
+    They are those of a pattern, what the part's symmetry makes of each; and what each leaves free
     in the steps in which it is tried; named as in the table of candidates.
     """
     names = {grasp.name for grasp in grasps_of(entry)}

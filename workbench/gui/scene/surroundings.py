@@ -212,7 +212,7 @@ def add_light(scene: viser.SceneApi) -> None:
     """Light from above and some from all sides, before anything is there that it falls on.
 
     Where no graphics processor draws, the map of an environment takes some ten seconds of all
-    processors at the first picture, and shadows a third of the rest.
+    processors at the first picture; shadows take a third of the rest.
     """
     scene.configure_environment_map(None)
     scene.configure_default_lights(cast_shadow=False)

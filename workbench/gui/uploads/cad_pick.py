@@ -35,7 +35,7 @@ class CadPick:
 
     Where the file holds several solids, one of them may be chosen.
 
-    Concurrency: callbacks of viser, and one thread for each look, which waits for a process of its
+    Concurrency: callbacks of viser, and one thread for each look.  That waits for a process of its
     own and ends it when another file or unit was chosen meanwhile, or the browser has gone;
     `drawing` and `look` are replaced as a whole.
     """

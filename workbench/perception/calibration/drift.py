@@ -1,7 +1,7 @@
 """How the scanner's pose has drifted, by things whose place is known, and the pose refined by them.
 
 Each day is one measurement: within a day nothing of what moves a bin, or bends a mount, may have
-happened, so that scans of one day are no independent witnesses.  What stands still is held against
+happened; so scans of one day are no independent witnesses.  What stands still is held against
 itself: the first days since the calibration against the last ones, by the test of two samples
 (Student 1908), along each of six directions.  Parts that the robot has put down are held against
 where it has put them: they tell the scanner's pose itself, not only how it changes.

@@ -1,9 +1,9 @@
 """What a scan tells of the scanner's pose by things whose place is known: bin, fixtures, parts.
 
 The bin is fitted as ever.  Of fixtures and of parts that the robot has put down, the points that
-lie on their surfaces are (point-to-plane ICP, Chen and Medioni 1992), each by itself: it is seen
-elsewhere than expected by a small motion, along those directions that its surfaces hold.  Nothing
-is said along the others.
+lie on their surfaces are fitted (point-to-plane ICP, Chen and Medioni 1992), each by itself: it is
+seen elsewhere than expected by a small motion, along those directions that its surfaces hold.
+Nothing is said along the others.
 """
 
 from collections.abc import Sequence

@@ -2,8 +2,8 @@
 
 A point-to-plane fit (Chen & Medioni 1992) with eight unknowns: a pose, a scale about the part's
 middle, and one distance by which the whole surface seems to be off along its normals.  The latter
-takes what scanners do to curved surfaces (they average neighbours, and have near things grow), so
-that the radius alone of something round says nothing: lengths between faces and edges of different
+takes what scanners do to curved surfaces (they average neighbours, and have near things grow); so
+the radius alone of something round says nothing: lengths between faces and edges of different
 directions do.  Pose and distance are eliminated for each detection; what is left of the scale is
 put together by the weights of its information.
 """

@@ -59,7 +59,7 @@ FEW_KINDS = 5
 class Entry:
     """The hypotheses of one kind that are left.
 
-    `gains` (k,) [m^2] is the area that speaks for each of them, `largest` (pixels,) [m^2] that of
+    `gains` (k,) [m^2] is the area that speaks for each of them; `largest` (pixels,) [m^2] that of
     the largest part of another kind that explains a pixel of this kind's maps, 0 where none does.
     """
 

@@ -1,7 +1,7 @@
 """Whether the bin is where the cell says, and how full it is: a look at its rim and its inside.
 
 The rim is a rectangular ring of known size.  Points at about its height are fitted to it by
-Gauss-Newton steps with ever narrower weights (iteratively reweighted least squares), from the
+Gauss-Newton steps with ever narrower weights (iteratively reweighted least squares): from the
 place in the cell and, when too little of the rim is found there, from others around it.
 """
 

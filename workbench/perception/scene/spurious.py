@@ -1,8 +1,8 @@
 """Which points that nothing explains are something, and which a mistake of the scanner.
 
 A scanner decodes single pixels wrongly, and a pixel that lies half on one surface and half on the
-next measures something between the two.  Anything real is seen by several pixels side by side, so
-a point is believed when enough area was seen around it that is not such a mistake, and then what
+next measures something between the two.  Anything real is seen by several pixels side by side.
+So a point is believed when enough area was seen around it that is not such a mistake, and then what
 lies beside it is believed with it.
 """
 

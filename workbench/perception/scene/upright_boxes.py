@@ -1,6 +1,6 @@
 """Upright boxes around points: what is seen from above, down to the floor.
 
-A heap becomes one box where it fills that, more where it does not, and where its one box would
+A heap becomes one box where it fills that; more where it does not, and where its one box would
 reach into a known part that none of its points is under.
 """
 

@@ -26,7 +26,7 @@ FINGER_MASS = 0.1
 """[kg]"""
 
 TILE = 0.003
-"""[m] For what is round pads are cut into tiles of about this size, as MuJoCo has a box and a
+"""[m] For what is round pads are cut into tiles of about this size.  MuJoCo has a box and a
 cylinder touch at one point, and not along a line.  Flat things touch the whole box."""
 
 ON_PLANE, ON_PAD, ON_TILES = 1, 2, 4

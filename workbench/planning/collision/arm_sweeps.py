@@ -1,8 +1,8 @@
 """Whether two arms can meet while each goes its own way, at whatever speed.
 
 The question has two parameters, how far each arm has come.  It is answered as for one arm
-(`motion`): at a state in the middle of both ways no pair may be closer than its margin plus the
-most that the rest of both ways can bring it nearer; otherwise the longer way is halved.
+(`motion`): at a state in the middle of both ways no pair may be closer than its margin, plus the
+most by which the rest of both ways can bring it nearer; otherwise the longer way is halved.
 """
 
 from collections import deque

@@ -12,7 +12,7 @@ them.  (The chain bound of Schwarzer, Saha and Latombe, "Exact collision checkin
 paths", 2002, tightened by taking r at q.)
 
 *Along a direction.*  Bodies that a plane parts stay apart as long as neither has come through
-it, and towards it a body moves by its velocity times the way, and by what the velocity changes:
+it; towards it a body moves by its velocity times the way, and by what the velocity changes:
 less than the chain bound by far where it moves past something.  (Directional motion bounds as in
 X. Zhang, S. Redon, M. Lee and Y. J. Kim, "Continuous collision detection for articulated models
 using Taylor models and temporal culling", 2007; here of the first order, with a bound of the rest.)

@@ -4,7 +4,7 @@ The controller interpolates all joints of an arm linearly.  Either it stops at e
 it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
 parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
 straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
-becomes a stop, so where corners are rounded the sharp ones are checked as well, and where they are
+becomes a stop.  So where corners are rounded the sharp ones are checked as well, and where they are
 wide roundings between the two.  One that is streamed cuts corners straight, from sample to sample,
 by less than half of both segments (`walked`).
 
@@ -63,7 +63,7 @@ def straight(path: Floats) -> Curves:
 def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
-    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
+    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done;
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """

@@ -1,6 +1,6 @@
 """A part alone, moved along straight ways out of the bin: which of them are free, whoever holds it.
 
-The way of a part does not depend on the grasp, so where a neighbour lies on it, or leans on it, no
+The way of a part does not depend on the grasp.  So where a neighbour lies on it, or leans on it, no
 grasp has to be tried.
 """
 

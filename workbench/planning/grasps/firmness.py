@@ -1,6 +1,6 @@
 """Whether a grip holds a part's weight and acceleration, whichever way they pull: a wrench check.
 
-The forces that a grip holds are a convex body, and what counts is the largest ball in it, as in
+The forces that a grip holds are a convex body.  What counts is the largest ball in it, as in
 Ferrari and Canny, "Planning optimal grasps", ICRA 1992, but with the torque that each force brings
 along.  What the contacts hold is said in `grip_program`.
 """

@@ -26,7 +26,7 @@ class Hold:
     `width` [m] is the part's, from where the first finger meets it to where the second does;
     `offset` [m] how far its middle lies towards the first.  For each finger: the area [m2] that it
     touches, the mean outward normal (3,) there, in the TCP frame, its angle [rad] to the
-    travel, and points (n, 3) [m] of where it touches, evenly spread, in the TCP frame, with the
+    travel; and points (n, 3) [m] of where it touches, evenly spread, in the TCP frame, with the
     share (n,) of the pressure: less where the part curves away.
     """
 

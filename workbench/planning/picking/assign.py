@@ -210,7 +210,7 @@ def _route(
 def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
     """Picks of the same parts by the same arms, those first that promise most.
 
-    In turns these are the given ones.  Where both arms may be in the bin they can work at once,
+    In turns these are the given ones.  Where both arms may be in the bin they can work at once;
     mostly, when they can stand side by side at the ends of their legs; if not, one has to wait.
     """
     world = request.world
@@ -254,7 +254,7 @@ def _assignments(
     they would drag may be gone by then.
 
     Of more arms any two may work, while the others stand at home.  For each arm and part the pick
-    that takes the least time stands, or all of them where the grasps of a part go by pairs;
+    that takes the least time stands; or all of them where the grasps of a part go by pairs;
     pairs are ordered by the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}

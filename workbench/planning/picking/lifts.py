@@ -1,8 +1,8 @@
 """Ways in which a part is taken out of the bin, by name, in the order of the policy.
 
-Where there are several, those that lead away from what the part lies against come before those on
-which it only rubs along that, and may drag it.  Last come those on which it is pushed into that:
-the arm may not go there, so they must not keep it from trying others.
+Where there are several, those that lead away from what the part lies against come first: before
+those on which it only rubs along that, and may drag it.  Last come those on which it is pushed into
+that: the arm may not go there, so they must not keep it from trying others.
 
 `leaning`: up, leaning to the middle of the bin, as the thesis does.  `up`: straight up.  `back`:
 out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest;

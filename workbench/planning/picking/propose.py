@@ -36,7 +36,7 @@ def propose(
 ) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
-    The order: admitted ones first, then priority, then the SE(3) index, which is the way of
+    The order: admitted ones first, then priority, then the SE(3) index: the way of
     the TCP from home to the grasp plus `TURN_WEIGHT` times its turn.
 
     Args:

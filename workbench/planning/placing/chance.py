@@ -47,7 +47,7 @@ class Counted:
 def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counted:
     """What makes a difference of a part that is to lie at a place, None: somewhere.
 
-    Turns about the axis of a part that is round do not, nor those about one about which its roll is
+    Turns about the axis of a part that is round do not; nor those about one about which its roll is
     not known, since such parts are put only where that does not matter; nor those about z of a
     place at which it may be turned all around.
     """

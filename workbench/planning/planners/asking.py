@@ -48,7 +48,7 @@ def look_at_the_clock(is_clear: EdgeCheck) -> None:
 class Answers(NamedTuple):
     """What a function was answered so far: it begins anew with each answer, and gets as far again.
 
-    `known` (k,) are the answers in the order of its questions, `asked` (2,) how many questions it
+    `known` (k,) are the answers in the order of its questions; `asked` (2,) how many questions it
     has asked since it began, and how many answers there are; `edge` (2, n) [rad] is the open one.
     """
 

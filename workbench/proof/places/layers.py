@@ -183,7 +183,7 @@ def kept_box(
 ) -> Obstacle:
     """A part that was put down, as what is kept clear of from then on.
 
-    On a pallet in layers it is where it has fallen to, and counts as what others stand on, as long
+    On a pallet in layers it is where it has fallen to; it counts as what others stand on, as long
     as it `is_sure` that it is there.  Elsewhere it is where the hand has let go of it.
 
     Args:

@@ -224,7 +224,7 @@ def uneven_at(
 ) -> int:  # pragma: no cover (compiled)
     """The number of the first segment that cannot take as long as it should; -1 for none.
 
-    What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg,
+    What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg;
     and slower where a segment takes longer than it could then; or by the speeds of `SHARES`, in any
     order.  A motion with other speeds may be missed.
 

@@ -3,7 +3,7 @@
 Where a controller stops at waypoints, each way is one from rest to rest.  Where it rounds corners,
 or is streamed, the curve is the polyline with corners rounded by parabolas, as wide as the zone
 allows.  A leg holds where there is a motion along it, from rest to rest, that passes every waypoint
-when the plan says, and no joint is anywhere faster, or accelerates more, than the cell allows.
+when the plan says; no joint is anywhere faster, or accelerates more, than the cell allows.
 Where the cell limits jerk nothing follows a parabola, and the motion is one of `timing.jerk`.
 """
 

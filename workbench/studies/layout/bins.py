@@ -1,7 +1,7 @@
 """Where the bin of a first cell could be, and how large, found by trying.
 
 It is a start for a person to change: the bin goes where the arms reach most of it with the tool
-pointing down, and where they also find homes and places, and a plan for a simulated pile; a
+pointing down; and where they also find homes and places, and a plan for a simulated pile; a
 smaller one where none of the usual size will do.
 """
 

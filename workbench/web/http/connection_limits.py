@@ -1,6 +1,6 @@
 """How many connections there may be: all of them, those with a login apart from those without.
 
-A connection without a login holds a place that costs nothing to take, so it may not hold it for
+A connection without a login holds a place that costs nothing to take.  So it may not hold it for
 long, and gives way when others come.  There are never so many of them that those who have
 logged in find no room.
 """

@@ -35,7 +35,7 @@ class Gate:
     """Takes connections in.
 
     Our own instead of asyncio's: that one tells nobody of a connection before its TLS handshake
-    is done, and when file descriptors run out it tries 128 times in a row, writes to the log each
+    is done.  When file descriptors run out it tries 128 times in a row, writes to the log each
     time, and has each of them try again.
 
     Lifetime: `serve`, until it is cancelled.

@@ -18,7 +18,7 @@ class Surface:
     """Triangles (n, 3, 3) [m] that enclose something, or nearly.
 
     Space is divided into cells; those that cannot be reached from outside, through cells without
-    a point of the surface, are inside, and so is a hollow to which nothing leads.
+    a point of the surface, are inside; so is a hollow to which nothing leads.
 
     Points of the surface, by which places on it are found, are `spacing` [m] apart, or more where
     they would be more than `MOST_POINTS`.

@@ -18,7 +18,7 @@ LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
 WIDE = 0.5
-"""Where links move by more than this share of the radii around them, none of their bodies is
+"""Where links move by more than this share of the radii around them: none of their bodies is
 checked for how far it moves, only for what touches; only a matter of speed."""
 
 IS_CLEAR, TOO_LONG = -1, -2

@@ -40,7 +40,7 @@ def sweep_chain(
 
     Returns:
         How many curves are clear; on the next one, of the pairs that touch at the first state where
-        one does, that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
+        one does: that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
         there is no next one, or `TOO_LONG` when that takes more room than there is; and how many
         states were checked.
     """
