@@ -271,7 +271,7 @@ the usual lift and each grasp as it is stated."""
 
 
 def picks_problem(policy: Policy) -> str:
-    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
+    """Why a policy cannot ask for this many plans after one scan; empty when it can."""
     if not 1 <= policy.picks <= MOST_PICKS:
         return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
     if policy.picks > 1 and policy.pair_gap <= 0:

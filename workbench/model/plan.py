@@ -254,7 +254,7 @@ class Violation:
     """Something that a proof objects to: where, which pair, and how close [m].
 
     `q` (n,) [rad] is the configuration of the arm there.  Where a proof is nearest to something
-    (`Proof.nearest`) is told alike.
+    (`Proof.nearest`) is reported alike.
     """
 
     problem: Message

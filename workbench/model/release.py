@@ -55,7 +55,7 @@ class Approval:
     the inventory of what ran there (`app.provenance`), empty where none was recorded.
 
     The plan goes out at `speed_share` (`SLOWEST`..1) of the speed at which it was planned: every
-    motion takes so many times longer.  `is_stepped`: the robot waits before each step until a
+    motion takes this many times longer.  `is_stepped`: the robot waits before each step until a
     person lets that one run.
 
     It may be for a row of plans that go out one after the other: `row` names those after this one,

@@ -86,7 +86,7 @@ class Detection(Told):
     turns about it, along the world's axes; `probability` the chance that it is right; both None
     for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
     has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
-    are those that the colours show, where shape leaves several; False: they should have told it
+    are those that the colours show, where shape leaves several; False: they should have reported it
     and do not, so that it is by shape alone; None: nothing was left to them.
     """
 
@@ -186,7 +186,7 @@ class RejectedHypothesis:
 
 
 OFF_SCALE, OFF_BY = 0.005, 3.0
-"""A size is wrong that differs by more than this share, and by so many standard deviations."""
+"""A size is wrong that differs by more than this share, and by this many standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,7 @@ class Sets:
         return self.only(waypoints[self.at[self.groups]])
 
     def runs(self, most: int) -> Iterator["Sets"]:
-        """All of them, so many groups at once."""
+        """All of them, this many groups at once."""
         for start in range(0, len(self.at), most):
             ends = slice(start, start + most)
             k = slice(*np.searchsorted(self.groups, (start, start + most)).tolist())

@@ -28,7 +28,7 @@ SHARE, LEAST = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
 MOST_HALVES = 100_000
-"""After so many halves of one motion nothing is said of it: it is near something for too long."""
+"""After this many halves of one motion nothing is said of it: it is near something for too long."""
 
 RUN = 16
 """Groups of sets, of each arm, that are checked together at first."""
@@ -101,7 +101,7 @@ def search(
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
-        sight: [m] up to here distances are told.
+        sight: [m] up to here distances are reported.
     """
     branch_and_bound = _Search(
         space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated)

@@ -17,7 +17,7 @@ class Asked(NamedTuple):
     """Pairs (p,) of bodies `first` and `second`, and what they are asked.
 
     `commons` is the joint next to both that moves both, `margins` [m] what they have to keep;
-    `shown`: how near they come is told, too.
+    `shown`: how near they come is reported, too.
     """
 
     first: Ints
@@ -51,9 +51,9 @@ def reachable(
 
     Args:
         asked: the pairs.
-        sight: [m] up to here distances are told.
+        sight: [m] up to here distances are reported.
         sides: (b,) 1 where a second arm carries a body.
-        split: so many sets are the first arm's, all others the second's.
+        split: this many sets are the first arm's, all others the second's.
         bodies: all bodies.
         world: where those of the pairs are at the middles of the sets.
     """

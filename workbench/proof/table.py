@@ -36,7 +36,7 @@ TOUCH = 1e-6
 
 
 def kept(begins: float) -> float:
-    """The distance [m] below which two bodies may not come that begin a leg so far apart [m].
+    """The distance [m] below which two bodies may not come that begin a leg this far apart [m].
 
     Where they touch they may come nearer by `SLACK`; where they do not they never do.
     """
@@ -99,7 +99,7 @@ class Pairs:
 class Table:
     """All pairs of bodies that can ever be compared, as `first` and `second` (r,).
 
-    `rounds` (b,) tells that a body fills the same space however its own joint is turned.
+    `rounds` (b,) states that a body fills the same space however its own joint is turned.
     """
 
     def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:

@@ -18,7 +18,7 @@ TRIED = 10
 """Poses among which the best is searched for."""
 
 LEAST = (0.01, np.deg2rad(2.0))
-"""[m, rad] Motions that are smaller than this are not told."""
+"""[m, rad] Motions that are smaller than this are not reported."""
 
 SIDES = (
     "the front wall",

@@ -21,7 +21,7 @@ LEAST = 0.12
 """Share of the pairs that a round body has to have."""
 
 SPREAD = 5
-"""Of twelve directions across an axis so many have to be among its pairs."""
+"""Of twelve directions across an axis this many have to be among its pairs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -79,7 +79,7 @@ def plan_row(
 
 
 def check_picks(cell: Cell, picks: int) -> None:
-    """Look whether so many plans after one scan can be asked for in a cell.
+    """Look whether this many plans after one scan can be asked for in a cell.
 
     Raises:
         InputError: they cannot.

@@ -1,6 +1,6 @@
 """Entries as bytes for the journal, and back: canonical form as JSON, large arrays as files.
 
-The first record of a session tells of its cell; every other one holds a command, who gave it
+The first record of a session names its cell; every other one holds a command, who gave it
 and when, and what the state was afterwards.  So people can read a session without this
 program and `replay` can check that it still computes the same.
 """

@@ -53,7 +53,7 @@ class Effects(Protocol):
 
 
 class Bench:
-    """Takes commands from anybody, one at a time, and tells everybody the newest state.
+    """Takes commands from anybody, one at a time, and sends everybody the newest state.
 
     Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
     a session; one with entries is continued where it ended; what was under way then is
@@ -84,7 +84,7 @@ class Bench:
             now: seconds since the epoch; with the actor, the only input besides commands.
             steady: seconds that only go on; a vote lapses by them, too.
             effects: makes what carries out effects.
-            start: tells what runs here, and is recorded first; None: nothing is said of it.
+            start: states what runs here, and is recorded first; None: nothing is said of it.
 
         Raises:
             JournalError: the journal cannot be written, another program writes to it, or its

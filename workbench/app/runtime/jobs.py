@@ -95,7 +95,7 @@ class Jobs:
             cell: that all jobs work on.
             ended: called once for every job, unless `close` came first.
             progressed: called now and then.
-            prepared: told while the worker gets ready, which jobs wait for.
+            prepared: called while the worker gets ready, which jobs wait for.
             module: its `JOBS` maps names to job functions.
         """
         self._ended = ended
@@ -147,7 +147,7 @@ class Jobs:
             self._wake()
 
     def close(self) -> None:
-        """End the worker and whatever it does, and wait until it is gone; nothing is told."""
+        """End the worker and whatever it does, and wait until it is gone; nothing is reported."""
         with self._lock:
             self._closing = True
             self._wake()

@@ -31,7 +31,7 @@ PATIENCE = 10.0
 """[s] For which a file waits to be taken while that is not in order, a task running say."""
 
 MOST_TOLD = 300
-"""Characters of a problem that are told."""
+"""Characters of a problem that are reported."""
 
 
 class PosesWatch:

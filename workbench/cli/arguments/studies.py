@@ -45,7 +45,7 @@ class StudyLocalization:
     """Kinds to look for instead of those that lie there, as in --parts: what is found is wrong."""
     seed: FirstSeed = 0
     cad_scale: float = 1.0
-    """The CAD files are so many times as large as what lies there: is that said?"""
+    """The CAD files are this many times as large as what lies there: is that said?"""
     models: Maybe[Path] = None
     """Folder with a PLY file [mm] for each part, searched with instead of its CAD file."""
     cases: Maybe[Path] = None
@@ -169,7 +169,7 @@ class StudyPlacing:
     ] = "fine"
     """Build of scanner, as in study localization."""
     wider: float = 1.0
-    """The search is so many times less sure than it says."""
+    """The search is this many times less sure than it says."""
     force: float = 20.0
     """Of each finger [N]."""
     acceleration: float = 0.0
@@ -250,7 +250,7 @@ class StudyBop:
     """The images are of that cell's bin, by its scanner.  If not, things are searched for above the
     plane on which most of an image lies: a floor little above a table is taken for the table."""
     images: int = 0
-    """No more than the first so many images; 0 takes all."""
+    """No more than the first this many images; 0 takes all."""
     results: Maybe[Path] = None
     """A CSV file of BOP's results to be measured instead of a search."""
     out: Maybe[Path] = None

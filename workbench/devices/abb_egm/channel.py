@@ -21,7 +21,7 @@ DRIFT = 1e-3
 """By such a share the controller's clock may be slower than ours: reports are not late for it."""
 
 AT_ONCE = 256
-"""So many messages are taken before anything else is done."""
+"""This many messages are taken before anything else is done."""
 
 WRAP = 1 << 32
 """Numbers and clocks of messages are modulo this."""

@@ -42,7 +42,7 @@ APART = 0.49
 """Share of the distance between two waypoints that a radius may have: blends must not overlap."""
 
 UNEVEN = 1.5
-"""One side of a blend may take so many times longer than the other.
+"""One side of a blend may take this many times longer than the other.
 
 Over T seconds, a curve of fifth degree whose second derivatives are zero at its ends leaves by 2/5
 T of the velocity there before it turns (its Bezier points).  That is no farther than the corner

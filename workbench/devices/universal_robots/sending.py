@@ -18,10 +18,10 @@ from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
 
 NEAR = np.deg2rad(0.2)
-"""[rad] A joint may stand so far from where the plan begins, or ends."""
+"""[rad] A joint may stand this far from where the plan begins, or ends."""
 
 OFF = np.deg2rad(0.5)
-"""[rad] A joint may be so far from the way of its references, where they are streamed."""
+"""[rad] A joint may be this far from the way of its references, where they are streamed."""
 
 POLL = 0.05
 

@@ -36,7 +36,7 @@ SETTLED = 8
 """[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
 
 CLOSE = np.deg2rad(0.1)
-"""[rad] A joint that follows may be so far from the way of its references."""
+"""[rad] A joint that follows may be this far from the way of its references."""
 
 SLOWER = 0.9
 """What a leg's pace is multiplied by until the arm follows so closely."""

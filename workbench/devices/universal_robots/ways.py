@@ -24,7 +24,7 @@ SAMPLES = 200
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A part of a motion: so many seconds, and the axes (6,) [rad] at each of them."""
+    """A part of a motion: this many seconds, and the axes (6,) [rad] at each of them."""
 
     seconds: float
     at: Callable[[float], Floats]

@@ -189,7 +189,7 @@ def _select_measured(path: Path, points: Floats) -> Bools:
 class Rows(NamedTuple):
     """What a file says of its points.
 
-    `points` (n, 3) in its unit, `pixels` (n,) where it tells them, the image's size where pixels
+    `points` (n, 3) in its unit, `pixels` (n,) where it reports them, the image's size where pixels
     are known, and `colours` (n, 3), 0..255, where it has them.
     """
 

@@ -37,7 +37,7 @@ class Remarks:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """One for each kind of fault; of several alike the first is told, and how many more."""
+        """One for each kind of fault; of several alike the first is reported, and how many more."""
         return tuple(_sentence(instead, what) for instead, what in self._faults.items())
 
 

@@ -3,7 +3,7 @@
 viser 1.1.1 takes any value for a widget, of any type, also while the widget is disabled or hidden:
 what a browser draws is no bar to who writes messages himself.  Here each message is compared with
 what the page of that browser offers at this moment.  What is refused is one line in the log, and
-the browser is told the value that is true.
+the browser gets the value that is true.
 """
 
 # pyright: reportPrivateUsage=false

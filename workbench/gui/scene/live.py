@@ -24,7 +24,7 @@ STAGE_SIZE = 100.0
 """[m] Around where a part stands alone there is nothing else."""
 
 BESIDE = 0.02
-"""[m] The words stand so far beside the bin and what is dragged."""
+"""[m] The words stand this far beside the bin and what is dragged."""
 
 
 class DrawnVerdicts:

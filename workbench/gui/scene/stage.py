@@ -21,7 +21,7 @@ STAGE = "/stage"
 """Name of the part's frame in the scene; all that is shown with it lies below."""
 
 T_WORLD_STAGE = pin.SE3(np.eye(3), np.array([0.0, 0.0, 1000.0]))
-"""Where the part is: so far above the cell that nothing of it is seen."""
+"""Where the part is: this far above the cell that nothing of it is seen."""
 
 PART_COLOUR = (173, 181, 189)
 AXES = 0.8
@@ -61,7 +61,7 @@ class Stage:
         return self._camera is not None
 
     def open(self, part: Part, pressed: Pressed) -> None:
-        """Look at the part; `pressed` is told where somebody clicks."""
+        """Look at the part; `pressed` is called with where somebody clicks."""
         camera = self._client.camera
         self._camera = camera.position, camera.look_at
         self._size = size_of(part)

@@ -141,7 +141,7 @@ class Jogged:
 class FilmPart:
     """A part at a moment of a film: which one fell, of which kind, where, and why it stays.
 
-    `kind` is empty while it is not told that it stays.
+    `kind` is empty while it is not reported that it stays.
     """
 
     number: int
@@ -218,7 +218,7 @@ class View:
 
     @property
     def was_reported(self) -> bool:
-        """Whether its controller reports nothing now, but has told where every joint was."""
+        """Whether its controller reports nothing now, but has reported where every joint was."""
         return not self.is_reported and self._has_all(self.live.last_joints)
 
     def _has_all(self, joints: Mapping[str, float]) -> bool:

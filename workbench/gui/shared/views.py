@@ -81,7 +81,7 @@ def time_of_day(at: float) -> str:
 
 
 def zone(at: float) -> str:
-    """The name of the zone in which times are told, as it is at that time."""
+    """The name of the zone in which times are reported, as it is at that time."""
     return time.strftime("%Z", time.localtime(at))
 
 

@@ -5,7 +5,7 @@ wanted one is busy; it opens a public tunnel for any browser that asks, talks to
 other sites, and may stop talking to a browser for good.  It knows no logins either: those are
 the front's, which alone has the key to a server that wants one, and says whom it brings.
 viser's internals are used here and in `incoming` and nowhere else; the version is pinned and
-`tests/gui/shared/test_viser_server.py` tells when they change.
+`tests/gui/shared/test_viser_server.py` shows when they change.
 """
 
 # pyright: reportPrivateUsage=false

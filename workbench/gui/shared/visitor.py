@@ -133,7 +133,7 @@ class Visitor:
         return element_id(button)
 
     def rows(self, count: int, pressed: Callable[[int], object]) -> list[str]:
-        """The ids of so many unseen buttons, out of sight; told is which one is pressed."""
+        """The ids of this many unseen buttons, out of sight; told is which one is pressed."""
         buttons = [self.unseen(partial(pressed, number)) for number in range(count)]
         self.hide(buttons)
         return buttons

@@ -1,4 +1,4 @@
-"""The tab that tells what the session has brought, and gives it as a table to take along."""
+"""The tab that states what the session has brought, and gives it as a table to take along."""
 
 from collections.abc import Sequence
 

@@ -27,13 +27,13 @@ FEWEST, MOST = 2, 7
 """Days at the beginning and at the end that are compared: all, up to a week."""
 
 NOW = 3
-"""Days at both ends by which it is told how much: what drifts goes on within a week."""
+"""Days at both ends by which the change is stated: what drifts goes on within a week."""
 
 CHANCE = 0.01
-"""With which a drift is told though there is none, all directions and things together."""
+"""With which a drift is reported though there is none, all directions and things together."""
 
 ARM = 0.15
-"""[m] A turn counts as much as the shift that it makes so far away."""
+"""[m] A turn counts as much as the shift that it makes this far away."""
 
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""

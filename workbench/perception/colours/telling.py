@@ -1,4 +1,4 @@
-"""Which kind a part is of and how it is turned, told by colour where shape leaves that open.
+"""Which kind a part is of and how it is turned, shown by colour where shape leaves that open.
 
 Shape comes first: what it tells is not asked of colours.  Guesses that are left, other kinds in the
 same place and turns of a part's shape onto itself, are compared in pairs where they would show
@@ -183,7 +183,7 @@ def _decide(
 
 
 def _is_alike(first: Guess, second: Guess) -> bool:
-    """Whether two guesses are of one kind and no colour on all of it tells them apart."""
+    """Whether two guesses are of one kind and no colour on all of it distinguishes them."""
     return first.kind == second.kind and is_same_surface(first.shown, second.shown)
 
 
@@ -196,7 +196,7 @@ def _flips_show(kind: Painted) -> bool:
 
 
 def _chosen_anew(brought: Sequence[Sought], decisions: Sequence[Told]) -> list[Sought]:
-    """The searches with what was told: parts turned, and those of another kind moved to it."""
+    """The searches with what was reported: parts turned, and those of another kind moved to it."""
     choices = [
         Choice(
             search.choice.claimed.copy(),

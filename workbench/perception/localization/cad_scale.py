@@ -30,7 +30,7 @@ RIM = 2
 FEWEST_POINTS = 30
 
 SHARED = 4.0
-"""Points that share their errors: so many count as one."""
+"""Points that share their errors: this many count as one."""
 
 GATE = 6.0
 """Robust deviations beyond which a point says nothing."""
@@ -51,7 +51,7 @@ FEWEST = 3
 """Detections that have to tell a scale."""
 
 SHARED_OFF = 1.5e-5
-"""[m] By so much all points of a scan are off together along whatever tells the scale: a part of
+"""[m] By so much all points of a scan are off together along whatever shows the scale: a part of
 which only short lengths are seen tells little, however many points it has."""
 
 LEAST_DEVIATION = 0.001

@@ -16,7 +16,7 @@ from workbench.perception.matching.sightings import Sighting, closeness, pull, t
 from workbench.perception.parts.part_surface import PartSurface
 
 SHARED = 16.0
-"""Points that share their errors: so many count as one."""
+"""Points that share their errors: this many count as one."""
 
 REACH = 2
 """[pixels] Up to which neighbours are asked how alike their errors are."""

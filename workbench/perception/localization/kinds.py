@@ -52,7 +52,7 @@ OUTDONE = 1.5
 all that counts of the other."""
 
 FEW_KINDS = 5
-"""So many are all searched for at once; to glance at more before costs less than it saves."""
+"""This many are all searched for at once; to glance at more before costs less than it saves."""
 
 
 @dataclass(slots=True, eq=False)

@@ -18,7 +18,7 @@ FLOOR_GATE = 0.0015
 """[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
 
 FLOOR_GATE_OVER_NOISE = 4.0
-"""Or so many deviations of the points of the floor."""
+"""Or this many deviations of the points of the floor."""
 
 BELOW = 0.02
 """[m] Points deeper than this under the bin's floor are no part of the scene."""

@@ -31,7 +31,7 @@ VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""
 
 FINE_STEPS, ALIKE, ALIKE_NORMALS = 72, 0.6, 0.95
-"""Points that turns by any angle, in so many steps, take to within this share of their distance
+"""Points that turns by any angle, in this many steps, take to within this share of their distance
 from each other, with normals whose cosine is so large, stand for each other."""
 
 FEW_DRAWN, DRAWN = 1000, (500, 1000, 2000, 4000)

@@ -29,7 +29,7 @@ BESIDE = 1.5
 """Pixels from a point to where the surfaces are that it may be mixed of."""
 
 FEW = 50
-"""Points from which nothing is told about a scan."""
+"""Points from which nothing is reported about a scan."""
 
 MOST = 50_000
 """Points by which that is measured; of more of them every second, third, ... is left out."""

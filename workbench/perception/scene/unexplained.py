@@ -25,7 +25,7 @@ from workbench.perception.scene.voxels import Voxels, counted
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
 TOLERANCE = 0.006
-"""[m] So far from a known surface a point still belongs to it: noise, and pose errors."""
+"""[m] This far from a known surface a point still belongs to it: noise, and pose errors."""
 
 CUBE = 0.002
 """[m] Edge of the cubes that points are counted in: a third of the tolerance."""

@@ -48,7 +48,7 @@ class Grid:
 
     Attributes:
         edge: of a cell [m].
-        coarse: so many cells apart things are one, and what lies between them is full.
+        coarse: this many cells apart things are one, and what lies between them is full.
     """
 
     edge: float

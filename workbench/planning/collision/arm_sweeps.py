@@ -19,10 +19,10 @@ from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
 
 MOST_LOOKS = 4_000
-"""After so many looks the arms count as meeting: they come that close over a long way."""
+"""After this many looks the arms count as meeting: they come that close over a long way."""
 
 MOST_OPEN = 1 << 18
-"""Pairs left open by all looks together: there is room for so many."""
+"""Pairs left open by all looks together: there is room for this many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,14 +23,14 @@ from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings
 
 STEP = 0.004
-"""[m] Parts are checked so far apart on their way."""
+"""[m] Parts are checked this far apart on their way."""
 
 ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
 
 FIRST = 0.003
-"""[m] So much of a way tells whether it leads away from what the part lies against.
+"""[m] So much of a way states whether it leads away from what the part lies against.
 
 The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
 

@@ -19,7 +19,7 @@ GRAVITY = 9.81
 """[m/s2]"""
 
 RESERVE = 1.2
-"""The load counts so many times: neither this model nor a stated friction is exact."""
+"""The load counts this many times: neither this model nor a stated friction is exact."""
 
 BLOCKS = 5
 """Along each side of a pad's touch: points within a block count as one."""

@@ -35,7 +35,7 @@ SAME = np.deg2rad(3.0)
 """[rad] Axes closer than this are one."""
 
 FACES = 8
-"""The normals of so many of the largest faces are tried as axes."""
+"""The normals of this many of the largest faces are tried as axes."""
 
 STEPS = 36
 """Turns that stand for any angle."""

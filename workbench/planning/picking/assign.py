@@ -27,7 +27,7 @@ WOVEN = 2
 """Pairs of them that are planned, of which the quicker is taken."""
 
 TRIED = 4
-"""Of picks of the same parts by the same arms so many are tried until enough can be planned."""
+"""Of picks of the same parts by the same arms this many are tried until enough can be planned."""
 
 ENOUGH = 1.15
 """Times as long as its busier arm works: a plan that takes no longer is good enough."""

@@ -123,7 +123,7 @@ def clear_lifts(
         world: of the cell and the detections.
         candidate: part, arm and grasp.
         T_world_tcp: pose of the tool at the part.
-        most: so many are enough.
+        most: this many are enough.
 
     Returns:
         As `free_lifts`: names with ways (3,) [m], and why there is none.

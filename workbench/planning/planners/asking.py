@@ -34,7 +34,7 @@ class CompiledCheck:
 
 
 def edges_in(is_clear: EdgeCheck, count: int) -> Edges:
-    """What compiled code can check of an edge check by itself, for so many joints."""
+    """What compiled code can check of an edge check by itself, for this many joints."""
     known = is_clear.edges if isinstance(is_clear, CompiledCheck) else None
     return no_edges(count) if known is None else known
 

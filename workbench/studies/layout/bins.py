@@ -168,7 +168,7 @@ def _heights(cell: Cell) -> tuple[float, ...]:
 
 
 SCARA_AXES = 4
-"""With so many axes an arm keeps its tool upright."""
+"""With this many axes an arm keeps its tool upright."""
 
 
 def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:

@@ -121,7 +121,7 @@ class BothArms:
                 return q
 
     def attempt(self, planner: str, ends: Ends, seed: int, seconds: float) -> Attempt:
-        """Plan once, at most so many seconds of processor time, by `OURS` or `OMPL`."""
+        """Plan once, at most this many seconds of processor time, by `OURS` or `OMPL`."""
         world, rng = self.worlds[planner], np.random.default_rng(seed)
         began = processor_time()
         world.deadline = began + seconds

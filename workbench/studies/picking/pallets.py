@@ -18,10 +18,10 @@ from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.stacks import let_go
 
 SEEDS = 1000
-"""Piles of a pallet have seeds of their own, so many apart from those of the next."""
+"""Piles of a pallet have seeds of their own, this many apart from those of the next."""
 
 MOST_PILES = 3
-"""So many piles in a row without a plan end a pallet."""
+"""This many piles in a row without a plan end a pallet."""
 
 LEANS, LIES_OFF = np.deg2rad(2.0), 0.004
 """[rad, m] A part that leans more, or lies farther from where it was put and fallen to, is off."""
@@ -45,7 +45,7 @@ class Case:
 class Filled:
     """What came of a pallet.
 
-    Of its `places` so many were filled with `parts`; `ends` says why there are no more, empty
+    Of its `places` this many were filled with `parts`; `ends` says why there are no more, empty
     where it is full.  `piles` were checked, of which `unplanned` brought no plan.  Of the parts
     `off` do not lie where they were put and have fallen to; `shift` [m] and `lean` [rad] are the
     most of all.

@@ -1,4 +1,4 @@
-"""What each answer tells the browser to be strict about."""
+"""What each answer asks the browser to be strict about."""
 
 from collections.abc import Mapping
 

@@ -7,7 +7,7 @@ from workbench.formats.meshes.reading import MOST_NEIGHBOURS, convex_hull, most_
 from workbench.model.geometry import Floats, Ints, Mesh
 
 MOST_CORNERS = 300
-"""Of a piece; one with more is replaced by one around it with about so many."""
+"""Of a piece; one with more is replaced by one around it with about this many."""
 
 FEW_CORNERS = 100
 """The same, of a hull that stands for a whole mesh."""
@@ -22,7 +22,7 @@ THICK = 5e-5
 """[m] Half the thickness of the hull of something flat."""
 
 FINE = 0.5
-"""Of a tolerance: so far apart, about, are points at which a hull is checked."""
+"""Of a tolerance: this far apart, about, are points at which a hull is checked."""
 FEWEST, MOST = 50, 4_000
 """Such points, at least and at most."""
 

@@ -59,7 +59,7 @@ THINNEST = 0.2
 """What is cut off is thicker than this share of the tolerance."""
 
 SEEN, MOST_SEEN = 0.0005, 100_000
-"""[m] The tolerance for which bodies that others have made are checked; at so many points."""
+"""[m] The tolerance for which bodies that others have made are checked; at this many points."""
 
 KNOWN = 0.1
 """Share of the tolerance to which the excess is known in the end."""

@@ -86,7 +86,7 @@ def edges_of(
 
 @cache
 def no_edges(count: int) -> Edges:
-    """Edges of so many joints of which compiled code knows nothing: every answer is `ASK`."""
+    """Edges of this many joints of which compiled code knows nothing: every answer is `ASK`."""
     whole, none = np.zeros(0, np.int64), np.zeros((0, 3))
     point, flat = np.zeros((1, 3)), np.zeros(0)
     tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), point, point, np.zeros(1))

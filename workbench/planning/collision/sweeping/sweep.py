@@ -95,7 +95,7 @@ def _is_box_clear(
     model: Model,
     scratch: Scratch,
 ) -> bool:
-    """Whether one look tells that the curves from `first` up to `last` are clear, all at once.
+    """Whether one look states that the curves from `first` up to `last` are clear, all at once.
 
     It is at the middle of the box around them, which need not be on any: if anything is near there
     nothing is said.

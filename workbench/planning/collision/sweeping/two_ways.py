@@ -18,7 +18,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
     Args:
         first: control points (k, 3, n) [rad] of the curves of one arm.
         second: those (l, 3, m) of the other.
-        most: after so many looks that have not told it gives up.
+        most: after so many looks that have not reported it gives up.
         edges: of the joints of the first arm, then of the second (n + m,), and what may touch.
 
     Returns:

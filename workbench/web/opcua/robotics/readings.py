@@ -19,7 +19,7 @@ NEVER = StatusCodes.BadNotConnected
 """Nothing that the workbench listens to tells this."""
 
 NOT_NOW = StatusCodes.BadNoCommunication
-"""It is told at times, and not at this moment."""
+"""It is reported at times, and not at this moment."""
 
 OURS = StatusCodes.Uncertain
 """It is what the workbench has asked for: the controller does not say what it does itself."""
