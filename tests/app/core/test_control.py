@@ -139,7 +139,7 @@ def test_only_so_many_people_wait_for_an_answer(held):
 def test_control_ends_when_it_is_given_back_or_its_person_has_gone(held):
     assert after(held, ReleaseControl(), "Bob").control == ""
     gone = after(held, ReleaseControl("Bob"), FRONT_DOOR)
-    assert (gone.control, str(gone.message)) == ("", "Bob has gone: nobody is in control any more")
+    assert (gone.control, str(gone.message)) == ("", "Bob left: nobody is in control")
     over = after(held, TakeControl(), "Ada")
     assert "'Bob' is not in control, Ada is" in refusal(over, ReleaseControl("Bob"), FRONT_DOOR)
     assert "'Ada' has to give control back" in refusal(held, ReleaseControl("Ada"), "Bob")

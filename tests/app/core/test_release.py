@@ -191,7 +191,7 @@ def test_a_cell_file_that_wants_more_people_takes_an_approval_back(watched, cell
     state = watched.do(CellRead(replace(cell, approvers=2)), "cell file")
     assert (state.phase, state.approval, state.cell.approvers) == (Phase.PLANNED, None, 2)
     assert state.plan.digest == digest, "nothing else has changed"
-    assert str(state.message) == "2 different people have to approve a plan now"
+    assert str(state.message) == "a plan needs 2 different approvers now"
 
 
 def test_no_change_on_the_page_and_no_undo_asks_fewer_people(watched, cell):

@@ -112,9 +112,9 @@ def test_each_step_runs_by_one_word_of_a_person(sending):
                 )
         assert sending.do(NextStep(number)).waits == 0
         assert sending.effects[-1].number == number and isinstance(sending.effects[-1], LetStep)
-        assert str(sending.state.message).endswith("let run by ada")
+        assert str(sending.state.message).endswith("released by ada")
         sending.do(Sent(Receipt(NOW, "", "heard", "", 9, 9, "state running")))
-        assert str(sending.state.message).endswith("let run by ada")
+        assert str(sending.state.message).endswith("released by ada")
     assert sum(isinstance(one, LetStep) for one in sending.effects) == total
     assert sending.do(LinkEnded()).phase is Phase.DONE and sending.state.waits == 0
 
