@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.statistics.remaining import Remaining, counted, remaining
+from workbench.app.statistics.remaining import Remaining, remaining, remaining_words
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.digest import canonical
 from workbench.model.part import Grasp
@@ -44,7 +44,7 @@ def candidates(*verdicts):
         (Reason.TOOL_COLLISION, ("right palm", "bin_floor"), "floor"),
         (Reason.TOOL_COLLISION, ("right palm", "table_top"), "floor"),
         (Reason.TOOL_COLLISION, ("right palm", "camera_post"), "other"),
-        (Reason.EXTRACT_BLOCKED, ("part-1", "part-2"), "straight ways"),
+        (Reason.EXTRACT_BLOCKED, ("part-1", "part-2"), "ways"),
         (Reason.OUT_OF_REACH, None, "reach"),
         (Reason.ROLL_UNKNOWN, None, "other"),
     ],
@@ -68,6 +68,12 @@ def test_a_part_that_some_candidate_could_take_does_not_count():
     assert left.number == 1 and len(left.pile) == 2
 
 
+def test_a_part_without_a_grasp_counts_and_one_that_is_not_wanted_does_not():
+    outside = (0, Reason.OUTSIDE_REGIONS, None)
+    (left,) = remaining(pile(2), candidates(outside))
+    assert (left.number, left.hindrance) == (1, "other")
+
+
 def test_a_pile_that_is_planned_again_and_again_counts_once():
     gathered = Remaining()
     refused = {"plan": None, "candidates": candidates((0, Reason.OUT_OF_REACH, None))}
@@ -76,4 +82,4 @@ def test_a_pile_that_is_planned_again_and_again_counts_once():
     assert len(gathered.value) == 1
     gathered.add(pile(2), {"plan": {}, "candidates": []})
     gathered.add(pile(1), refused)
-    assert counted(gathered.value) == [("peg", "reach", 2)]
+    assert [str(said) for said in remaining_words(gathered.value)] == ["2 peg out of reach"]

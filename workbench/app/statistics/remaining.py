@@ -9,10 +9,11 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Reason
-from workbench.model.messages.message import FoundPart, found_part
+from workbench.model.messages.changes import RemainText
+from workbench.model.messages.message import FoundPart, Message, found_part
 from workbench.model.scan import Detection
 
-Hindrance = Literal["walls", "neighbours", "floor", "straight ways", "reach", "other"]
+Hindrance = Literal["walls", "neighbours", "floor", "ways", "reach", "other"]
 
 WALL, FLOOR = "wall", ("floor", "table")
 """What the names of such bodies contain."""
@@ -65,6 +66,8 @@ def remaining(
 ) -> tuple[RemainingPart, ...]:
     """The parts that no candidate could take, in a planning that brought no plan.
 
+    Those outside the regions of interest are not wanted, and do not count.
+
     Args:
         detections: in canonical form.
         candidates: of these detections, in canonical form.
@@ -72,25 +75,29 @@ def remaining(
     pile = tuple(
         Detection(form["part"], pin.SE3(np.array(form["T_world_part"]))) for form in detections
     )
-    refused: dict[int, Counter[Hindrance]] = {}
-    possible: set[int] = set()
+    refused: list[Counter[Hindrance]] = [Counter() for _ in pile]
+    others: set[int] = set()
     for candidate in candidates:
         number, verdict = candidate["detection"], candidate["verdict"]
-        if verdict["reason"] == Reason.OK:
-            possible.add(number)
+        if verdict["reason"] in (Reason.OK, Reason.OUTSIDE_REGIONS):
+            others.add(number)
         elif verdict["reason"] != Reason.DISABLED:
-            refused.setdefault(number, Counter())[_hindrance(verdict)] += 1
+            refused[number][_hindrance(verdict)] += 1
     return tuple(
         RemainingPart(pile, number, _main(refused[number]))
-        for number in sorted(set(refused) - possible)
+        for number in range(len(pile))
+        if number not in others
     )
 
 
-def counted(parts: Sequence[RemainingPart]) -> list[tuple[str, Hindrance, int]]:
-    """Kind of part, what is in the way, and at how many of them; the most first."""
+def remaining_words(parts: Sequence[RemainingPart]) -> list[Message]:
+    """How many parts of which kind stayed, and what is in the way; the most first."""
     counts = Counter((left.part, left.hindrance) for left in parts)
     ordered = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
-    return [(part, hindrance, count) for (part, hindrance), count in ordered]
+    return [
+        RemainText[hindrance.upper()](count=count, part=part)
+        for (part, hindrance), count in ordered
+    ]
 
 
 def _hindrance(verdict: Mapping[str, Any]) -> Hindrance:
@@ -98,7 +105,7 @@ def _hindrance(verdict: Mapping[str, Any]) -> Hindrance:
         case Reason.OUT_OF_REACH:
             return "reach"
         case Reason.APPROACH_BLOCKED | Reason.EXTRACT_BLOCKED:
-            return "straight ways"
+            return "ways"
         case Reason.TOOL_COLLISION | Reason.IN_COLLISION:
             return _met(verdict["pair"] or ())
         case _:
@@ -119,5 +126,7 @@ def _main(refused: Counter[Hindrance]) -> Hindrance:
 
     Grasps that would come from below meet the floor at every part, wherever it lies.
     """
-    beside = Counter({kind: count for kind, count in refused.items() if kind != "floor"})
-    return (beside or refused).most_common(1)[0][0]
+    for kind, _ in refused.most_common():
+        if kind != "floor":
+            return kind
+    return "floor" if refused else "other"
