@@ -3,6 +3,7 @@
 import logging
 import threading
 from collections import Counter
+from collections.abc import Sequence
 
 import viser
 
@@ -36,7 +37,7 @@ class LearningControls:
             "adds families of grasps that take them. Undo takes them back.",
             visible=False,
         )
-        self._line = gui.add_html("")
+        self._line = gui.add_html("", visible=False)
         self._button.on_click(lambda _: self._begin())
         visitor.on_end(self._cancelled.set)
 
@@ -79,9 +80,13 @@ class LearningControls:
             log.exception("grasps for parts that were left could not be made")
             self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
         self._is_busy = False
-        self._line.content = "".join(line(text, kind="hint") for text in says)
+        self._tell(says)
         state = self._visitor.bench.state
         self._visitor.admit(self._button, state, EditPart)
 
     def _report(self, done: float, note: str) -> None:
-        self._line.content = line(f"{done:.0%}: {note}", kind="hint")
+        self._tell([f"{done:.0%}: {note}"])
+
+    def _tell(self, says: Sequence[str]) -> None:
+        self._line.content = "".join(line(text, kind="hint") for text in says)
+        self._line.visible = bool(says)
