@@ -13,5 +13,5 @@ def test_an_engineer_reads_what_has_changed_and_acknowledges_it(bench, screen, w
     screen.shoot("changes")
     screen.press("Changes seen")
     wait(lambda: bench.state.changed == (), "the changes are acknowledged")
-    screen.wait_for("has acknowledged what has changed since session of yesterday")
+    screen.wait_for("acknowledged the changes since session of yesterday")
     assert not screen.button("Changes seen").is_visible()

@@ -2,6 +2,8 @@
 
 import pytest
 
+from workbench.model.messages.message import plain
+from workbench.model.messages.states import StateText
 from workbench.words.choosing import first_guess, known
 from workbench.words.words import Words, words_of
 
@@ -92,9 +94,10 @@ def test_the_first_guess_is_what_the_browser_likes_best(accepted, language):
 
 @pytest.mark.parametrize("language", ["it", "fr", "es", "zh"])
 def test_a_step_within_a_sentence_is_said_as_one(language):
-    said = words_of(language).say("the robot runs step 4 of 11, left extract")
-    step = words_of(language).say("step 4 of 11, left extract")
-    assert step in said and step != words_of(language).say("Step 4 of 11") + ", left extract"
+    step = StateText.STEP(number=4, total=11, legs=plain("left extract"))
+    whole = words_of(language).render(StateText.ROBOT_RUNS(step=step))
+    said = words_of(language).render(step)
+    assert said in whole and not whole.startswith("the robot")
 
 
 def test_only_languages_that_there_are_can_be_chosen():

@@ -52,6 +52,7 @@ STATES = ("devices",)
 UNSEEN = frozenset(
     {
         "model/candidate.py",
+        "app/calibration/hand_eye.py",
         "app/runtime/anchors.py",
         "app/runtime/worker.py",
         "gui/incoming/files.py",
@@ -65,6 +66,7 @@ UNSEEN = frozenset(
         "model/motion.py",
         "model/robot.py",
         "model/symmetry.py",
+        "planning/kinematics/posture_check.py",
         "web/page/connections.py",
         "web/page/conversation.py",
         "web/page/manual.py",

@@ -119,7 +119,7 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
     assert (state.job.name, job.arguments["name"]) == ("sight", "pose 1")
     seen = JOBS["sight"](bench.cell, job.arguments, lambda done, note: None, lambda: False)
     state = bench.do(JobEnded(state.number, seen), WORKER)
-    assert [one.name for one in state.observations] == ["pose 1"] and "pose 1" in state.message
+    assert [one.name for one in state.observations] == ["pose 1"] and "pose 1" in str(state.message)
     left = replace(state.observations[0], is_used=False)
     state = bench.do(UseObservations((left,), "pose 1 is left out"), "ada")
     assert not state.observations[0].is_used

@@ -235,7 +235,7 @@ def test_a_task_that_brings_nothing_ends_it(sending, in_rows, results, phase):
     sending.do(step(2))
     for result in results:
         sending.ended(in_rows.scan() if result is None else result)
-    assert str(sending.state.message).endswith("going on ends here")
+    assert str(sending.state.message).endswith("no further cycle starts")
     state = sending.do(GOOD_END)
     assert (state.phase, state.job, state.plan) == (phase, None, state.plan)
     assert begun(sending) == ["scan", "localize"][: len(results)]

@@ -142,7 +142,7 @@ def test_a_change_made_while_the_cell_is_written_is_kept(approved):
     saved, _ = after(meanwhile, CellRead(written, is_saved=True, written=written.digest), CELL_FILE)
     assert saved.cell is meanwhile.cell
     assert saved.saved == written.digest, "the newer change is not in the file"
-    assert "without what was changed meanwhile" in saved.message
+    assert "without the changes made meanwhile" in str(saved.message)
 
 
 def test_a_file_that_others_wrote_is_a_change_and_can_be_undone(approved):

@@ -37,12 +37,14 @@ def line(cell):
 
 def test_it_is_a_task_whose_result_stays_until_the_next_one(line, cell):
     line.do(TryEmptying(count=2, piles=1, seed=3))
-    assert line.state.message == "emptying 1 pile of 2 parts in simulation"
+    assert str(line.state.message) == "emptying 1 pile of 2 parts in simulation"
     (start,) = line.effects
     assert isinstance(start, StartJob) and start.name == "emptying"
     found = emptied(cell, ChangeText.UP_ALONE())
     assert line.ended(found).emptying is found
-    assert line.state.message == "1 of 2 parts taken out of 1 pile in simulation; 1 change tried"
+    assert (
+        str(line.state.message) == "1 of 2 parts taken out of 1 pile in simulation; 1 change tried"
+    )
     # It says something about the cell, not about a scan: those that follow leave it alone.
     line.do(TakeScan())
     assert line.state.emptying is found and line.state.phase is Phase.IDLE

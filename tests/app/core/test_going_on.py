@@ -68,7 +68,7 @@ def test_nothing_found_is_told_and_nothing_is_planned(done, samples):
     done.ended(samples.scan())
     state = done.ended(())
     assert (state.job, state.phase) == (None, Phase.SCANNED)
-    assert str(state.message) == "no part found; going on ends here"
+    assert str(state.message) == "no part found; no further cycle starts"
 
 
 def test_no_plan_is_told(done, samples):
@@ -87,7 +87,7 @@ def test_a_task_that_fails_ends_it(done, samples, tasks):
         done.ended(result)
     state = done.ended(InputError("the scanner does not answer"))
     assert state.job is None
-    assert str(state.message).endswith("the scanner does not answer; going on ends here")
+    assert str(state.message).endswith("the scanner does not answer; no further cycle starts")
 
 
 @pytest.mark.parametrize("tasks", [0, 1, 2])
@@ -112,7 +112,7 @@ def test_whoever_has_left_or_gave_control_away_goes_on_no_more(done, samples, co
     done.do(TakeControl(), "ada")
     done.do(WANTED, "ada")
     said = str(done.do(command, actor).message)
-    assert said.endswith("; after this task nothing goes on by itself")
+    assert said.endswith("; no further cycle starts after this task")
     state = done.ended(samples.scan())
     assert (state.job, state.phase) == (None, Phase.SCANNED)
 

@@ -64,11 +64,11 @@ def refused(line, command, actor="ada") -> str:
 def test_a_person_or_the_robot_link_says_what_became_of_a_part(line, samples):
     cycle(line, samples)
     state = line.do(ReportPick(0, True), "robot link")
-    assert state.message == "part-1 was picked, says robot link"
+    assert str(state.message) == "robot link reports: part-1 was picked"
     state = line.do(ReportPick(0, False, "it fell"), "ada")
     (outcome,) = state.outcomes
     assert (outcome.is_picked, outcome.by, outcome.why) == (False, "ada", "it fell")
-    assert state.message == "part-1 failed, says ada: it fell"
+    assert str(state.message) == "ada reports: part-1 failed: it fell"
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def test_a_planning_brings_a_row_and_says_how_many(in_rows):
     assert len(state.row) == 2
     assert len(state.plans) == len(state.whole_row) == 3
     assert state.row_ends == RowEnd.NO_PART()
-    assert "2 more plans in a row after it" in str(state.message)
+    assert "2 more plans in the row" in str(state.message)
 
 
 def test_one_approval_sends_plan_after_plan_and_each_once(in_rows):
@@ -102,7 +102,7 @@ def test_what_is_said_of_messages_is_of_the_plan_on_its_way(in_rows):
     line.do(Sent(Receipt(NOW, "right", "start", "startR#", 1, 4)))
     ends(line)
     assert line.state.receipts == line.state.part_reports == ()
-    assert line.state.message == "plan 2 of 3 follows"
+    assert str(line.state.message) == "plan 2 of 3 follows"
 
 
 @pytest.mark.parametrize("command", [Approve, WatchPlan])
@@ -130,7 +130,7 @@ def test_a_shortened_row_needs_a_new_approval_and_can_be_made_longer_again(in_ro
     assert line.state.phase is Phase.PLANNED
     assert line.state.approval is None and line.state.votes == ()
     assert digests(line) == (plan, row[:1])
-    assert "2 picks of 3" in str(line.state.message)
+    assert "limits this row to 2 of 3 picks" in str(line.state.message)
     assert "have the plan approved first" in refused(line, SendPlan(plan))
     # All of what is left was seen.
     line.do(Approve(plan, row=row[:1]))
@@ -175,7 +175,7 @@ def test_whatever_begins_anew_makes_the_whole_row_void(in_rows, how):
         ({"fault": "the link is lost", "parts_placed": 0}, "the link is lost"),
         ({"parts": (PartReport("right", 0, False, "nothing held"),)}, "nothing held"),
         ({"parts": (PartReport("right", 0, None, "not told"),)}, "not told"),
-        ({"parts": ()}, "has not told what became of each part"),
+        ({"parts": ()}, "has not reported on each part"),
         ({"row_ends": "the votes have lapsed"}, "the votes have lapsed"),
     ],
 )
@@ -229,10 +229,10 @@ def test_a_persons_word_counts_beside_the_grippers(in_rows):
     line = sending(in_rows)
     ends(line)
     line.do(ReportPick(0, False, "it slipped"), "bob")
-    assert "part-1 failed, says bob" in str(line.state.message)
+    assert "bob reports: part-1 failed" in str(line.state.message)
     ends(line)
     assert line.state.phase is Phase.DONE
-    assert "part-1 was not picked, says bob" in str(line.state.message)
+    assert "bob reports: part-1 was not picked" in str(line.state.message)
     assert "it takes part-1, part-2" in refused(line, ReportPick(2, True))
 
 
@@ -241,7 +241,7 @@ def test_a_person_who_saw_the_part_fall_is_believed_when_the_gripper_tells_other
     line.do(ReportPick(0, False, "it slipped"), "bob")
     ends(line)
     assert line.state.phase is Phase.DONE and len(sent(line)) == 1
-    assert "part-1 was not picked, says bob" in str(line.state.message)
+    assert "bob reports: part-1 was not picked" in str(line.state.message)
 
 
 def test_each_plan_of_a_row_is_stepped_from_its_first_step(in_rows):

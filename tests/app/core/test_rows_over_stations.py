@@ -102,7 +102,7 @@ def test_a_part_that_was_not_picked_is_not_taken_from_the_station(in_rows):
     assert "after 1 of 2 plans" in str(line.state.row_ends) and "nothing held" in str(
         line.state.row_ends
     )
-    assert "look whether a part is on station post, and take it away" in str(line.state.row_ends)
+    assert "check whether a part is on station post; take it away" in str(line.state.row_ends)
 
 
 def test_a_part_that_stays_on_the_station_is_remembered(in_rows):
@@ -111,7 +111,7 @@ def test_a_part_that_stays_on_the_station_is_remembered(in_rows):
     line.do(Stop(), "bob")
     ends(line, placed=(on_station,))
     assert line.state.phase is Phase.DONE and line.state.placed == (on_station,)
-    assert "stopped by bob; look whether a part is on station post" in str(line.state.message)
+    assert "stopped by bob; check whether a part is on station post" in str(line.state.message)
 
 
 def test_a_part_that_was_dropped_on_its_way_from_the_station_may_still_be_there(in_rows):

@@ -51,7 +51,7 @@ def test_searches_in_a_scan_are_kept_and_one_is_taken(bench, samples, clock):
     state = bench.do(UseDetections(one.detections, "search 1 is taken"), "ben")
     assert state.searches == (one, other) and state.scan is not None
     assert [(r.by, r.says) for r in state.remarks] == [("ben", "search 1 is taken")]
-    assert state.message == "search 1 is taken, by ben"
+    assert str(state.message) == "search 1 is taken, by ben"
     state = bench.do(UseScan(samples.scan(seed=3)), "ada")
     assert state.searches == () and state.remarks == ()
 
@@ -67,7 +67,7 @@ def test_a_search_to_be_compared_takes_nothing_until_somebody_does(bench, sample
     state = search(bench, clock, second, FindParts(4, is_compared=True))
     assert state.detections is first and state.plan is planned.plan
     assert state.phase is planned.phase and [one.seed for one in state.searches] == [0, 4]
-    assert "search 2 found 1 part" in state.message
+    assert "search 2 found 1 part" in str(state.message)
     state = bench.do(UseDetections(second, "search 2 is taken"), "ada")
     assert state.detections is second and state.plan is None
 

@@ -75,7 +75,7 @@ def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, p
     before, arm = bench.state.cell, bench.state.cell.arms[0].name
     bench.do(AddTool(arm, like_the_yumis()), "ada")
     state = done(bench)
-    assert state.message == f"the {arm} arm carries the tool drawn; look at its TCP"
+    assert str(state.message) == f"the {arm} arm carries tool drawn; check its TCP"
     assert state.cell.arm(arm).tool.name == "drawn"
     T = pose_of(state.cell, "TCP drawn") * pose_from_rpy((0, 0, 0), (0, 0, -np.pi / 2))
     bench.do(ChangeCell(moved(state.cell, "TCP drawn", T), "its TCP is turned"), "ada")

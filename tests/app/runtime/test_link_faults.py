@@ -251,7 +251,7 @@ def test_a_good_cycle_tells_of_every_part(rig, strategy):
     assert (state.phase, state.parts_placed) == (Phase.DONE, 1)
     check_evidence(one, NEW)
     assert sorted(part.is_picked for part in state.part_reports) == [False, True]
-    assert "arm failed: closed to 0.0 mm where" in state.message
+    assert "arm failed: closed to 0.0 mm where" in str(state.message)
     assert {part.detection for part in state.part_reports} == {0, 1}
 
 

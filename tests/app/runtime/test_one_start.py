@@ -195,7 +195,7 @@ def test_a_session_opened_again_is_on_record_and_begins_without_a_word(
     bench.close()
     again = bench_in(tmp_path / "one")
     assert has_no_word(again) and again.state.phase is Phase.PLANNED
-    assert "opened again" in again.state.message
+    assert "opened again" in str(again.state.message)
     assert "approved" in refused(again, digest)
     *_, last = again.entries()
     assert last.kind == "Opened"

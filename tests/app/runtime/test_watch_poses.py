@@ -68,7 +68,7 @@ def test_a_file_of_halcon_is_taken(bench, watch, tmp_path):
     assert state.phase == "localized"
     (remark,) = state.remarks
     assert (remark.by, remark.says) == (POSES_FOLDER, "2 poses from Poses.txt")
-    assert state.message == "2 poses from Poses.txt, by poses folder"
+    assert str(state.message) == "2 poses from Poses.txt, by poses folder"
 
 
 def test_our_json_and_a_file_written_again_are_taken(bench, watch, tmp_path):

@@ -108,7 +108,7 @@ def test_poses_become_parts_found(panel, bench, detections, tmp_path, nothing_is
     found = bench.state.detections
     assert found is not None, panel._visitor.client.told
     assert [one.score for one in found] == [one.score for one in detections]
-    assert bench.state.message == "2 poses taken from poses.json, by Ada"
+    assert str(bench.state.message) == "2 poses taken from poses.json, by Ada"
 
 
 def test_what_a_backup_would_change_is_told(restoring, tmp_path, monkeypatch, nothing_is_read_here):

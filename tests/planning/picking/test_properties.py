@@ -27,7 +27,7 @@ from workbench.planning.picking.order import cost_of
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.picking.route import arm_plan
-from workbench.planning.picking.search import search_path
+from workbench.planning.picking.search import PathQuery, search_path
 from workbench.planning.planners.clock import processor_time
 
 MOTION = MotionModel("anything")
@@ -151,17 +151,8 @@ def test_a_search_that_takes_too_long_is_ended_with_a_verdict():
     box = np.full(2, 3.0)
     policy = replace(CELL.policy, iterations=10**6)
     rng = np.random.default_rng(0)
-    found = search_path(
-        -box / 2,
-        box / 2,
-        (-box, box),
-        np.ones(2),
-        check,
-        policy,
-        MOTION,
-        rng,
-        processor_time() + 0.05,
-    )
+    query = PathQuery(check, (-box, box), np.ones(2), policy, MOTION, processor_time() + 0.05)
+    found = search_path(query, -box / 2, box / 2, rng)
     assert found.reason is Reason.OUT_OF_TIME
 
 

@@ -9,7 +9,7 @@ from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import ControlRefusal, Refusal
-from workbench.model.messages.states import StateText
+from workbench.model.messages.states import ControlText, StateText
 
 MOST_ASKING = 20
 """People who have asked and wait for an answer."""
@@ -165,24 +165,27 @@ def with_control(state: State, command: ControlCommand, actor: str) -> State:
     """
     match command:
         case AskForControl():
-            message = f"{actor} asks {state.control} for control"
+            message = ControlText.ASKS(person=actor, other=state.control)
             return replace(state, asking=(*state.asking, actor), message=message)
         case TakeControl():
-            over = f" over from {state.control}" if state.control else ""
-            return _held_by(state, actor, f"{actor} takes control{over}")
+            message = ControlText.TAKES(person=actor)
+            if state.control:
+                message = ControlText.TAKES_OVER(person=actor, other=state.control)
+            return _held_by(state, actor, message)
         case GiveControl(to=to):
-            return _held_by(state, to, f"{actor} hands control over to {to}")
+            return _held_by(state, to, ControlText.HANDS_OVER(person=actor, other=to))
         case DenyControl(to=to):
             asking = tuple(name for name in state.asking if name != to)
-            return replace(state, asking=asking, message=f"{actor} keeps control, {to} has asked")
+            return replace(state, asking=asking, message=ControlText.KEEPS(person=actor, other=to))
         case ReleaseControl():
-            gone = f"{state.control} has gone: nobody is in control any more"
-            message = gone if actor in MACHINES else f"{actor} gives control back"
+            message = ControlText.GIVES_BACK(person=actor)
+            if actor in MACHINES:
+                message = ControlText.GONE(person=state.control)
             # Who has asked may take it now; there is nobody left to answer.
             return replace(state, control="", asking=(), message=message)
 
 
-def _held_by(state: State, name: str, message: str) -> State:
+def _held_by(state: State, name: str, message: Message) -> State:
     asking = tuple(person for person in state.asking if person != name)
     return replace(state, control=name, asking=asking, message=message)
 

@@ -113,7 +113,7 @@ def opened_again(state: State) -> State:
     """
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
-        message = "the session was opened again: previews and approvals before that do not count"
+        message = StateText.OPENED_AGAIN()
     return replace(without_approval(state), watched=(), told=(), message=message)
 
 
@@ -129,5 +129,5 @@ def changes_problem(state: State, ran: str) -> Message | None:
 
 def acknowledged(state: State, actor: str) -> State:
     """The state after somebody has acknowledged what has changed."""
-    message = f"{actor} has acknowledged what has changed since {state.changed_since}"
+    message = StateText.CHANGES_ACKNOWLEDGED(person=actor, since=state.changed_since)
     return replace(state, changed=(), changed_since="", message=message)

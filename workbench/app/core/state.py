@@ -11,6 +11,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
 from workbench.model.messages.message import Message
+from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
@@ -341,7 +342,9 @@ def plans_begun(state: State) -> tuple[Plan, ...]:
     return state.plans[: len(state.sent_before) + 1]
 
 
-def row_said(state: State) -> str:
+def row_message(state: State) -> Message:
     """The plan and those after it, for people."""
     plan = "" if state.plan is None else state.plan.digest[:12]
-    return f"plan {plan}" + (f" and {len(state.row)} after it" if state.row else "")
+    if not state.row:
+        return StateText.PLAN(plan=plan)
+    return StateText.PLAN_AND_ROW(plan=plan, count=len(state.row))

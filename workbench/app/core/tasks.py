@@ -7,6 +7,7 @@ from typing import Any
 from workbench.app.core.command import Entry
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import Job, State, without_approval
+from workbench.model.messages.message import Message
 
 Begun = tuple[State, tuple[StartJob, ...]]
 """The state, and the task that has begun with it, if one has."""
@@ -17,7 +18,7 @@ def begin_task(
     entry: Entry,
     name: str,
     arguments: Mapping[str, Any],
-    message: str,
+    message: Message | str,
     **about: Any,
 ) -> Begun:
     """A job begins; `about` goes into the `Job`, for when it ends."""

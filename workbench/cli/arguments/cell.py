@@ -76,6 +76,31 @@ class CellNew:
     json: Json = False
 
 
+PoseFormatName = Literal[
+    "abb", "denso", "fanuc", "kawasaki", "kuka", "mitsubishi", "staubli", "ur", "yaskawa"
+]
+
+
+@dataclass(frozen=True, slots=True)
+class CellPose:
+    """Print flange and TCP of an arm as the pendant of a maker shows them, to compare.
+
+    With --shown, what the pendant shows is compared, and what would explain a difference is
+    named: the zero of a joint, the robot's base, the tool.  Ends with 3 when they differ.
+    """
+
+    cell: Positional[CellName]
+    joints_deg: Maybe[tuple[float, ...]] = None
+    """Joints as the controller shows them, axis 1 first, degrees or mm; home when not given."""
+    arm: Maybe[str] = None
+    """Which arm; the first one when not given."""
+    format: PoseFormatName = "abb"
+    """Whose pendant it is."""
+    shown: Maybe[tuple[float, ...]] = None
+    """The pose on the pendant: X, Y, Z in mm, then the numbers of the orientation."""
+    json: Json = False
+
+
 @dataclass(frozen=True, slots=True)
 class CellSchema:
     """Print the JSON Schema of cell files, for editors that check while one types."""
@@ -89,5 +114,6 @@ class CellCommands:
         Annotated[CellNew, subcommand("new")]
         | Annotated[CellCheck, subcommand("check")]
         | Annotated[CellShow, subcommand("show")]
+        | Annotated[CellPose, subcommand("pose")]
         | Annotated[CellSchema, subcommand("schema")]
     )

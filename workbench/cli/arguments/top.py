@@ -11,7 +11,7 @@ from tyro.conf import Positional, arg, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.bench import Bench
-from workbench.cli.arguments.cell import CellCommands
+from workbench.cli.arguments.cell import CellCommands, PoseFormatName
 from workbench.cli.arguments.names import (
     CellName,
     CellOfPlan,
@@ -148,15 +148,27 @@ class Localize:
 
 @dataclass(frozen=True, slots=True)
 class Calibrate:
-    """Find out where the scanner hangs, from scans of a three-ball plate that the robot holds.
+    """Find out where the scanner is, from scans of a three-ball plate that the robot holds.
 
     The folder holds scans and calibration.toml, which says where the arm stood for each; see
-    docs/calibration.md. Poses that do not agree with the others are named and left out.
+    docs/calibration.md. Pairs of poses of another program are read, too. Poses that do not agree
+    with the others are named and left out.
     """
 
     cell: Positional[CellName]
     poses: Path
-    """Folder with the scans and calibration.toml."""
+    """Folder with the scans and calibration.toml; or pairs of a flange pose and a target pose:
+    CSV, YAML of OpenCV, MoveIt or easy_handeye, or a folder of Zivid's."""
+    in_hand: bool = False
+    """The robot holds the scanner, and the target stands. Only for pairs; cannot be saved yet."""
+    unit: Literal["m", "mm"] = "m"
+    """Unit of lengths in a file of pairs."""
+    format: Maybe[PoseFormatName] = None
+    """Whose pendant shows the flange's pose as the first columns of a CSV file have it."""
+    write: Maybe[Path] = None
+    """YAML file to write the scanner's pose to, for another program."""
+    style: Literal["opencv", "ros", "zivid"] = "opencv"
+    """Whose form that file has."""
     save: bool = False
     """Write the scanner's pose into the cell file, with date, author and accuracy."""
     by: str = ""

@@ -23,6 +23,7 @@ from workbench.model.messages.refusals import (
 )
 from workbench.model.messages.states import (
     ClearanceText,
+    ControlText,
     LeftText,
     NextText,
     RowStop,
@@ -56,6 +57,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     StateText,
     ClearanceText,
     LeftText,
+    ControlText,
     RowStop,
     NextText,
     Refusal,

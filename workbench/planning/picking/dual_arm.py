@@ -33,7 +33,7 @@ from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.in_step import in_step
 from workbench.planning.picking.order import Cost
 from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, leg_of
-from workbench.planning.picking.search import joint_weights, onward
+from workbench.planning.picking.search import PathQuery, joint_weights, onward
 
 CARRYING = LEG_NAMES.index("return")
 """From this leg on the first arm's part is out of the bin: in its hand, or where it is put."""
@@ -244,21 +244,18 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             touch = first_contact(world, base, ArmSweep(arm, curves.points), way)
             return None if touch is None else (touch.contact, touch.q[0])
 
-        chain, weights = world.chains[task.plan.arm], joint_weights(len(columns), world.policy)
-        limits = (chain.lower, chain.upper)
+        chain = world.chains[task.plan.arm]
+        query = PathQuery(
+            check,
+            (chain.lower, chain.upper),
+            joint_weights(len(columns), world.policy),
+            world.policy,
+            world.motion,
+            world.deadline,
+            pace=pace_of(chain, world.policy.speed),
+        )
         with world.at_full_margins():
-            path = onward(
-                lead,
-                goal,
-                limits,
-                weights,
-                check,
-                world.policy,
-                world.motion,
-                rng,
-                world.deadline,
-                pace=pace_of(chain, world.policy.speed),
-            )
+            path = onward(query, lead, goal, rng)
         if isinstance(path, Verdict):
             continue
         leg = leg_of(world, world.arm(task.plan.arm), task.name, path, task.leg.opening)

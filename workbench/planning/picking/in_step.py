@@ -14,7 +14,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.kinematics.quickness import Pace, pace_of
 from workbench.planning.picking.route import MOTIONS
-from workbench.planning.picking.search import curve_check, joint_weights, onward
+from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.plugins.planner import Planner
 
 
@@ -76,23 +76,21 @@ def way_in_step(
     """
     columns, base, policy = columns_of(world, arms), world.configuration({}), world.policy
     chains = [world.chains[arm] for arm in arms]
-    return onward(
-        lead,
-        goal,
+    query = PathQuery(
+        curve_check(world, columns, base),
         (
             np.concatenate([chain.lower for chain in chains]),
             np.concatenate([chain.upper for chain in chains]),
         ),
         np.concatenate([joint_weights(len(chain.lower), policy) for chain in chains]),
-        curve_check(world, columns, base),
         policy,
         world.motion,
-        rng,
         world.deadline,
         world.edges(columns, base, RESOLUTION),
         pace_in_step(world, arms),
         planner,
     )
+    return onward(query, lead, goal, rng)
 
 
 def columns_of(world: World, arms: Sequence[str]) -> Ints:

@@ -21,7 +21,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
-from workbench.planning.picking.search import curve_check, joint_weights, onward
+from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
 
 MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
@@ -212,19 +212,15 @@ def free_path(
         if contact is not None:
             note = VerdictNote.AT_END()
             return Verdict(Reason.NO_PATH, Stage.ROUTE, contact.pair, contact.distance, q, note)
-    check = curve_check(world, columns, base)
-
     chain = world.chains[arm.name]
-    return onward(
-        lead,
-        goal,
+    query = PathQuery(
+        curve_check(world, columns, base),
         (chain.lower, chain.upper),
         joint_weights(len(goal), world.policy),
-        check,
         world.policy,
         world.motion,
-        rng,
         world.deadline,
         world.edges(columns, base, RESOLUTION),
         pace_of(chain, world.policy.speed),
     )
+    return onward(query, lead, goal, rng)

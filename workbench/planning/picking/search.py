@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,47 +39,75 @@ Check = Callable[[Curves], tuple[Contact, Floats] | None]
 """Whether a motion is clear: what is met and where, or None."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class PathQuery:
+    """In what a free path of n joints is searched, and how it will be run.
+
+    Attributes:
+        check: what a motion meets.
+        limits: of the joints, two (n,) [rad].
+        weights: (n,) of the joints in the metric.
+        policy: planner, its iterations, waypoints and corners.
+        motion: how the controller runs a path.
+        deadline: [s] on the clock of `processor_time`; it ends the search, in compiled code within
+            some hundred edges.
+        edges: answer for straight motions what `check` would, where they are known.
+        pace: of the joints; the path is made quicker by it, where it is known.
+        planner: in the place of the policy's.
+    """
+
+    check: Check
+    limits: tuple[Floats, Floats]
+    weights: Floats
+    policy: Policy
+    motion: MotionModel
+    deadline: float = math.inf
+    edges: Edges | None = None
+    pace: Pace | None = None
+    planner: Planner | None = None
+
+
 def search_path(
+    query: PathQuery,
     start: Floats,
     goal: Floats,
-    limits: tuple[Floats, Floats],
-    weights: Floats,
-    check: Check,
-    policy: Policy,
-    motion: MotionModel,
     rng: np.random.Generator,
-    deadline: float = math.inf,
     before: Floats | None = None,
-    planner: Planner | None = None,
-    edges: Edges | None = None,
-    pace: Pace | None = None,
 ) -> Floats | Verdict:
     """A path between two clear configurations (n,), rounded and checked as it will be run.
 
-    `before` (n,) is the waypoint from which the arm comes to the start: the corner there belongs to
-    what is checked.  Without it the arm begins at the start.  `deadline` [s] on the clock of
-    `processor_time` ends the search, in compiled code within some hundred edges.  `planner` takes
-    the place of the policy's.
-    `edges`, where they are known, answer for straight motions what `check` would.  By the `pace` of
-    the joints the path is made quicker, where that is known.
+    Args:
+        query: in what it is searched.
+        start: where it begins (n,) [rad].
+        goal: where it ends (n,) [rad].
+        rng: of everything random.
+        before: the waypoint (n,) from which the arm comes to the start: the corner there belongs
+            to what is checked.  Without it the arm begins at the start.
 
     Returns:
         Waypoints (m, n) [rad]; or why there are none, with what was met last.
     """
-    is_clear = edge_check(check, deadline, edges)
+    policy, motion = query.policy, query.motion
+    is_clear = edge_check(query.check, query.deadline, query.edges)
     met: tuple[Contact, Floats] | None = None
     try:
         for number in range(TRIES + 1):
             path = np.array([start, goal])  # straight ahead first
             if number:
-                search = planner or planner_named(policy.planner)
+                search = query.planner or planner_named(policy.planner)
                 path = search(
-                    start, goal, *limits, weights, is_clear, iterations=policy.iterations, rng=rng
+                    start,
+                    goal,
+                    *query.limits,
+                    query.weights,
+                    is_clear,
+                    iterations=policy.iterations,
+                    rng=rng,
                 ).path
             if path is None:
                 break
-            for sent in _forms(path, is_clear, policy, motion, pace):
-                met = check(_walked_from(before, sent, motion, policy.zone))
+            for sent in _forms(path, is_clear, policy, motion, query.pace):
+                met = query.check(_walked_from(before, sent, motion, policy.zone))
                 if met is None:
                     return sent
     except _Late:
@@ -91,18 +119,7 @@ def search_path(
 
 
 def onward(
-    lead: Floats,
-    goal: Floats,
-    limits: tuple[Floats, Floats],
-    weights: Floats,
-    check: Check,
-    policy: Policy,
-    motion: MotionModel,
-    rng: np.random.Generator,
-    deadline: float = math.inf,
-    edges: Edges | None = None,
-    pace: Pace | None = None,
-    planner: Planner | None = None,
+    query: PathQuery, lead: Floats, goal: Floats, rng: np.random.Generator
 ) -> Floats | Verdict:
     """A path beginning with `lead` (k, n) [rad], from its last waypoint on; see `search_path`.
 
@@ -110,11 +127,8 @@ def onward(
     """
     count = len(lead) - 1
     before = lead[-2] if count else None
-    fewer = replace(policy, free_points=max(2, policy.free_points - count))
-    path = search_path(
-        lead[-1], goal, limits, weights, check, fewer, motion, rng, deadline, before,
-        planner, edges, pace,
-    )  # fmt: skip
+    fewer = replace(query.policy, free_points=max(2, query.policy.free_points - count))
+    path = search_path(replace(query, policy=fewer), lead[-1], goal, rng, before)
     return path if isinstance(path, Verdict) else np.vstack([lead[:-1], path])
 
 

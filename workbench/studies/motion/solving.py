@@ -13,7 +13,7 @@ import numpy as np
 from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats
 from workbench.planning.picking.route import free_path
-from workbench.planning.picking.search import curve_check, joint_weights, search_path
+from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, search_path
 from workbench.planning.planners.clock import working_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report, silent
@@ -117,20 +117,16 @@ def _by_ompl(case: Case, rng: np.random.Generator) -> Floats | Verdict:
     world = case.world
     columns, base = world.kinematics.columns[ARM], world.configuration({})
     chain = world.chains[ARM]
-    check = curve_check(world, columns, base)
-
-    return search_path(
-        case.start,
-        case.goal,
+    query = PathQuery(
+        curve_check(world, columns, base),
         (chain.lower, chain.upper),
         joint_weights(len(case.goal), world.policy),
-        check,
         replace(world.policy, iterations=OMPL_ITERATIONS),
         world.motion,
-        rng,
         world.deadline,
         planner=RRT_CONNECT,
     )
+    return search_path(query, case.start, case.goal, rng)
 
 
 def summary(

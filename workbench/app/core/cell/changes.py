@@ -25,7 +25,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import put
-from workbench.model.messages.message import plain
+from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part_edits import differ_in_grasps_only
@@ -99,7 +99,7 @@ class SaveCell(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         write = WriteCell(state.cell, self.remark, entry.actor, entry.at)
-        return replace(state, message=f"{entry.actor} saves the cell"), (write,)
+        return replace(state, message=StateText.SAVES_CELL(person=entry.actor)), (write,)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,10 +137,10 @@ class EmptyPallets(Command):
             raise CommandRefused(ChangeRefusal.PALLETS_EMPTY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return replace(state, placed=(), message="the pallets are empty"), ()
+        return replace(state, placed=(), message=StateText.PALLETS_EMPTY()), ()
 
 
-def changed_cell(state: State, cell: Cell, says: str) -> Changed:
+def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
     after, effects = _with_cell(state, cell, says)
     return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
@@ -174,12 +174,12 @@ def cell_read(state: State, command: CellRead) -> Changed:
         kept = replace(state.cell, approvers=cell.approvers)
         state = replace(without_approval(state), cell=kept)
         if cell.digest == kept.digest:
-            says = f"{cell.approvers} different people have to approve a plan now"
+            says = StateText.APPROVERS(count=cell.approvers)
             return replace(state, message=says), (UseCell(kept),)
     if cell.digest == state.cell.digest:
         return replace(state, message=command.says or "the cell is as in its file"), ()
     if command.is_saved and command.written not in ("", state.cell.digest):
-        message = "the cell is saved, without what was changed meanwhile: save it again"
+        message = StateText.SAVE_AGAIN()
         return replace(state, message=message), ()
     if command.is_saved:
         # Files hold fewer digits: what is read differs from what was saved by rounding only.
@@ -187,7 +187,7 @@ def cell_read(state: State, command: CellRead) -> Changed:
     return changed_cell(state, cell, "the cell file was changed, and is read again")
 
 
-def _with_cell(state: State, cell: Cell, message: str) -> Changed:
+def _with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     """Another cell: a scan stays as long as the scanner does, what was made of it does not.
 
     With other grasps the parts found stay where they are.
@@ -215,7 +215,7 @@ def _with_cell(state: State, cell: Cell, message: str) -> Changed:
     return after, (UseCell(cell),)
 
 
-def _with_grasps(state: State, cell: Cell, message: str) -> Changed:
+def _with_grasps(state: State, cell: Cell, message: Message | str) -> Changed:
     """Other grasps: the scan and the parts found stay, candidates and plan do not."""
     changed = tuple(p for p in cell.parts if p.digest != state.cell.part(p.name).digest)
     effects = (UseCell(cell), KeepDrafts(changed)) if changed else (UseCell(cell),)

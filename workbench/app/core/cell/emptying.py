@@ -17,6 +17,7 @@ from workbench.app.core.value_checks import (
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.states import StateText
 from workbench.model.prediction import CHANGE_KINDS, Emptying, Seen
 
 
@@ -43,8 +44,7 @@ class TryEmptying(Command):
         check_emptying(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        piles, count = counted(self.piles, "pile"), counted(self.count, "part")
-        says = f"emptying {piles} of {count} in simulation"
+        says = StateText.EMPTYING(piles=self.piles, parts=self.count)
         return begin_task(state, entry, "emptying", {"command": self}, says)
 
 

@@ -22,6 +22,7 @@ from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import frozen, put
 from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.states import StateText
 from workbench.model.part import Part
 
 DENSITIES = (10.0, 25_000.0)
@@ -67,7 +68,7 @@ class ImportPart(Command):
         check_import(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        says = f"making the part {self.name} of {self.file}"
+        says = StateText.MAKING_PART(part=self.name, file=self.file)
         return begin_task(state, entry, "import", {"command": self}, says)
 
 
@@ -84,7 +85,7 @@ class AddTool(Command):
         check_tool(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        says = f"making the tool {self.drawn.name} of {self.drawn.body.file}"
+        says = StateText.MAKING_TOOL(tool=self.drawn.name, file=self.drawn.body.file)
         arguments = {"arm": self.arm, "drawn": self.drawn}
         return begin_task(state, entry, "tool", arguments, says, arm=self.arm)
 
@@ -99,10 +100,10 @@ def with_made(state: State, number: int, made: Part | Tool) -> Changed:
     if isinstance(made, Part):
         cell = replace(state.cell, parts=(*state.cell.parts, made))
         size = made.facts["mm"]
-        says = f"the part {made.name} is in the cell, {size} mm; it has no grasps yet"
+        says = StateText.PART_MADE(part=made.name, size=str(size))
     else:
         cell = carrying(state.cell, job.arm, made)
-        says = f"the {job.arm} arm carries the tool {made.name}; look at its TCP"
+        says = StateText.TOOL_MADE(arm=job.arm, tool=made.name)
     return changed_cell(state, cell, says)
 
 

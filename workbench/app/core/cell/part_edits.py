@@ -14,6 +14,7 @@ from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.states import StateText
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspLibrary, GraspPair, GraspPattern, Part
 from workbench.model.part_edits import edited, with_part
@@ -60,7 +61,7 @@ class DropDraft(Command):
         part_of(state.cell, self.part)
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        message = f"the draft of {self.part} is dropped"
+        message = StateText.DRAFT_DROPPED(part=self.part)
         return replace(state, message=message), (RemoveDraft(self.part),)
 
 

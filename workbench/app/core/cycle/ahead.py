@@ -67,10 +67,10 @@ class GoOn(Command):
 
 def asked_ahead(state: State, wanted: GoOn, entry: Entry) -> Begun:
     """The state in which the next cycle is asked for while a plan is sent."""
-    said = "it is gone on when the plan has ended"
+    message = StateText.NEXT_CYCLE_AT_END()
     if wanted.sees_from:
-        said = f"it is gone on from step {wanted.sees_from} on, where the scanner sees all"
-    return begun_ahead(replace(state, ahead=Ahead(wanted), message=said), entry)
+        message = StateText.NEXT_CYCLE_FROM(step=wanted.sees_from)
+    return begun_ahead(replace(state, ahead=Ahead(wanted), message=message), entry)
 
 
 def begun_ahead(state: State, entry: Entry) -> Begun:
@@ -79,7 +79,7 @@ def begun_ahead(state: State, entry: Entry) -> Begun:
     if ahead is None or ahead.brought or state.job is not None or not _sees(state, ahead):
         return state, ()
     begun, effects = take_scan(state, entry, ahead.wanted.scan, then=ahead.wanted)
-    message = "the robot is out of view: scanning for the next cycle"
+    message = StateText.OUT_OF_VIEW()
     return replace(state, job=begun.job, message=message), effects
 
 

@@ -8,13 +8,14 @@ from workbench.app.core.command import Asked, Command, Decision, Entry, Right, r
 from workbench.app.core.cycle.standing import lacks_reports, left_on_station, stale_because
 from workbench.app.core.cycle.watching import has_seen, other_row, unwatched
 from workbench.app.core.people import NOBODY, fold_name, is_same_person
-from workbench.app.core.state import Phase, State, row_said
+from workbench.app.core.state import Phase, State, row_message
 from workbench.app.core.value_checks import check_number, check_person, named_plan
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import Message, all_of, plain
 from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import StateText
 from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote, manner_words
 from workbench.plugins.robot_link import misfit
@@ -228,9 +229,9 @@ def _approve(state: State, entry: Entry, vote: Approve) -> State:
     before = votes_of_others(state, entry.actor, entry.at, manner)
     votes = (*before, Vote(state.plan.digest, entry.actor, entry.at, *manner))
     wanted, words = state.cell.approvers, manner_words(*manner)
-    how = f", to be sent {words}" if words else ""
+    unseen: list[str] = []
     if len(votes) < wanted:
-        message = f"approved by {_names(votes)}, {len(votes)} of {wanted} people{how}"
+        message = StateText.VOTED(people=_names(votes), count=len(votes), total=wanted)
         state = replace(state, phase=Phase.PLANNED, approval=None)
     else:
         unseen = [vote.actor for vote in votes if not has_seen(state, vote.actor)]
@@ -246,12 +247,13 @@ def _approve(state: State, entry: Entry, vote: Approve) -> State:
             manner=manner,
             row=state.row,
         )
-        message = f"{row_said(state)} approved by {_names(votes)}{how}"
-        if unseen:
-            message += f"; no page has shown it to {' and '.join(unseen)}"
+        message = StateText.APPROVED(plan=row_message(state), people=_names(votes))
         state = replace(state, phase=Phase.APPROVED, approval=approval)
-    return replace(state, votes=votes, message=message)
+    if words:
+        message = StateText.TO_BE_SENT(what=message, manner=plain(words))
+    shown = StateText.UNSEEN(people=plain(" and ".join(unseen))) if unseen else None
+    return replace(state, votes=votes, message=all_of((message, shown)))
 
 
-def _names(votes: tuple[Vote, ...]) -> str:
-    return " and ".join(vote.actor for vote in votes)
+def _names(votes: tuple[Vote, ...]) -> Message:
+    return plain(" and ".join(vote.actor for vote in votes))

@@ -14,7 +14,6 @@ from workbench.app.core.state import (
     State,
     before_a_scan,
     begun,
-    counted,
     plans_begun,
     sent_for,
 )
@@ -22,9 +21,9 @@ from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import FoundPart, Message, plain
+from workbench.model.messages.message import FoundPart, Message, all_of, plain
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import NextText
+from workbench.model.messages.states import NextText, StateText
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.plan import Plan, number_in, parts_taken
 from workbench.model.release import PartReport
@@ -106,7 +105,7 @@ class ForgetAvoided(Command):
             raise CommandRefused(Refusal.NOTHING_AVOIDED())
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return replace(state, avoided=(), message="no part is avoided any more"), ()
+        return replace(state, avoided=(), message=StateText.NOTHING_AVOIDED()), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +116,7 @@ class AcknowledgeFault(Command):
 
     def apply(self, state: State, entry: Entry) -> Decision:
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
-        message = f"fault acknowledged by {entry.actor}; take a new scan"
+        message = StateText.FAULT_ACKNOWLEDGED(person=entry.actor)
         after = replace(before_a_scan(state), failures=0)
         return begun(after, ScanState, message=message), ()
 
@@ -145,13 +144,16 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
     if ended.fault:
-        message = f"fault while sending: {ended.fault}"
+        message = StateText.FAULT_WHILE_SENDING(fault=plain(ended.fault))
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
     expected = sum(len(plan.arms) for plan in plans_begun(state) if not _goes_on(plan))
-    message = f"cycle finished, {placed} of {counted(expected, 'part')} reported placed"
-    for part in ended.parts:
-        if part.is_picked is False:
-            message += f"; {part.arm} arm failed: {part.why}"
+    failed = [
+        StateText.ARM_FAILED(arm=part.arm, why=plain(part.why))
+        for part in ended.parts
+        if part.is_picked is False
+    ]
+    finished = StateText.CYCLE_FINISHED(count=placed, total=expected)
+    message = all_of((finished, *failed))
     return escalated(replace(state, phase=Phase.DONE, message=message))
 
 
@@ -234,13 +236,11 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     if state.plan is None:
         said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
     elsewhere = tuple(entry for entry in state.avoided if not _is_at(state.cell, detection, entry))
-    said = "was picked" if command.is_picked else "failed"
-    why = f": {command.why}" if command.why else ""
     state = replace(
         state,
         failures=0 if command.is_picked else state.failures + 1,
         avoided=elsewhere,
-        message=f"part-{command.detection + 1} {said}, says {actor}{why}",
+        message=_outcome_message(command, actor),
         **said_of,
     )
     if not command.is_picked:
@@ -257,6 +257,15 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
         state = replace(state, avoided=(*elsewhere, mark))
     return escalated(state)
+
+
+def _outcome_message(command: ReportPick, actor: str) -> Message:
+    part = FoundPart(command.detection)
+    if command.is_picked:
+        said = StateText.PICKED(part=part, person=actor)
+    else:
+        said = StateText.PICK_FAILED(part=part, person=actor)
+    return StateText.SINCE(what=said, why=plain(command.why)) if command.why else said
 
 
 def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:

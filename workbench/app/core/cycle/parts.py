@@ -17,6 +17,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.message import plain
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import Detection, Remark, Search, SearchOverrides
@@ -114,8 +115,7 @@ def find_parts(
 def compared(state: State, search: Search) -> State:
     """The state after a search that takes nothing: it is listed with the earlier ones."""
     searches = (*state.searches, search)[-MOST_SEARCHES:]
-    found = counted(len(search.detections), "part")
-    message = f"search {len(searches)} found {found}, to be compared; nothing was taken"
+    message = StateText.COMPARED(number=len(searches), count=len(search.detections))
     return replace(state, searches=searches, message=message)
 
 
@@ -156,5 +156,5 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
         detections=detections,
         scene_digest=digest_of(detections),
         stale="" if is_picked else stale_by(state, "the parts are others"),
-        message=f"{says}, by {entry.actor}",
+        message=StateText.PARTS_FROM_OUTSIDE(change=plain(says), person=entry.actor),
     )

@@ -53,7 +53,7 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return (compared if job.is_compared else with_detections)(state, search)
         case ("sight", PlateObservation()):
             observations = (*state.observations, result)
-            message = f"{result.name}: the plate is seen, {len(observations)} so far"
+            message = StateText.PLATE_SEEN(pose=plain(result.name), count=len(observations))
             return replace(state, observations=observations, message=message)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))

@@ -8,12 +8,12 @@ from workbench.app.core.cycle.approval import staleness, unwalked
 from workbench.app.core.cycle.outcomes import SendingEnd
 from workbench.app.core.cycle.standing import left_on_station, stale_because
 from workbench.app.core.effects import Send
-from workbench.app.core.state import Phase, State, counted, without_approval
+from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_integer, named_plan
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import FoundPart, Message, Others, all_of, as_message, plain
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import RowStop
+from workbench.model.messages.states import RowStop, StateText
 from workbench.model.plan import Plan, Proven
 from workbench.model.release import Approval
 
@@ -67,7 +67,7 @@ def shortened(state: State, picks: int, actor: str) -> State:
         left_out=every[picks - 1 :],
         watched=state.watched if is_shorter else (),
         told=state.told if is_shorter else (),
-        message=f"{actor} wants {counted(picks, 'pick')} of {1 + len(every)} in this row",
+        message=StateText.ROW_LENGTH(person=actor, count=picks, total=1 + len(every)),
     )
 
 
@@ -134,7 +134,7 @@ def with_next_plan(state: State, after: State, ended: SendingEnd, entry: Entry) 
         waits=0,
         let=0,
         let_until=approval.until,
-        message=f"plan {len(done) + 1} of {len(done) + len(state.row)} follows",
+        message=StateText.NEXT_PLAN(number=len(done) + 1, total=len(done) + len(state.row)),
     )
     return after, (Send(proven_plan.plan, approval, following(after)),)
 

@@ -22,6 +22,7 @@ from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
 from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.states import StateText
 from workbench.model.scan import ALL_KINDS, Scan
 
 if TYPE_CHECKING:
@@ -140,7 +141,7 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
         scan=scan,
         scene_digest=scan.digest,
         stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
-        message=f"scan with {len(scan.points):,} points",
+        message=StateText.SCANNED(points=f"{len(scan.points):,}"),
     )
 
 

@@ -11,12 +11,12 @@ from workbench.app.core.cycle.rows import following, unapproved_row, with_next_p
 from workbench.app.core.cycle.standing import lacks_reports, stale_because
 from workbench.app.core.effects import LetStep, Send, StopSending
 from workbench.app.core.rights import changes_said
-from workbench.app.core.state import Phase, RunState, State, begun, row_said
+from workbench.app.core.state import Phase, RunState, State, begun, row_message
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import NextText
+from workbench.model.messages.states import NextText, StateText
 from workbench.model.plan import Plan
 from workbench.model.release import Receipt
 from workbench.plugins.robot_link import misfit
@@ -78,7 +78,7 @@ class Stop(Command):
     )
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        says = f"{entry.actor} stops the sending"
+        says = StateText.STOPS_SENDING(person=entry.actor)
         stopped = replace(state, message=says, stopped_by=entry.actor)
         after, effects = given_up(stopped, "the plan is stopped")
         return after, (StopSending(), *effects)
@@ -119,7 +119,7 @@ class LinkEnded(SendingEnd, Command):
 def _send(state: State, entry: Entry) -> Decision:
     if state.plan is None or state.approval is None:
         raise CommandRefused(Refusal.NO_APPROVED_PLAN())
-    message = f"{entry.actor} sends {row_said(state)}"
+    message = StateText.SENDS(person=entry.actor, plan=row_message(state))
     until = state.approval.until
     after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
     return after, (Send(state.plan, state.approval, following(state)),)
@@ -130,15 +130,15 @@ def with_receipt(state: State, receipt: Receipt) -> State:
     state = replace(state, receipts=(*state.receipts, receipt))
     steps = () if state.plan is None else state.plan.sequence
     if state.plan is not None and 0 < receipt.waits == state.let + 1 <= len(steps):
-        message = f"the robot waits before {step_said(state.plan, receipt.waits)}"
+        message = StateText.ROBOT_WAITS(step=step_message(state.plan, receipt.waits))
         return replace(state, waits=receipt.waits, message=message)
     if state.let:
         # The message of a step names who has let it run.
         return state
     step = step_reported(state)
     if state.plan is not None and 0 < step <= len(steps):
-        return replace(state, message=f"the robot runs {step_said(state.plan, step)}")
-    return replace(state, message=f"{receipt.done} of {receipt.total} messages sent")
+        return replace(state, message=StateText.ROBOT_RUNS(step=step_message(state.plan, step)))
+    return replace(state, message=StateText.MESSAGES_SENT(count=receipt.done, total=receipt.total))
 
 
 def step_reported(state: State) -> int:
@@ -149,9 +149,10 @@ def step_reported(state: State) -> int:
     return max((receipt.step or receipt.waits for receipt in state.receipts), default=0)
 
 
-def step_said(plan: Plan, number: int) -> str:
+def step_message(plan: Plan, number: int) -> Message:
     """A step of a plan, counted from 1, for people."""
-    return f"step {number} of {len(plan.sequence)}, {plan.sequence[number - 1].words}"
+    words = plan.sequence[number - 1].words
+    return StateText.STEP(number=number, total=len(plan.sequence), legs=plain(words))
 
 
 def step_problem(state: State, number: int, now: float) -> Message | None:
@@ -171,6 +172,6 @@ def with_step(state: State, number: int, actor: str, at: float) -> State:
     """The state after a person has let a step run, at [s since the epoch]."""
     if state.plan is None:
         return state
-    message = f"{step_said(state.plan, number)}, let run by {actor}"
+    message = StateText.STEP_LET(step=step_message(state.plan, number), person=actor)
     until = at + state.cell.policy.approval_minutes * 60.0
     return replace(state, waits=0, let=number, let_until=until, message=message)

@@ -10,6 +10,7 @@ from workbench.app.core.value_checks import named_plan
 from workbench.model.digest import LATER
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
+from workbench.model.messages.states import StateText
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,9 +45,9 @@ def with_watched(state: State, actor: str, *, is_told: bool) -> State:
         watched, reported = (*watched, actor), (*reported, actor) if is_told else reported
     elif not is_told:
         reported = tuple(name for name in reported if name != actor)
-    message = "the plan was played to its end"
+    message = StateText.PLAYED()
     if is_told:
-        message = f"a program says that the plan was played to its end before {actor}"
+        message = StateText.PLAYED_BY_REPORT(person=actor)
     return replace(state, watched=watched, told=reported, message=message)
 
 

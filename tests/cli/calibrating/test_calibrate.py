@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from workbench.cli.authoring.calibrate import WRONG
+from workbench.cli.calibrating.calibrate import WRONG
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 

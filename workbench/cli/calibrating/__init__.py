@@ -1,0 +1,1 @@
+"""Commands about the scanner: where it is, how it scans, whether it has moved."""
