@@ -15,9 +15,12 @@ PAGE = Path(__file__).with_name("cell_file.md")
 
 HEAD = """# Keys of cell, part and grasp files
 
-`python docs/make_cell_file.py` makes this page from the schemas of the readers.
-`workbench cell schema` prints that of cell files for editors. A key with the default *needed* has
-to be given; the others may be left out. Poses are `position_mm` and `rpy_deg`.
+`python docs/make_cell_file.py` makes this page from the readers' schemas. `workbench cell schema`
+prints the schema of cell files for editors. In brackets stand the values of a key and, behind a
+semicolon, its default; *needed* keys have none.
+
+A table with a *pose* has `position_mm` (x, y, z) and `rpy_deg` (roll, pitch, yaw about the fixed
+axes x, y, z); both are zero by default.
 
 Examples: `robots/yumi/cell.toml`, `parts/keyed_cylinder`. How to: [a new robot](new_robot.md),
 [a new part](new_part.md), [scanners](scanners.md), [robot links](robot_links.md).
@@ -30,6 +33,12 @@ these keys.
 """
 
 KINDS = "A `[[tool]]` with a `kind` has `name`, the keys of its load, and these options."
+
+POSE = {
+    "position_mm": "shift along x, y, z",
+    "rpy_deg": "roll, pitch, yaw about the fixed axes x, y, z",
+}
+"""What the keys of a usual pose mean; the head of the page explains them once."""
 
 UNITS = {
     "acceleration_deg": "deg/s2",
@@ -46,8 +55,6 @@ ENDINGS = {"mm": "mm", "deg": "deg", "g": "g", "n": "N", "s": "s", "ms": "ms", "
 ENDINGS |= {"px": "pixels"}
 
 NUMBERS = {"number": "number", "integer": "whole number", "boolean": "true or false"}
-
-TABLE = ["", "| key | type | unit | default | meaning |", "|---|---|---|---|---|"]
 
 PLUGINS = (("scanner", "source"), ("controller", "protocol"), ("localizer", "name"))
 
@@ -67,46 +74,82 @@ def page() -> str:
         name = keys["kind"]["const"]
         lines += ["", f'### `[tool.options]` with `kind = "{name}"`', *_rows(keys["options"])]
     for table, key in PLUGINS:
+        earlier: dict[str, Schema] = {}
         for case in cell["properties"][table]["allOf"]:
             name = case["if"]["properties"][key]["const"]
             options = case["then"]["properties"]["options"]
             if options["properties"]:
-                lines += ["", f'### `[{table}.options]` with `{key} = "{name}"`', *_rows(options)]
+                lines += ["", f'### `[{table}.options]` with `{key} = "{name}"`']
+                lines += _further_rows(options, earlier)
+                earlier[name] = options["properties"]
     part["properties"]["piece"] = {"type": "array", "description": solid["description"]}
     lines += ["", "## part.toml", *_table(part), "", SOLIDS.rstrip(), *_rows(solid["items"])]
     return "\n".join([*lines, "", "## grasps.toml", *_table(grasp_schema())]) + "\n"
 
 
-def _table(schema: Schema, place: str = "", is_array: bool = False) -> Iterator[str]:
+def _further_rows(options: Schema, earlier: Mapping[str, Schema]) -> Iterator[str]:
+    """The keys of a driver, without those of an earlier one whose keys it has all."""
+    keys = options["properties"]
+    for name, known in earlier.items():
+        if known.items() <= keys.items():
+            keys = {key: form for key, form in keys.items() if key not in known}
+            yield from ("", f"The keys of `{name}`, and:")
+            break
+    yield from _rows({**options, "properties": keys})
+
+
+def _table(
+    schema: Schema, place: str = "", is_array: bool = False, is_needed: bool = False
+) -> Iterator[str]:
     """The rows of a table and, below their headings, of those in it; solids stand elsewhere."""
+    inner = schema.get("items", schema)
     if place:
         meaning = schema["description"]
         name = f"[[{place}]]" if is_array else f"[{place}]"
-        yield from ("", f"### `{name}`", "", f"{meaning[0].upper()}{meaning[1:]}.")
-    inner = schema.get("items", schema)
+        notes = f"{' Needed.' if is_needed else ''}{' Has a pose.' if _has_pose(inner) else ''}"
+        yield from ("", f"### `{name}`", "", f"{meaning[0].upper()}{meaning[1:]}.{notes}")
     yield from _rows(inner)
     for key, form in inner["properties"].items():
-        full = f"{place}.{key}".lstrip(".")
-        if "properties" in form or "properties" in form.get("items", {}):
-            keys = form.get("items", form)["properties"]
-            if "shape" not in keys and keys.keys() != {"position_mm", "rpy_deg"}:
-                yield from _table(form, full, form["type"] == "array")
+        if _has_section(form):
+            full = f"{place}.{key}".lstrip(".")
+            yield from _table(form, full, form["type"] == "array", key in inner["required"])
+
+
+def _has_section(form: Schema) -> bool:
+    """Whether a key is a table with a heading of its own; solids and poses have none."""
+    keys = form.get("items", form).get("properties", {})
+    return bool(keys) and "shape" not in keys and keys.keys() != POSE.keys()
+
+
+def _has_pose(schema: Schema) -> bool:
+    forms = schema["properties"]
+    return all(forms.get(key, {}).get("description") == text for key, text in POSE.items())
 
 
 def _rows(schema: Schema) -> Iterator[str]:
     """A line for each key."""
-    yield from TABLE if schema["properties"] else ()
-    for key, form in schema["properties"].items():
+    hidden = POSE.keys() if _has_pose(schema) else ()
+    forms = {
+        key: form
+        for key, form in schema["properties"].items()
+        if key not in hidden and not _has_section(form)
+    }
+    yield from [""] if forms else ()
+    for key, form in forms.items():
         if form.get("type") == "object" and key == "options":
             continue
-        meaning = form.get("description", "").replace("|", "\\|")
-        usual = "needed" if key in schema["required"] else _usual(form)
-        yield f"| `{key}` | {_type(form)} | {_unit(key)} | {usual} | {meaning} |"
+        usual = "*needed*" if key in schema["required"] else _usual(form)
+        value, unit = _type(form), _unit(key)
+        value += f"{',' if value[-1].isalpha() else ''} {unit}" if unit else ""
+        values = "; ".join(filter(None, (value, usual)))
+        yield f"- `{key}` ({values}): {form.get('description', '')}"
 
 
 def _usual(form: Schema) -> str:
     usual = form.get("default", [])
-    text = re.sub(r"(\d)\.0\b", r"\1", json.dumps(usual))
+    text = json.dumps(usual)
+    if not isinstance(usual, str):
+        text = re.sub(r"(\d)\.0\b", r"\1", text)
     return "" if usual in ([], "") else f"`{text}`"
 
 
@@ -117,7 +160,7 @@ def _type(form: Schema) -> str:
         case "string":
             return "text"
         case "object":
-            return "table"
+            return "pose" if form.get("properties", {}).keys() == POSE.keys() else "table"
         case "array" if "items" not in form or form["items"].get("type") == "object":
             return "tables"
         case "array":
@@ -125,12 +168,13 @@ def _type(form: Schema) -> str:
             count = "" if low is None else f"{low} " if low == high else f"{low} or {high} "
             return f"{count}{'texts' if form['items']['type'] == 'string' else 'numbers'}"
         case kind:
-            return NUMBERS[str(kind)] + _range(form)
+            return _range(form) or NUMBERS[str(kind)]
 
 
 def _range(form: Schema) -> str:
     low, high = form.get("minimum"), form.get("maximum")
-    return "" if low is None or high is None else f", {low:.10g} to {high:.10g}"
+    whole = "whole, " if form["type"] == "integer" else ""
+    return "" if low is None or high is None else f"{whole}{low:.10g} to {high:.10g}"
 
 
 def _unit(key: str) -> str:

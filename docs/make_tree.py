@@ -13,7 +13,7 @@ WIDTH = 24
 
 
 def tree() -> str:
-    """A line for each layer and each folder in it: how many files, and what they are about."""
+    """A line for each layer, and for each folder in it: its count of files, and its subject."""
     lines: list[str] = []
     for layer in sorted((ROOT / "workbench").glob("*/__init__.py")):
         lines.append(_line(layer.parent, 0))
@@ -25,7 +25,8 @@ def _line(folder: Path, depth: int) -> str:
     text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
     count = len(list(folder.glob("[!_]*.py")))
     name = f"{'  ' * depth}{folder.name}/"
-    return f"{name:{WIDTH}}{count or '':>3}  {text.splitlines()[0]}"
+    # The table of layers on the page says what they are for.
+    return f"{name:{WIDTH}}{count or '':>3}  {text.splitlines()[0] if depth else ''}".rstrip()
 
 
 def whole(page: str) -> str:

@@ -21,7 +21,7 @@ def test_the_page_is_what_the_readers_ask(monkeypatch):
 
 
 def test_every_key_has_a_meaning():
-    rows = re.findall(r"^\| `(\w+)` .*\| (.*) \|$", PAGE.read_text(encoding="utf-8"), re.M)
+    rows = re.findall(r"^- `(\w+)` \(.*?\): ?(.*)$", PAGE.read_text(encoding="utf-8"), re.M)
     assert len(rows) > 180
     assert [key for key, meaning in rows if not meaning] == []
 

@@ -8,7 +8,7 @@ import pytest
 
 SETUP = Path(__file__).resolve().parents[1] / "setup"
 sys.path.append(str(SETUP))
-from prose import main, passages, problems  # noqa: E402
+from prose import counted, docstrings, faults, main, passages, problems, texts  # noqa: E402
 
 RULES = tomllib.loads((SETUP / "prose.toml").read_text(encoding="utf-8"))
 LONG = " ".join(["word"] * 26)
@@ -61,6 +61,27 @@ def test_marks_are_no_words():
 def test_a_longer_page_is_one_that_is_there():
     for name in [*RULES["longer_pages"], *RULES["left_out"]]:
         assert (SETUP.parent / name).is_file(), name
+
+
+def test_docstrings_of_modules_functions_and_constants_are_read_with_their_lines():
+    source = '"""The first."""\n\nMOST = 3\n"""It is told."""\n\ndef f():\n    """The third."""\n'
+    assert list(docstrings(source)) == [(1, "The first."), (4, "It is told."), (7, "The third.")]
+    assert [number for number, _ in faults("It is told.\n", RULES)] == [1]
+
+
+def test_the_english_texts_of_a_catalog_are_read_and_their_places_are_no_words():
+    catalog = 'msgid ""\nmsgstr ""\n\nmsgid "{told} of "\n"{most}"\nmsgstr "{told} von {most}"\n'
+    assert list(texts(catalog)) == [(1, ""), (4, "CODE of CODE")]
+
+
+def test_more_faults_in_docstrings_than_stated_are_reported():
+    few = {**RULES, "docstrings": {"files": "setup/prose.py", "at_most": -1}}
+    assert list(counted(few))[-1] == "0 in docstrings, at most -1 (setup/prose.toml)"
+    most = RULES["docstrings"]["at_most"]
+    fewer = {**RULES, "docstrings": {**RULES["docstrings"], "at_most": most - 1}}
+    *wrong, last = counted(fewer)
+    assert len(wrong) == most and all(line.startswith("workbench/") for line in wrong)
+    assert last == f"{most} in docstrings, at most {most - 1} (setup/prose.toml)"
 
 
 def test_the_documents_hold(capsys):

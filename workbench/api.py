@@ -210,7 +210,7 @@ def read_plan(path: str) -> Plan:
 
 
 def approve(cell: Cell, plan: Plan, proof: Proof, actor: str) -> Approval:
-    """The word of a person, who has looked at it, for exactly this plan in this cell.
+    """The word of a person, who has checked it, for exactly this plan in this cell.
 
     Args:
         cell: as it is now; how long the word stands is in its policy.

@@ -40,6 +40,14 @@ def test_the_files_on_a_page_are_those_of_the_example(name):
         assert content == (HERE / "acme" / path).read_text(), f"{path} on {name}"
 
 
+def test_a_part_of_a_file_is_in_that_of_the_example():
+    text = (PAGES / "add_a_robot_link.md").read_text()
+    ((path, part),) = re.findall(
+        r"^Part of `([\w/.]+)`:\n\n```python\n(.*?)^```$", text, re.S | re.M
+    )
+    assert part in (HERE / "acme" / path).read_text()
+
+
 @pytest.mark.timeout(PATIENCE)
 @pytest.mark.parametrize("name", ADD)
 def test_the_tests_on_a_page_pass_where_its_package_is_installed(name, acme_folder, tmp_path):

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def loading() -> Generator[None]:
-    """No garbage is looked for while the block runs.
+    """No garbage is searched for while the block runs.
 
     What is loaded stays until the process ends.  It comes in such numbers that Python looks
     through all of it again and again, which takes a tenth of a command's start.

@@ -2,7 +2,7 @@
 
 The curve is the polyline with corners rounded by parabolas, as planning has timed it; between two
 marks on it q'' is constant.  The squared speed `x` of the parameter is the largest from which the
-rest can be done (backwards), then the largest that can be reached (forwards): what limits it are
+rest can be done (backwards); then the largest that can be reached (forwards): what limits it are
 speeds and accelerations of the joints.  A stop brakes along the same curve with what these allow.
 Where a cell limits jerk, a leg is a `JerkLimitedWay`; a stop then still is as hard as accelerations
 allow, since who stops wants no longer way.

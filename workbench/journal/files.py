@@ -30,7 +30,7 @@ Content = bytes | memoryview
 def write_file(folder: Path, digest: str, content: Content) -> None:
     """Put a file on the disk so that after a crash it is there wholly or not at all.
 
-    One that is there already stays, and its content is not looked at again.
+    One that is there already stays, and its content is not checked again.
 
     Raises:
         JournalError: the content does not have that digest, or the disk refuses.

@@ -1,4 +1,4 @@
-"""One program writes to a session: it holds a lock on the folder, which tells the others who."""
+"""One program writes to a session: it holds a lock on the folder, which names it to the others."""
 
 import fcntl
 import json

@@ -63,7 +63,7 @@ class PlateObservation:
 
     `q` (n,) [rad], chain order; `balls` (3, 3) [m] their centres in the scanner's frame, in the
     plate's order; `spread` [m] how far the points lie from the balls, RMS.  `points` (m, 3) [m] are
-    some of the scan, in the scanner's frame, to be looked at.  `is_used` False: a person has left
+    some of the scan, in the scanner's frame, to be checked.  `is_used` False: a person has left
     it out.
     """
 

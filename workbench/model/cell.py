@@ -43,7 +43,7 @@ class Finger:
 class Tool:
     """A gripper on the flange; solids in the flange frame; `stroke` (min, max) opening [m].
 
-    `press` [m]: how far it gives way to the part that it takes, pads of fingers as they close,
+    `press` [m]: how far it gives way to the part that it takes: pads of fingers as they close,
     the lip of a suction cup as it arrives.  `force` [N]: by which each finger closes, or the vacuum
     pulls; None where nobody has said it.  So are `mass` [kg], and, where they are not to be
     estimated, `centre_of_gravity` (3,) [m] and `inertia` (3, 3) [kg m2] about it (`model.load`).
@@ -90,7 +90,7 @@ class Arm:
     place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
     [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
     order, those of one position that follow each other by time, after `part_places`, which say how
-    the part shall lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
+    the part has to lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
     where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
@@ -126,7 +126,7 @@ class Arm:
         )
 
     def places_for(self, part: str) -> tuple[PartPlace, ...]:
-        """The places where parts of that kind shall lie, in the order in which they are tried."""
+        """The places where parts of that kind has to lie, in the order in which they are tried."""
         return tuple(place for place in self.part_places if place.is_for(part))
 
     def to_axes(self, q: Floats) -> Floats:
@@ -162,9 +162,9 @@ class ScannerMount:
 
     `resolution` (columns, rows), `field_of_view` [rad] along the columns, `depth_noise` [m]
     standard deviation at 1 m of a simulated pixel before any averaging, `near` and `far` [m] the
-    range it measures in.  `source` names the driver (`plugins.scanner`), `address` is where it
-    finds the scanner, in its own way, `unit` that of files, `patience` [s] how long to wait for a
-    scan, `options` are the driver's own keys.  `calibration` says who has measured the pose and
+    range it measures in.  `source` names the driver (`plugins.scanner`); `address` is where it
+    finds the scanner, in its own way; `unit` that of files; `patience` [s] how long to wait for a
+    scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
     when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
     axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
     as good while arms move out of its view, so that it need not wait for them.
@@ -228,7 +228,7 @@ class Policy:
     name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a
     stop against input that nobody foresaw, not a budget.  `order` says which part is taken first:
     which takes the least time, the highest, the best score, the nearest to the tool, the farthest
-    from walls, or by the thesis' rules (see `planning.picking.order`).
+    from walls; or by the thesis' rules (see `planning.picking.order`).
     `metric` weighs the joints in the planners' distance: each counts this fraction of the one
     before it, since the first joints move more of the arm.
     `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
@@ -271,7 +271,7 @@ the usual lift and each grasp as it is stated."""
 
 
 def picks_problem(policy: Policy) -> str:
-    """Why a policy cannot ask for so many plans after one scan; empty when it can."""
+    """Why a policy cannot ask for this many plans after one scan; empty when it can."""
     if not 1 <= policy.picks <= MOST_PICKS:
         return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
     if policy.picks > 1 and policy.pair_gap <= 0:

@@ -135,7 +135,7 @@ class Mesh:
 
     `is_convex` says that the triangles bound a convex body, which the collision checker may
     then treat as solid.  Where such a body has `pieces`, convex meshes in its frame, it only goes
-    around these: what comes too near to it is looked at with each of them.
+    around these: what comes too near to it is checked with each of them.
     """
 
     points: Floats
@@ -191,7 +191,7 @@ class Solid:
 
 
 def finest(solids: Iterable[Solid]) -> tuple[Solid, ...]:
-    """Solids, and in place of those that only go around pieces these pieces."""
+    """Solids, and instead of those that only go around pieces these pieces."""
     return tuple(
         Solid(solid.name, shape, solid.T_owner_shape, solid.colour)
         for solid in solids

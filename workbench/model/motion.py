@@ -20,16 +20,16 @@ WHOLE = 1e-6
 class MotionModel:
     """How a controller executes waypoints, and what it can say of it.
 
-    Angles travel in `unit` with so many `decimals`, or as they are where `decimals` is None.
+    Angles travel in `unit` with this many `decimals`, or as they are where `decimals` is None.
     `corners` at waypoints: it comes to rest there (`stop`), it rounds them by at most the cell's
-    zone (`blend`), or it is sent a configuration every `period` [s] along the rounded way
+    zone (`blend`); or it is sent a configuration every `period` [s] along the rounded way
     (`streamed`).  `arms_at_once` is how many arms it moves at the same time.  `reports_progress`:
     the link itself acknowledges what is sent, a stop and the end, and says what became of each
     part; otherwise all that is known comes from the states that the controller reports beside it.
 
     `takes_share`: it can be told to move slower than was planned, along the same way; at most
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
-    step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it is told the plan's loads.
+    step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.
     """
 
     link: str

@@ -1,4 +1,4 @@
-"""A part to be picked, the grasps that people put on it, where it lies and where it shall lie."""
+"""A part to be picked, the grasps that people put on it, where it lies and where it has to lie."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -34,7 +34,7 @@ class Grasp:
     `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
     part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
-    about its own z either way, `tilt` [rad] how far about its closing axis y, `slide` [m] how far
+    about its own z either way; `tilt` [rad] how far about its closing axis y; `slide` [m] how far
     it may be moved along its x.  `tool` is the one it is for; empty means any.
     """
 
@@ -172,7 +172,7 @@ DOWN = (0.0, 0.0, -1.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
-    """Where a part shall lie when an arm lets go of it, however the hand holds it.
+    """Where a part has to lie when an arm lets go of it, however the hand holds it.
 
     `T_world_part` is its pose; one that the part's symmetry makes of it is as good.  `part` is the
     kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
@@ -182,7 +182,7 @@ class PartPlace:
 
     Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
     place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
-    it, so it takes parts only when every place beneath has one, and none when one lies above.
+    it.  So it takes parts only when every place beneath has one, and none when one lies above.
     """
 
     T_world_part: pin.SE3
@@ -207,7 +207,7 @@ class Station:
     """A level surface on which an arm may put a part down for a moment, to take it anew.
 
     `T_base_station` is the middle of the surface with z up, in the frame of the fixture that it
-    belongs to, which is empty where that is the world.  `size` (2,) [m] along its x and y.
+    belongs to; that is empty where that is the world.  `size` (2,) [m] along its x and y.
     """
 
     name: str

@@ -23,7 +23,7 @@ from workbench.model.symmetry import Symmetry
 
 
 def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) -> GraspLibrary:
-    """The library with some entries in place of others, or added, or taken away.
+    """The library with some entries instead of others, or added, or taken away.
 
     Args:
         library: as it is.

@@ -254,7 +254,7 @@ class Violation:
     """Something that a proof objects to: where, which pair, and how close [m].
 
     `q` (n,) [rad] is the configuration of the arm there.  Where a proof is nearest to something
-    (`Proof.nearest`) is told alike.
+    (`Proof.nearest`) is reported alike.
     """
 
     problem: Message
@@ -282,7 +282,7 @@ class Violation:
 class Proof(Told):
     """What was checked again, independently of the planner, on what will be sent.
 
-    `checks` states were looked at; between two of them no point of the robot moves further
+    `checks` states were checked; between two of them no point of the robot moves further
     than its distance to the nearest obstacle allows, down to `resolution` [m].  Corners were walked
     sharp, and rounded by `zone`: 0 says that it holds only where the robot stops at every waypoint.
     `clearance`

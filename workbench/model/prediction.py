@@ -18,7 +18,7 @@ TOGETHER = "+"
 
 FAILURES = ("missed", "crooked", "turned", "slipped")
 """Kinds of failed picks: the fingers close on nothing, on a part that lies elsewhere, on one that
-lies there but for its roll, which the scan did not show, and that is not held so, or on one that
+lies there except for its roll, which the scan did not show, and that is not held so; or on one that
 weighs more than they hold, where force and friction are stated."""
 
 CHANGE_KINDS = ("fingers", "grasps", "lifts", "margins", "bin", "arms", "order", "tool")
@@ -122,10 +122,10 @@ class EmptiedPile:
     """What became of a pile.
 
     Of `parts`, `taken` came out as planned; `failed` counts the failed picks by kind, in the order
-    of `FAILURES` (kinds that came later may be missing), `touches` the legs on which something met
+    of `FAILURES` (kinds that came later may be missing); `touches` the legs on which something met
     that the plan held apart, and `knocked_out` the parts that fell out of the bin.  `cycles` are
     approvals: plans carried out, or rows of them; `scans` are looks into the bin.
-    `motion_seconds` [s] is predicted by the plans, `planning` [s] was measured for every look,
+    `motion_seconds` [s] is predicted by the plans; `planning` [s] was measured for every look;
     `stages` [s] by stage in all, and `finding` [s] for the parts in the scans. `more` is how many
     of those left come out by any grasp of the tool, None when nobody asked; `rolled` how many of
     those taken had another roll than found, which the localizer had said. `outcomes` says of every

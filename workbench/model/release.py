@@ -55,7 +55,7 @@ class Approval:
     the inventory of what ran there (`app.provenance`), empty where none was recorded.
 
     The plan goes out at `speed_share` (`SLOWEST`..1) of the speed at which it was planned: every
-    motion takes so many times longer.  `is_stepped`: the robot waits before each step until a
+    motion takes this many times longer.  `is_stepped`: the robot waits before each step until a
     person lets that one run.
 
     It may be for a row of plans that go out one after the other: `row` names those after this one,
@@ -126,7 +126,7 @@ class Receipt:
     `at` [s since the epoch]; `kind` is a word of the link's own; `sent` the text without padding,
     empty when the controller spoke unasked; `heard` its answer, empty where the protocol has none
     or none came.  `done`, `total` count messages of the whole plan.  `part` is set when it reported
-    what became of a part, `waits` when it reported that it stands before that step of the plan,
+    what became of a part; `waits` when it reported that it stands before that step of the plan,
     counted from 1, and waits for a person's word.  `step` is the step that it reported to run,
     counted from 1; 0 where it said nothing of that.
     """

@@ -12,7 +12,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 
 ALL_KINDS = "all"
-"""In place of a part's name: every kind that the cell picks, one of each in turn."""
+"""Instead of a part's name: every kind that the cell picks, one of each in turn."""
 
 
 Option = bool | int | float | str
@@ -86,7 +86,7 @@ class Detection(Told):
     turns about it, along the world's axes; `probability` the chance that it is right; both None
     for poses from outside.  `T_world_found` is where the scan has it, of a part that a plan before
     has put where it is now; None where it lies as it was found.  `by_colour` True: kind and turn
-    are those that the colours show, where shape leaves several; False: they should have told it
+    are those that the colours show, where shape leaves several; False: they should have reported it
     and do not, so that it is by shape alone; None: nothing was left to them.
     """
 
@@ -147,7 +147,7 @@ class Detection(Told):
 
 
 class Objection(enum.StrEnum):
-    """Why a pose that was thought possible is not among the parts found."""
+    """Why a pose that was a hypothesis is not among the parts found."""
 
     OUTSIDE = "outside the bin"
     TOO_LITTLE = "explains too little of the visible surface"
@@ -165,7 +165,7 @@ class Objection(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RejectedHypothesis:
-    """A pose that was thought possible, and why it is not among the detections.
+    """A pose that was a hypothesis, and why it is not among the detections.
 
     `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
     """
@@ -186,7 +186,7 @@ class RejectedHypothesis:
 
 
 OFF_SCALE, OFF_BY = 0.005, 3.0
-"""A size is wrong that differs by more than this share, and by so many standard deviations."""
+"""A size is wrong that differs by more than this share, and by this many standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -302,7 +302,7 @@ class LocalizerChoice:
 class SearchOverrides:
     """How one search differs from the usual.
 
-    `detail` is how fine the scan is looked at, 1 being usual: finer finds small features and takes
+    `detail` is how fine the scan is searched, 1 being usual: finer finds small features and takes
     longer.  Parts with a score below `least_score` are not taken.
     """
 

@@ -1,7 +1,7 @@
 """The turns that leave a part as it is: any finite group of rotations, or a round one.
 
 A group is stated by axes through one point.  Together with all their products the turns about them
-are it: two axes across each other make D-n or D-infinity, two round ones a ball's, and three-fold
+are it: two axes across each other make D-n or D-infinity, two round ones a ball's; three-fold
 axes over the corners of a cube the groups of the regular bodies.
 """
 
@@ -121,7 +121,7 @@ class Symmetry:
 
     @property
     def turns(self) -> tuple[tuple[str, pin.SE3], ...]:
-        """The motions of the group but for the identity, each with a name.
+        """The motions of the group except for the identity, each with a name.
 
         Where any angle changes nothing, they stand for all, `ANY_TURN` apart; those of a
         dodecahedron stand for those of a ball.

@@ -1,7 +1,7 @@
 """What installed packages declare for a seam: entry points, ours among them.
 
 A name is looked up in the workbench's own package first: nobody can take a built-in name.  What
-cannot be loaded is told of by `plugins`, and never stops what does not use it.
+cannot be loaded is reported by `plugins`, and never stops what does not use it.
 """
 
 import logging

@@ -45,13 +45,13 @@ class Localizer(Protocol):
             scan: organised or not.
             cell: its parts say what to look for, its bin where, its scanner how noisy points are.
             seed: of everything that is drawn.
-            detail: how fine the scan is looked at; 1 is usual.
-            report: is told the share done, 0..1, and what is being done.
+            detail: how fine the scan is searched; 1 is usual.
+            report: is called with the share done, 0..1, and what is being done.
             cancelled: is asked now and then whether to give up.
 
         Returns:
             `detections` with `T_world_part` and scores 0..1, the surest first, each of a part of
-            the cell; `rejected` says what was looked at and not taken, and may be empty.
+            the cell; `rejected` says what was checked and not taken, and may be empty.
 
         Raises:
             JobCancelled: `cancelled` said so.

@@ -1,4 +1,4 @@
-"""How work tells how far it is, and hears that it shall end."""
+"""How work states how far it is, and hears that it shall end."""
 
 from collections.abc import Callable
 

@@ -21,7 +21,7 @@ from workbench.model.plan import Plan
 from workbench.model.release import LinkStatus, Receipt, RobotState
 
 BEYOND = math.radians(5.0)
-"""[rad] A joint may be reported so far beyond its limits: robots are calibrated differently."""
+"""[rad] A joint may be reported this far beyond its limits: robots are calibrated differently."""
 
 BEYOND_M = 0.05
 """[m] The same for a sliding joint, and for the opening of a hand."""
@@ -119,7 +119,7 @@ def check_status(status: LinkStatus, cell: Cell) -> None:
 
 
 class Receipts:
-    """The receipts of one sending, each looked at as it comes.
+    """The receipts of one sending, each checked as it comes.
 
     Lifetime: one sending.
     """

@@ -327,7 +327,7 @@ def send(
 ) -> Iterator[Receipt]:
     """Send a plan to the controller of the cell, by the link of the cell; see `SteppedLink.send`.
 
-    Whatever the link is, every number that it hands on is looked at, and it has to tell that all
+    Whatever the link is, every number that it hands on is checked, and it has to tell that all
     was done: `plugins.reported`.  Where one cannot be, the link is closed, and the robot stops.
 
     Raises:
@@ -360,7 +360,7 @@ def send(
 
 
 def states(cell: Cell, cancelled: Cancelled = never) -> Iterator[RobotState]:
-    """What the controller of the cell reports, each state looked at; see `RobotLink.states`.
+    """What the controller of the cell reports, each state checked; see `RobotLink.states`.
 
     Raises:
         ProtocolError: it reports what cannot be.

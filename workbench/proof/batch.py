@@ -11,7 +11,7 @@ from workbench.proof.frames import SetExtents
 from workbench.proof.motion import Sets
 
 OTHER = -1
-"""Instead of a waypoint: what a second arm does is told with the waypoints of the first."""
+"""Instead of a waypoint: what a second arm does is reported with the waypoints of the first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -360,7 +360,7 @@ def gap_of(first: Placed, second: Placed, far: float = np.inf) -> float:
 def _measure_aslant_first() -> None:
     """Let Coal fix, for this process, that boxes are as large as they are.
 
-    The first direction in which it looks at a box decides whether boxes count as 1 + 1e-10 times
+    The first direction in which it looks at a box decides if boxes count as 1 + 1e-10 times
     their size, if a component of it is zero: the last digits would depend on what came before.
     """
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])

@@ -26,7 +26,7 @@ from workbench.model.plan import (
 from workbench.model.scan import Detection, Obstacle, Scene
 
 SAME = 1e-9
-"""[rad] So far from the end of a leg the next one may begin, and half of the smallest step that can
+"""[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
 be sent from a home that is no whole number of steps."""
 
 HOLDING: frozenset[LegName] = frozenset({"extract", "return", "place"})

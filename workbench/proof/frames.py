@@ -27,9 +27,9 @@ class Bodies(NamedTuple):
     """Bodies as arrays: the joints (b,) that carry them, turns and centres in those.
 
     `turns` (b, 3, 3), `centres` (b, 3) [m], `halves` (b, 3) [m] half lengths of the boxes around
-    them, `radii` (b,) [m] of the balls.  `rounds` (b,) tells that a body fills the same space
+    them, `radii` (b,) [m] of the balls.  `rounds` (b,) states that a body fills the same space
     however its own joint is turned.  A body is the hull of points (m, 3) [m], those from
-    `starts[b]` to `starts[b + 1]` seen from its centre, each with a box of half lengths `boxes`
+    `starts[b]` to `starts[b + 1]` seen from its centre: each with a box of half lengths `boxes`
     (b, 3) [m], a disc across z of radius `discs` (b,) [m] and a ball of radius `balls` (b,) [m].
     """
 
@@ -112,7 +112,7 @@ def poses(
     """Where bodies are at configurations (k, nq) [rad, m], with `spans` around them (k, nq).
 
     What Pinocchio's `forwardKinematics` gives, for many at once.  Of bodies that are not `needed`
-    (b,) nothing is told.
+    (b,) nothing is reported.
     """
     some = np.flatnonzero(needed)
     count, joints, number = len(q), len(chain.parents), len(bodies.joints)

@@ -3,7 +3,7 @@
 Between two waypoints all joints move in proportion: a segment.  A controller that blends cuts the
 corner at a waypoint by a parabola, somewhere between not at all and its zone; one that is streamed
 cuts it straight, by less than half of both segments.  So a motion is a number of segments and
-triangles in joint space, and two arms that move at any speeds are every combination of both.
+triangles in joint space; two arms that move at any speeds are every combination of both.
 """
 
 from collections.abc import Iterator
@@ -50,7 +50,7 @@ class Sets:
         return self.only(waypoints[self.at[self.groups]])
 
     def runs(self, most: int) -> Iterator["Sets"]:
-        """All of them, so many groups at once."""
+        """All of them, this many groups at once."""
         for start in range(0, len(self.at), most):
             ends = slice(start, start + most)
             k = slice(*np.searchsorted(self.groups, (start, start + most)).tolist())

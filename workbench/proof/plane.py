@@ -67,9 +67,9 @@ def _reach(
     is a little off n, linear in d, so that the most is at a corner of the set.
 
     The rest: joints are turned one after the other, that nearest to the body first, each about its
-    axis in the middle.  Then the body is within `far` of where it was, which changes the first
-    order by d |c| far, and a turn by d leaves its tangent by d^2 / 2 times the distance from the
-    axis.
+    axis in the middle.  Then the body is within `far` of where it was.  That changes the
+    first order by d |c| far, and a turn by d leaves its tangent by d^2 / 2 times the distance from
+    the axis.
     """
     best = -np.inf
     nx, ny, nz = sign * normal[0], sign * normal[1], sign * normal[2]

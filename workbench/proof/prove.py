@@ -1,4 +1,4 @@
-"""The proof: everything about a plan is looked at anew, in the scene as it is known, or refused."""
+"""The proof: everything about a plan is checked anew, in the scene as it is known, or refused."""
 
 from collections.abc import Sequence
 from itertools import product

@@ -31,19 +31,19 @@ from workbench.proof.space import Space
 from workbench.proof.table import Pairs
 
 SIGHT = 0.1
-"""[m] Distances are told up to here."""
+"""[m] Distances are computed up to here."""
 
 SHARE, LEAST = 0.3, 0.002
 """A lower bound is good enough that is short by this share of the distance, or by so much [m]."""
 
 MOST_HALVES = 100_000
-"""After so many halves of one motion nothing is said of it: it is near something for too long."""
+"""After this many halves of one motion nothing is said of it: it is near something for too long."""
 
 RUN = 16
-"""Groups of sets, of each arm, that are looked at together at first."""
+"""Groups of sets, of each arm, that are checked together at first."""
 
 HALVES = 4096
-"""Sets that are looked at together: what is worked out of them takes some kB for each."""
+"""Sets that are checked together: what is worked out of them takes some kB for each."""
 
 FINEST = 0.00005
 """[m] The resolution where what is to be kept is still less."""
@@ -110,7 +110,7 @@ def search(
         waypoints: how many there are; `bounds` has a value after each.
         within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
         stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
-        sight: [m] up to here distances are told.
+        sight: [m] up to here distances are reported.
     """
     branch_and_bound = _Search(
         space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated)
@@ -261,7 +261,7 @@ class _Search:
         )  # fmt: skip
 
     def _left(self, batch: Batch, items: Ints) -> Ints:
-        """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be looked at."""
+        """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be checked."""
         first, second = self._asked.first[items[:, 2]], self._asked.second[items[:, 2]]
         q, spreads, world = self._world(batch, first, second, True)
         close = self._sift(batch, items, world, spreads)

@@ -1,4 +1,4 @@
-"""Compiled: which pairs of bodies are told apart without measuring them."""
+"""Compiled: which pairs of bodies are distinguished without measuring them."""
 
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ class PairQuery(NamedTuple):
     """Pairs (p,) of bodies `first` and `second`, and what is asked of them.
 
     `commons` is the joint next to both that moves both, `margins` [m] what they have to keep;
-    `shown`: how near they come is told, too.
+    `shown`: how near they come is reported, too.
     """
 
     first: Ints
@@ -30,7 +30,7 @@ class PairQuery(NamedTuple):
 class OpenPairs(NamedTuple):
     """Pairs whose lower bound is not yet large enough: `items` (n, 3) as `Batch` says.
 
-    `lower` [m] is a bound in the middles of the sets, `moves` [m] how much nearer they may come in
+    `lower` [m] is a bound in the middles of the sets; `moves` [m] how much nearer they may come in
     them, `told` [m] a bound for the whole of them.
     """
 
@@ -47,13 +47,13 @@ def select_pairs_in_sight(
     """The pairs in sets (n, 3), without those whose swept boxes stay out of sight of each other.
 
     Around all that a body passes in all sets there is a box along the axes of the world.  What is
-    no number is not far apart: such pairs are looked at.
+    no number is not far apart: such pairs are checked.
 
     Args:
         asked: the pairs.
-        sight: [m] up to here distances are told.
+        sight: [m] up to here distances are reported.
         sides: (b,) 1 where a second arm carries a body.
-        split: so many sets are the first arm's, all others the second's.
+        split: this many sets are the first arm's, all others the second's.
         bodies: all bodies.
         world: where those of the pairs are at the middles of the sets.
     """
@@ -148,7 +148,7 @@ def sieve(
         asked: the pairs.
         goals: (w,) [m] how far apart is far enough after each waypoint, where that is shown.
         at: (k,) the waypoint before each set, see `Batch`.
-        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are told apart.
+        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are distinguished.
         normals: (b, b, 2, 3) directions from the one to the other that were good before, as the
             one and as the other sees them; zero where none is known.
         chain: the joints.
@@ -295,7 +295,7 @@ def gap(
         b: the other body.
         bodies: all bodies.
         world: where they are.
-        enough: [m] nothing larger is looked for.
+        enough: [m] nothing larger is searched for.
         axis: (3,) becomes the direction of the gap in the world, from the one to the other.
         scratch: (4, 3) is written to: the axes of the other and the way to it, as the one sees
             them.

@@ -115,7 +115,7 @@ class Space:
         return np.asarray(normals.any(axis=1), dtype=np.bool_)
 
     def pose(self, number: int) -> pin.SE3:
-        """`T_world_body` of a body at the configuration that is looked at."""
+        """`T_world_body` of a body at the configuration that is checked."""
         return self._measured.oMg[number]
 
 

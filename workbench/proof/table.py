@@ -102,7 +102,7 @@ class Pairs:
 class Table:
     """All pairs of bodies that can ever be compared, as `first` and `second` (r,).
 
-    `rounds` (b,) tells that a body fills the same space however its own joint is turned.
+    `rounds` (b,) states that a body fills the same space however its own joint is turned.
     """
 
     def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:
@@ -174,7 +174,7 @@ class Table:
         return Pairs(rows, margins, commons, beds, left, arms, shown)
 
     def between_hands(self, pairs: Pairs, joints: Ints) -> Bools:
-        """Which pairs (p,) are of two arms, True, but for two shoulders: these stay near.
+        """Which pairs (p,) are of two arms, True, except for two shoulders: these stay near.
 
         A shoulder is what the first two joints of an arm carry; `joints` (b,) carry the bodies now.
         """

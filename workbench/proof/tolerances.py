@@ -29,7 +29,7 @@ OFF_LINE, OFF_ARC = 0.002, 0.005
 proportion lead the hand in an arc."""
 
 TURNED, TURNED_FAR = np.deg2rad(1.5), 0.005
-"""[rad, m] The hand on a straight line may turn by the angle, and by less where that would move a
+"""[rad, m] The hand on a straight line may turn by the angle; by less where that would move a
 point of the part farther than the distance."""
 
 OFF_AXIS = 0.001

@@ -37,14 +37,14 @@ ROOM = 0.0005
 """[m] So much more than its margin away, a hand has left a part."""
 
 CLOSING = 0.001
-"""[m] Fingers that close are looked at so often; they are thicker."""
+"""[m] Fingers that close are checked this often; they are thicker."""
 
 MOST_TOGETHER = 1_000_000
 """Pairs of places on the ways of two arms, before they are halved: two of 120 waypoints have so
 many."""
 
 FAR_SIGHT = 0.4
-"""[m] Distances between arms are told up to here."""
+"""[m] Distances between arms are computed up to here."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -241,7 +241,7 @@ class Walk:
     def _apart(self, step: Step) -> Iterator[tuple[str, str, Floats]]:
         """How far arms stay apart (w,) [m] after each waypoint, shoulders left out.
 
-        Two that move at once are looked at as they are planned, at the times of the plan.
+        Two that move at once are checked as they are planned, at the times of the plan.
         """
         if len(self._cell.arms) < 2:
             return
@@ -316,7 +316,7 @@ class Walk:
     def _closest(self) -> tuple[float, Violation | None]:
         """The smallest clearance of free legs, from below, and where that was measured.
 
-        Bounds that are looked at more closely for it are better afterwards.
+        Bounds that are checked more closely for it are better afterwards.
         """
         free = [question for question in self._asked if question.keeps_full_margin]
         measured = [

@@ -16,7 +16,7 @@ from workbench.plugins.progress import Report, never, silent
 from workbench.studies.localization import NEAR, TURNED
 
 BY_HAND = 3.0
-"""So many times as far from where a person has put a part may a right detection be.
+"""This many times as far from where a person has put a part may a right detection be.
 
 People move a part until it looks right, and a search fits it to the scan: an assumption, which no
 measurement has confirmed.
@@ -28,7 +28,7 @@ class Tally:
     """Detections against what a person says: `is_right` of each part that lies there.
 
     `wrong` detections are where one was called wrong (removed, or moved by more than the limits of
-    the study on simulated piles), at a part that a better one has taken, or
+    the study on simulated piles), at a part that a better one has taken; or
     elsewhere in a scan in which nothing else lies; otherwise those elsewhere are `unjudged`.
     """
 
@@ -38,12 +38,12 @@ class Tally:
 
     @property
     def right(self) -> int:
-        """So many parts are found rightly."""
+        """This many parts are found rightly."""
         return sum(self.is_right)
 
     @property
     def missed(self) -> int:
-        """So many parts lie there and are not found, or not rightly."""
+        """This many parts lie there and are not found, or not rightly."""
         return len(self.is_right) - self.right
 
 

@@ -3,8 +3,8 @@
 Reads one JSON object from standard input and writes one JSON object a line to standard output,
 one for each goal and planner.  Klamp't (extra `bench`) is imported nowhere else.
 
-Request: `world` (file), `margin` [m] to everything that stands still, `planners`, `start` and
-`goals` (whole configurations as Klamp't orders them), `moving` (indices of the joints that move),
+Request: `world` (file); `margin` [m] to everything that stands still, `planners`, `start` and
+`goals` (whole configurations as Klamp't orders them), `moving` (indices of the joints that move);
 `seconds` a plan may take.
 """
 

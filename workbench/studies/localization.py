@@ -80,7 +80,7 @@ class Task:
     """One scene: which parts lie in it, how many, and which build of scanner sees them.
 
     The scanner is not where the cell has it: all that it sees is `raised` [m] and `tilted` [rad]
-    about the bin's x axis.  `searched` are the kinds that are looked for, as in `part`; empty:
+    about the bin's x axis.  `searched` are the kinds that are searched for, as in `part`; empty:
     those that lie there.  Their CAD files are `cad_scale` times as large as what lies there, or
     meshes in the folder `models`, in millimetres, stand in for them.
     """

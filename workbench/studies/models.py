@@ -26,7 +26,7 @@ WAYS = {"turntable": (40.0,), "held": (45.0, -45.0, 0.0)}
 on all sides of a part that is held, of which nothing that holds it is simulated."""
 
 AROUND = 0.01
-"""[m] The region is so much larger than the part, but for the plate."""
+"""[m] The region is so much larger than the part, except for the plate."""
 
 POINTS = 20_000
 """On each surface, from which distances to the other are measured."""

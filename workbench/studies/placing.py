@@ -96,7 +96,7 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
 
     Args:
         case: the first one.
-        grips: at least so many, unless hardly any part can be gripped.
+        grips: at least this many, unless hardly any part can be gripped.
         workers: processes on this machine.
         report: progress.
 

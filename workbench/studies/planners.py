@@ -28,7 +28,7 @@ STEPS = 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attempt:
-    """One planner, one target, so many iterations allowed and used; None for another program.
+    """One planner, one target, this many iterations allowed and used; None for another program.
 
     `search` [s] finds a path; `finish` [s] shortens it, divides it into the waypoints that are
     sent, and checks those.  `tool_way` [m] is of what is sent, None when nothing is.

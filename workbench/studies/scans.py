@@ -43,10 +43,10 @@ def searched_scans(
     """Search each scan as `workbench localize` does.
 
     Args:
-        cell: its parts are looked for.
+        cell: its parts are searched for.
         named: the name of each scan, and what reads it.
         seed: of the search.
-        step: told the share done and the scan that is next.
+        step: called with the share done and the scan that is next.
     """
     searched: list[SearchedScan] = []
     for number, (name, read) in enumerate(named):

@@ -14,7 +14,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.kinematics.inverse import configurations
 
 TILT = np.deg2rad(20.0)
-"""[rad] The tool points straight down but for up to this turn about y, to either side."""
+"""[rad] The tool points straight down except for up to this turn about y, to either side."""
 
 STARTS = 24
 """Starting points of the inverse kinematics for each target."""

@@ -1,8 +1,8 @@
 """The thesis' last table: two parts at random in the bin, and the distance that decides.
 
-Every pile is planned with the arms one after the other, with both at once, and by `auto` where both
+Every pile is planned with the arms one after the other, with both at once; and by `auto` where both
 are allowed, which takes the quicker.  From that follows what any threshold would have given: both
-are allowed for parts that lie at least so far apart, for others only one after the other.
+are allowed for parts that lie at least this far apart, for others only one after the other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -111,7 +111,7 @@ def _way(result: PlanResult, *strategies: Strategy) -> Way:
 def summary(cases: Sequence[Case], thresholds: Sequence[float]) -> list[dict[str, Any]]:
     """One row a threshold [m]; only piles that two arms can work on count.
 
-    `allowed_share` of them lie so far apart that both arms are allowed at once: `allowed_success`
+    `allowed_share` of them lie this far apart that both arms are allowed at once: `allowed_success`
     and `allowed_planning` are what `auto` makes of those, which plans both at once and in turn and
     takes the quicker; `coordinated_...` are both at once alone, `alternated_...` the other piles.
     `parts_per_hour` counts all planning, also that which came to nothing, as if it were not hidden

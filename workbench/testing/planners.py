@@ -23,7 +23,7 @@ class _Late(Exception):
 
 
 class _Wall:
-    """Two joints and a wall between them with a gap; edges are looked at exactly."""
+    """Two joints and a wall between them with a gap; edges are checked exactly."""
 
     def __init__(self, gap: float, last: int = 10**9):
         self._gap, self._left = gap, last

@@ -11,7 +11,7 @@ from workbench.testing.options import check_options
 
 
 def check_scanner(kind: type[Scanner], cell: Cell, *, parts: int = 1) -> Scan:
-    """A scanner delivers a scan that can be used, tells how far it is, and can be cancelled.
+    """A scanner delivers a scan that can be used, states how far it is, and can be cancelled.
 
     The scanner, or what stands for it, has to answer twice.
 

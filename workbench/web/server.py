@@ -161,7 +161,7 @@ def serve_front(
 
 
 def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Log what nobody waited for: in full, but for connections that broke off.
+    """Log what nobody waited for: in full, except for connections that broke off.
 
     These end at any moment, in the libraries as well, and are no fault of anybody's here.
     """

@@ -2,7 +2,7 @@
 
 Messages (`workbench.model.messages`) are rendered by their ids.  Texts that have no id yet are
 English everywhere in the code, and put in another language where they leave for a browser
-(decision 39).
+(decision 53).
 
 Imports model.
 """

@@ -201,7 +201,7 @@ TAMPERINGS = [
 ]
 
 
-DOCUMENT = Path(__file__).resolve().parents[3] / "docs" / "evidence.md"
+DOCUMENT = Path(__file__).with_name("tamperings.md")
 ROWS = re.findall(r"^\| \d+ \| (.+?) \| (.+?) \| (.*?) ?\|$", DOCUMENT.read_text("utf-8"), re.M)
 SAID = {name.replace(" ", "_"): (found, signed) for name, found, signed in ROWS}
 """By tampering, what the document says of it: without the right key, and with it."""

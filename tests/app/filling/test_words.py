@@ -1,9 +1,13 @@
 """What is said of a filled library: how much comes out, why the rest stays, what would take it."""
 
+import pinocchio as pin
+
 from workbench.app.filling.fill import Filled
-from workbench.app.filling.words import filled_words
+from workbench.app.filling.for_remaining import Proposal
+from workbench.app.filling.words import filled_words, proposal_words
 from workbench.model.candidate import Reason
 from workbench.model.messages.changes import ChangeText, FillText
+from workbench.model.part import Grasp
 from workbench.words.words import words_of
 
 COLLISION = (Reason.TOOL_COLLISION.message, 6)
@@ -43,3 +47,12 @@ def test_a_german_page_says_it_in_german():
     german.append(words_of("de").render(told(looked=6, helps=helps)[-1]))
     assert not any(word in " ".join(german) for word in ("parts", "lift", "fits", "thinner"))
     assert "1 mm" in german[-1]
+
+
+def test_a_proposal_says_what_the_library_and_the_new_grasps_take():
+    entries = (Grasp("edge", pin.SE3.Identity(), 0.04, 0.03),)
+    known, added = proposal_words("peg", Proposal(entries, 9, 2, 6))
+    assert str(known).startswith("2 of 9 peg") and str(added).endswith("new grasps: edge")
+    (none,) = proposal_words("peg", Proposal((), 9, 0, 0))
+    assert str(none).startswith("no grip of the tools takes the 9 peg")
+    assert "9 liegengebliebenen peg" in words_of("de").render(none)

@@ -317,3 +317,11 @@ def test_an_outcome_told_after_a_scan_that_brought_nothing_is_that_of_the_cycle_
     line.do(ReportPick(0, is_picked=False, why="it slipped"))
     counted = statistics(line.rows)
     assert [(pick.result, pick.why) for _, pick in counted.picks] == [("failed", "it slipped")]
+
+
+def test_parts_that_a_planning_without_a_plan_leaves_are_gathered(written, samples):
+    written.plan(samples, is_possible=False)
+    (left,) = statistics(written.rows).remaining
+    assert (left.part, left.hindrance) == ("peg", "floor")
+    first = written.rows
+    assert len(together([statistics(first), statistics(first)]).remaining) == 2

@@ -1,7 +1,11 @@
 """The statistics on the page, and that names from outside become no HTML."""
 
+import pinocchio as pin
+
+from workbench.app.statistics.remaining import RemainingPart
 from workbench.app.statistics.statistics import CycleRecord, PickRecord, Statistics
 from workbench.gui.statistics.views import statistics_html
+from workbench.model.scan import Detection
 
 
 def cycle(*results: str, grasp: str = "side-1") -> CycleRecord:
@@ -26,6 +30,13 @@ def test_success_and_causes_stand_beside_their_bars():
     assert "1, 1 failed" in html and "100, pauses" in html
     assert "1 of 2" in html and "width:50.0%" in html
     assert "tool in collision" in html and "0.25 s, most 0.25 s" in html
+
+
+def test_parts_that_were_left_are_told_with_what_is_in_the_way():
+    left = RemainingPart((Detection("peg", pin.SE3.Identity()),), 0, "walls")
+    html = statistics_html(Statistics((cycle("picked"),), remaining=(left, left)))
+    assert "2 peg beside a wall of the bin" in html
+    assert "Parts left" not in statistics_html(Statistics((cycle("picked"),)))
 
 
 def test_long_times_have_fewer_digits():

@@ -1,4 +1,4 @@
-"""Where the scanner hangs: its first scan, poses of a held plate, what it has drifted since.
+"""Scanner calibration: first scan, plate poses, drift.
 
 Imports `core`.
 """

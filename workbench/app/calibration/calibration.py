@@ -97,7 +97,7 @@ def moved_by(cell: Cell, calibration: Calibration) -> tuple[float, float, float]
 
     Returns:
         Distance [m] and angle [rad] of the scanner, and how far a point in the middle of the bin
-        is moved by it [m], which is what matters to a grasp.
+        is moved by it [m]: that matters to a grasp.
     """
     before, after = cell.scanner.T_world_scanner, calibration.T_world_scanner
     middle = cell.bin.T_world_bin.translation

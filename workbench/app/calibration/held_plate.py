@@ -12,7 +12,7 @@ from workbench.planning.kinematics.robot import Kinematics
 from workbench.planning.picking.viewpoints import ASIDE, sample_showing_configurations
 
 SPARE = 3
-"""Times as many poses are looked for as are wanted: the arm itself hides the plate in some."""
+"""Times as many poses are searched for as are wanted: the arm itself hides the plate in some."""
 
 
 def simulated_sight(

@@ -15,10 +15,10 @@ from workbench.perception.calibration.next_pose import errors_with
 from workbench.planning.kinematics.robot import Kinematics
 
 TRIED = 10
-"""Poses among which the best is looked for."""
+"""Poses among which the best is searched for."""
 
 LEAST = (0.01, np.deg2rad(2.0))
-"""[m, rad] Motions that are smaller than this are not told."""
+"""[m, rad] Motions that are smaller than this are not reported."""
 
 SIDES = (
     "the front wall",

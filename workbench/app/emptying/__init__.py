@@ -1,4 +1,4 @@
-"""A full bin, emptied in simulation: plan after plan, until nothing can be taken any more.
+"""Simulated emptying of a full bin.
 
 May import `app.core` and `app.picking`; knows no worker and no files.
 """

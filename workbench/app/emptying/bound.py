@@ -1,7 +1,7 @@
-"""What no grasp of the tool can take: looked for among all of them, however they are authored.
+"""What no grasp of the tool can take: searched for among all of them, however they are authored.
 
-It tells whether more grasps would help.  A straight way in along the tool, a straight lift of the
-policy and a place are asked for as of every pick; pushing parts about is not looked at.
+It states whether more grasps would help.  A straight way in along the tool, a straight lift of the
+policy and a place are asked for as of every pick; pushing parts about is not checked.
 """
 
 from collections import Counter
@@ -22,11 +22,11 @@ from workbench.planning.picking.propose import candidate_of
 from workbench.planning.picking.resolve import resolve
 
 MOST = 200
-"""Grips that fit and hold whose arm is looked at, spread over all of them."""
+"""Grips that fit and hold whose arm is checked, spread over all of them."""
 
 
 HELD = 20
-"""Grips that fit at a part and are looked at whether they hold, for an estimate."""
+"""Grips that fit at a part and are checked whether they hold, for an estimate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ class AnyGrasp:
     """Whether any grasp of a cell's tools takes a part: `pick` does, None where none was found.
 
     Of `tried` grips `fits` meet nothing but the part, and `holds` of these hold it; `refused`
-    counts why the arms cannot take it by those that were looked at.
+    counts why the arms cannot take it by those that were checked.
     """
 
     tried: int

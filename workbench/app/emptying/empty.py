@@ -36,7 +36,7 @@ IDLE = 3
 """So many looks in a row that bring no plan end it."""
 
 SEEDS = 1000
-"""Each pile has so many seeds for its looks; no bin takes as many."""
+"""Each pile has this many seeds for its looks; no bin takes as many."""
 
 
 @dataclass(slots=True)
@@ -81,7 +81,7 @@ def emptied(
             pile.
         task: how it is emptied.
         pile: how the parts lie, from `fallen`.
-        report: is told how much is taken.
+        report: is called with how much is taken.
         cancelled: asked now and then; True ends it.
         film: is shown every plan that is carried out.
         estimates: whether it is looked what hands could hold of what stays.

@@ -41,7 +41,7 @@ def left_in(
         looked: what the last look has found, numbered otherwise than `lying`.
         seed: of the judging.
         is_stopped: failed picks have ended it, whatever else could have been taken.
-        fixes: whether the nearest fix is looked for, which takes a second for each part.
+        fixes: whether the nearest fix is searched for, which takes a second for each part.
     """
     detections = tuple(detection for _, detection in lying)
     if not detections:

@@ -17,7 +17,7 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
     Args:
         cell: that is tried, as it is now.
         command: how many piles of what, and which changes are tried besides.
-        report: told which pile is emptied, and how far that is.
+        report: called with which pile is emptied, and how far that is.
         cancelled: asked now and then whether to give up.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Evidence: a session as one signed file that others verify with Python alone.
+"""A session as one signed file, verified with Python alone.
 
 May import everything of `app` and below.
 """

@@ -27,7 +27,7 @@ th[scope=row] { width: 9.5rem; } th[scope=col] { white-space: nowrap; }
 """
 
 SHORT = 24
-"""Cells of up to so many characters are not broken: numbers, times, names."""
+"""Cells of up to this many characters are not broken: numbers, times, names."""
 
 COLUMNS, LINES = 112, 84
 """Of a printed page, in a font of one width."""

@@ -143,7 +143,7 @@ def _fields(value: Any) -> dict[str, Any]:
 
 
 def _told_times(plan: Any, share: float) -> list[float]:
-    """From waypoint to waypoint [ms], in the order in which they are told."""
+    """From waypoint to waypoint [ms], in the order in which they are reported."""
     if not isinstance(plan, dict):
         return []
     legs = {(arm["arm"], leg["name"]): leg["t"] for arm in plan["arms"] for leg in arm["legs"]}

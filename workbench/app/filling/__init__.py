@@ -1,4 +1,4 @@
-"""A part's library of grasps, made by trying what a tool can hold in simulated piles of the part.
+"""Grasp libraries, tested in simulated piles.
 
 May import model, formats, perception, planning and its neighbours in app.
 """

@@ -23,13 +23,13 @@ TRIED = (ChangeText.FINGERS_THINNER, ChangeText.WALLS_LOWER)
 """Changes of the cell that are tried, besides a cup."""
 
 LOOKED = 6
-"""Parts that are looked at, at most."""
+"""Parts that are checked, at most."""
 
 HOLDING = 12
-"""Grips that fit and are looked at whether they hold."""
+"""Grips that fit and are checked whether they hold."""
 
 CUP, REACH = 0.008, 0.06
-"""[m] How wide the cup is that is tried in place of fingers, and how long."""
+"""[m] How wide the cup is that is tried instead of fingers, and how long."""
 
 TOLD = 3
 """Changes that are named."""

@@ -25,10 +25,10 @@ MOST = 10
 """Families, at most."""
 
 LOOKED, GROWN = 16, 3
-"""Grips that are looked at in each round, and those that become families to be compared."""
+"""Grips that are checked in each round, and those that become families to be compared."""
 
 AMONG = 12
-"""Times as many of the grips that add most: which of them are looked at is left to chance."""
+"""Times as many of the grips that add most: which of them are checked is left to chance."""
 
 
 @dataclass(slots=True)

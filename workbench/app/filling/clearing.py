@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.filling.families import Pile, family_of
+from workbench.app.filling.families import Family, Pile, family_of
 from workbench.app.filling.hand import Hand
 from workbench.app.filling.work import CHECK, FALL, REACH, WORLD
 from workbench.model.candidate import Pick, Reason
@@ -79,14 +79,14 @@ def cleared(
         for number in range(len(rest)):
             if is_over():
                 return taken + len(gone), []
-            if _takes(hands, world, number, seed, rng):
+            if takes(hands, world, number, seed, rng) is not None:
                 gone.append(number)
         why: list[Stays] = []
         if not gone:
             for number in range(len(rest)):
                 if is_over():
                     return taken + len(gone), why
-                reason = _add_family(hands, world, number, seed, rng)
+                reason = add_family(hands, world, number, seed, rng)
                 if reason is not None:
                     why.append(Stays(tuple(rest), number, reason))
                 else:
@@ -99,10 +99,10 @@ def cleared(
     return taken, []
 
 
-def _takes(
+def takes(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
-) -> bool:
-    """Whether a family takes a part; it is told so."""
+) -> Family | None:
+    """The family by which an arm takes a part, which it notes; None where none does."""
     tried = 0
     for hand in hands:
         for family in sorted(hand.families, key=lambda other_family: -len(other_family.took)):
@@ -114,10 +114,10 @@ def _takes(
                 reason = _refuse_reach(hand, world, number, family.grasp(k), seed)
                 if reason is None:
                     family.took.append((world.detections, number))
-                    return True
+                    return family
                 if tried >= TRIED or reason == COVERED:
-                    return False
-    return False
+                    return None
+    return None
 
 
 COVERED = FillText.COVERED()
@@ -138,7 +138,7 @@ def _refuse_reach(hand: Hand, world: World, number: int, grasp: Grasp, seed: int
     return reason
 
 
-def _add_family(
+def add_family(
     hands: Sequence[Hand], world: World, number: int, seed: int, rng: np.random.Generator
 ) -> Message | None:
     """Have a grip that takes a part add its family, None; else why none does."""

@@ -37,7 +37,7 @@ FAMILY = 100
 """Grasps of a family, at most, those counted that the part's symmetry makes."""
 
 COPIES = 40
-"""Of a pattern that are looked at: more of them are alike."""
+"""Of a pattern that are checked: more of them are alike."""
 
 NICE = np.deg2rad(24.0)
 """[rad] A hand that points this near to an axis, or square to it, does so, if that holds."""

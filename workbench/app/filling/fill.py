@@ -46,7 +46,7 @@ FIRST_PRIORITY = -1
 """Of the families that take most.  Of spares a plan looks only at as many as it needs."""
 
 USUAL = 0.8
-"""Share of what is taken that the families take which are looked at first in each plan."""
+"""Share of what is taken that the families take which are checked first in each plan."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,7 @@ class Filled:
     `entries` are new, those that take most first, and `adds` the share of all parts that each takes
     beyond those before it.  Of `parts` that lay in piles `taken` came out.  `stays` says by reason
     how many no grip of the tools takes as they lie, and `lifts` how many kinds of lifts there were.
-    `looked` of those at which no hand fits were looked at, and `helps` are changes of tool or bin
+    `looked` of those at which no hand fits were checked, and `helps` are changes of tool or bin
     by which a hand would hold some.  `seconds` [s] of processor time.
     """
 
@@ -98,10 +98,7 @@ def filled(
     began = processor_time()
     cell = replace(cell, parts=(part,))
     check_room((part,), cell.bin)
-    if examined(part.mesh).is_inside_out:
-        raise InputError(
-            f"the mesh of part {part.name} is inside out; `workbench part import` turns it"
-        )
+    check_mesh(part)
     work = Work(most, report, cancelled)
     hands = hands_for(cell, part, seed, work)
     if not hands:
@@ -127,7 +124,7 @@ def filled(
     helps, looked = advice(cell, stuck, seed, work)
     worth = kept(cell, hands, known, seed)
     return Filled(
-        tuple(_rank(part, worth)),
+        tuple(ranked(part, worth)),
         tuple(family.adds for family in worth),
         parts,
         taken,
@@ -137,6 +134,18 @@ def filled(
         helps,
         processor_time() - began,
     )
+
+
+def check_mesh(part: Part) -> None:
+    """The surface has its outside outside.
+
+    Raises:
+        InputError: it has not.
+    """
+    if examined(part.mesh).is_inside_out:
+        raise InputError(
+            f"the mesh of part {part.name} is inside out; `workbench part import` turns it"
+        )
 
 
 def _no_hand(cell: Cell, part: Part) -> str:
@@ -182,8 +191,8 @@ def _piles(cell: Cell, part: Part, seed: int, work: Work) -> Iterator[tuple[Dete
     raise problem
 
 
-def _rank(part: Part, families: Sequence[Kept]) -> list[Entry]:
-    """Their entries with priorities and names, in their order."""
+def ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
+    """The entries of families with priorities and new names, in their order."""
     whole, so_far = sum(family.adds for family in families), 0.0
     taken = {entry.name for entry in part.library.entries}
     found: list[Entry] = []

@@ -12,7 +12,7 @@ from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import opposite_points
 
 PAIRS = 600
-"""Points of the surface from which axes are looked for."""
+"""Points of the surface from which axes are searched for."""
 
 NEAR = 0.0007
 """[m] Middles of pairs no farther from an axis belong to it."""
@@ -21,7 +21,7 @@ LEAST = 0.12
 """Share of the pairs that a round body has to have."""
 
 SPREAD = 5
-"""Of twelve directions across an axis so many have to be among its pairs."""
+"""Of twelve directions across an axis this many have to be among its pairs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,8 @@
 
 from workbench.app.filling.advice import CUP
 from workbench.app.filling.fill import Filled
-from workbench.model.messages.changes import FillText
+from workbench.app.filling.for_remaining import Proposal
+from workbench.model.messages.changes import FillText, RemainText
 from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import ReasonText
 
@@ -22,3 +23,16 @@ def filled_words(found: Filled) -> list[Message]:
     elif found.looked:
         says.append(FillText.NOTHING_HELPS(looked=found.looked, cup=CUP))
     return says
+
+
+def proposal_words(part: str, found: Proposal) -> list[Message]:
+    """What came of looking for grasps of the parts of a kind that stayed."""
+    says: list[Message] = []
+    if found.known:
+        says.append(RemainText.KNOWN(known=found.known, looked=found.looked, part=part))
+    if found.entries:
+        names = ", ".join(entry.name for entry in found.entries)
+        says.append(
+            RemainText.ADDED(added=found.added, looked=found.looked, part=part, names=names)
+        )
+    return says or [RemainText.NONE(looked=found.looked, part=part)]

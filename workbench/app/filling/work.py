@@ -30,7 +30,7 @@ WORLD = 0.6
 
 
 class Work:
-    """What a filling has spent of its budget, and who is told.
+    """What a filling has spent of its budget, and who gets the reports.
 
     `done` and `most` are in points; `note` says what has come of it so far.
 

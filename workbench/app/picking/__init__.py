@@ -1,4 +1,4 @@
-"""The work behind the commands: a plan and its proof, rows, stations, a part from a CAD file.
+"""Planning and proof behind the commands, rows, stations, part import.
 
 Imports `calibration` and `core`.
 """

@@ -68,7 +68,7 @@ class Glance:
 
 
 def apply_change(cell: Cell, change: Change) -> Cell:
-    """A cell with that change, to be looked at and thrown away: it keeps the digest of the other.
+    """A cell with that change, to be checked and thrown away: it keeps the digest of the other.
 
     A digest takes as long as the look.  What stays is the same object, so what is kept for it
     serves.
@@ -195,7 +195,7 @@ class _Reach:
         return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
 
     def _brings(self, number: int, T_world_tcp: pin.SE3) -> bool:
-        """Whether the arm gets a part that is held so to a place where its kind shall lie."""
+        """Whether the arm gets a part that is held so to a place where its kind has to lie."""
         T_part_tcp = self._world.detections[number].T_world_part.actInv(T_world_tcp)
         ways = ways_at_places(self._world, self._arm, number)
         return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))

@@ -12,7 +12,7 @@ from workbench.perception.simulation.room import check_room
 
 
 def kinds_in_turn(parts: Sequence[Part], count: int) -> tuple[Part, ...]:
-    """What falls into a bin: so many parts, of each kind one in turn."""
+    """What falls into a bin: this many parts, of each kind one in turn."""
     return tuple(islice(cycle(parts), count))
 
 
@@ -26,7 +26,7 @@ def with_kinds(cell: Cell, kinds: Sequence[str]) -> Cell:
 
 
 def check_pile(cell: Cell, count: int) -> None:
-    """Look whether so many of a cell's parts can be piled up in its bin and be taken.
+    """Look whether this many of a cell's parts can be piled up in its bin and be taken.
 
     Raises:
         InputError: no parts, more than fit, one larger than the bin, no grasps, or none that any

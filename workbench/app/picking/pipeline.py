@@ -52,7 +52,7 @@ def plan_pick(
 ) -> PlanResult:
     """Judge candidates, choose, plan, and prove.
 
-    Grasps of a priority below 0 are spares: they are looked at, one priority after the other, only
+    Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
     when no plan comes out of those before them, or one for fewer arms than could work; where one
     arm has work already, they get no more than half of the time.
 
@@ -148,7 +148,7 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
 
 
 def levels_of(cell: Cell) -> list[frozenset[int]]:
-    """Priorities of grasps that are looked at together: spares only when nothing before them does.
+    """Priorities of grasps that are checked together: spares only when nothing before them does.
 
     Those below 0 are spares, each priority by itself.
     """
@@ -221,7 +221,7 @@ def judge(
 
 @dataclass(slots=True)
 class _Looked:
-    """What was looked at so far: candidates with their final verdicts, picks of those that work."""
+    """What was checked so far: candidates with their final verdicts, picks of those that work."""
 
     candidates: list[Candidate] = field(default_factory=list[Candidate])
     picks: list[Pick] = field(default_factory=list[Pick])
@@ -280,7 +280,7 @@ def _judge(
 def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
     """Whether nobody needs a grasp any more, since others of the same arm and part work.
 
-    Grasps of a priority below 0 are for parts that nothing else takes: they are looked at only
+    Grasps of a priority below 0 are for parts that nothing else takes: they are checked only
     then, and `ENOUGH` of them that work will do.
     """
     if candidate.grasp.priority >= 0 or not working:

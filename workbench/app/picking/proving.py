@@ -42,12 +42,12 @@ def scene_of(
     detections: Sequence[Detection] | None = None,
     scan: Scan | None = None,
 ) -> Scene:
-    """What is known to be in the bin when a plan is looked at.
+    """What is known to be in the bin when a plan is checked.
 
-    A part of which the plan knows nothing is something in the scan that no part explains, and so an
-    obstacle that the plan leaves out.  One that the scan does not show is not known to be there.
-    Nor is one that another plan has to put there first: such a plan is proven in its row.  No scan
-    shows what lies on pallets in layers: the plan's word is taken for it.
+    A part of which the plan knows nothing is something in the scan that no part explains.  So it
+    is an obstacle that the plan leaves out.  One that the scan does not show is not known to be
+    there. Nor is one that another plan has to put there first: such a plan is proven in its row.
+    No scan shows what lies on pallets in layers: the plan's word is taken for it.
 
     Args:
         cell: as it is now.

@@ -40,7 +40,7 @@ def plan_regrasp(
 ) -> PlanResult:
     """A plan that puts a part on a station, with one in a row that takes it from there to a place.
 
-    Looked for are the pose on the station, and for each plan the grasp and the arm, by the least
+    Searched for are the pose on the station, and for each plan the grasp and the arm, by the least
     time of both together.  Another arm may take the part than has put it there.
 
     Args:

@@ -43,9 +43,9 @@ def plan_row(
     """As `plan_pick`, and plans after it as far as the scan stays true.
 
     Each plan is made and proven in the scene that those before leave (`scene_after`), and begins
-    where they end, since every plan begins and ends at home.  Parts that have nothing near go
+    where they end: every plan begins and ends at home.  Parts that have nothing near go
     first, since a plan that takes one of a heap ends the row.  With the strategy `both` each of the
-    two has a row of its own, so that whole rows are compared, and either can be asked for again.
+    two has a row of its own: whole rows are compared, and either can be asked for again.
 
     Args:
         cell: with its parts and policy.
@@ -79,7 +79,7 @@ def plan_row(
 
 
 def check_picks(cell: Cell, picks: int) -> None:
-    """Look whether so many plans after one scan can be asked for in a cell.
+    """Look whether this many plans after one scan can be asked for in a cell.
 
     Raises:
         InputError: they cannot.

@@ -1,7 +1,7 @@
 """From where on a plan leaves the scanner its view: proven for all that arms and held parts pass.
 
-The scanner's view is a pyramid that stands around as one more fixture, and the plan's last steps
-are looked at for contacts with it as planning does: continuously, along all that the controller may
+The scanner's view is a pyramid that stands around as one more fixture.  The plan's last steps
+are checked for contacts with it as planning does: continuously, along all that the controller may
 make of the waypoints.  So nothing in it is hidden, and nothing of the robot counts as an obstacle.
 """
 
@@ -30,7 +30,7 @@ def sees_from(cell: Cell, plan: Plan) -> int:
     """From which step of a plan on, counted from 1, the scanner sees past the arms; 0 for none.
 
     From there on no arm, finger or held part comes within `ROOM` of what the scanner sees, whether
-    it moves or stands, and no part is taken any more.  The parts of the robot that no arm moves are
+    it moves or stands.  No part is taken any more.  The parts of the robot that no arm moves are
     as in every scan.  A scanner that cannot see while arms move has no such step.
 
     Where a scanner's lenses and lights are apart, the view is from its frame alone.

@@ -1,4 +1,4 @@
-"""From drawings to a tool that an arm can carry: made, and looked at on the arm."""
+"""From drawings to a tool that an arm can carry: made, and checked on the arm."""
 
 from workbench.app.core.cell.making import carrying
 from workbench.formats.cells.drawn_tools import DrawnTool, made_of

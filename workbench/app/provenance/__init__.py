@@ -1,4 +1,4 @@
-"""What ran: software, machine, cell and people as they were at a start, and what differs since.
+"""Inventory of software, machine, cell and people at each start.
 
 May import model and formats.
 """

@@ -26,7 +26,7 @@ class Inventory:
     `workbench` is the version and `files` the SHA-256 of its own files; `processor` is the model
     with what it can do, `system` kernel and C library.  `parts` (name -> digest) and
     `calibration`, the digest of where the scanner hangs, are in `cell_digest` too, so that a
-    change is told by its name.  `users` (name -> role) are those who may come in.
+    change is reported by its name.  `users` (name -> role) are those who may come in.
     """
 
     workbench: str

@@ -1,4 +1,4 @@
-"""Sessions as they are kept: entries as bytes, replayed, counted, packed.
+"""Session records: encoded, replayed, counted, packed.
 
 Imports `core`, `picking` and `statistics`.
 """

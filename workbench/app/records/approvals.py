@@ -55,7 +55,7 @@ class ApprovalRecord:
     def check_shown(
         self, digest: str, actor: str, now: float, valid: float, facts: Mapping[str, str]
     ) -> None:
-        """Refuse who has not seen these facts of a plan, in the last so many seconds.
+        """Refuse who has not seen these facts of a plan, in the last this many seconds.
 
         Raises:
             CommandRefused: says what to do.

@@ -1,7 +1,7 @@
 """Entries as bytes for the journal, and back: canonical form as JSON, large arrays as files.
 
-The first record of a session tells of its cell; every other one holds a command, who gave it
-and when, and what the state was afterwards, so that people can read a session without this
+The first record of a session names its cell; every other one holds a command, who gave it
+and when, and what the state was afterwards.  So people can read a session without this
 program and `replay` can check that it still computes the same.
 """
 
@@ -58,7 +58,7 @@ RESULTS: Mapping[Any, str] = {
     Tool: "tool",
     Emptying: "emptying",
 }
-"""What a record calls the results of jobs; an error is told by its type and text."""
+"""What a record calls the results of jobs; an error is reported by its type and text."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""Recorded sessions looked at again: moment by moment, or computed anew and compared.
+"""Recorded sessions: shown, computed again and compared.
 
 Imports all of app.
 """

@@ -40,7 +40,7 @@ def drift_apart(
     Args:
         folders: of the sessions.
         cell: as it is now.
-        report: told from another thread how far it is.
+        report: called from another thread with the progress.
         given_up: set by who does not want to wait any longer.
 
     Raises:

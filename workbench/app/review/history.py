@@ -1,4 +1,4 @@
-"""A recorded session to be looked at, moment by moment: what the page shows instead of a bench."""
+"""A recorded session to be viewed, moment by moment: what the page shows instead of a bench."""
 
 import threading
 from collections import deque

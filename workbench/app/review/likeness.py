@@ -38,7 +38,7 @@ SCORED = 0.001
 """So far scores, and shares of a surface, may be apart."""
 
 FINEST = 0.001
-"""[mm, degrees] What is less is told as this."""
+"""[mm, degrees] What is less is reported as this."""
 
 
 class Likeness(enum.StrEnum):

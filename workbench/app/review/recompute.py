@@ -32,7 +32,7 @@ class Comparison:
 def recomputed(journal: Journal) -> Iterator[Comparison]:
     """Every task of a session that ended well, run again on the inputs that were recorded.
 
-    No result enters the next task: parts are looked for in the scan that was kept.  A scan of a
+    No result enters the next task: parts are searched for in the scan that was kept.  A scan of a
     real scanner cannot be taken again and is passed over; a simulated one is.
 
     Raises:

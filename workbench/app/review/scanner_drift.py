@@ -34,7 +34,7 @@ from workbench.planning.placing.budget import kept_by_grip
 from workbench.planning.placing.sources import calibration_error
 
 APART = 3600.0
-"""[s] Scans that show no new part are looked at so rarely: days count, not scans."""
+"""[s] Scans that show no new part are viewed so rarely: days count, not scans."""
 
 Told = Callable[[float, str], None]
 """Told of progress 0..1, and of what; it may raise to give up."""
@@ -59,7 +59,7 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> Recorde
     Args:
         folders: of the sessions.
         cell: as it is now.
-        report: told how far it is.
+        report: called with the progress.
 
     Raises:
         InputError: the scanner was never calibrated, or a folder holds no session.

@@ -1,4 +1,4 @@
-"""What runs: the bench, its jobs and threads, links and watchers.
+"""Bench, jobs, threads, links and watchers.
 
 Imports `core`, `picking` and `records`.
 """

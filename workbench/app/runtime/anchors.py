@@ -62,7 +62,7 @@ def place(typed: str) -> Put:
 class Anchors:
     """Tells every place of each approval on record, in order.
 
-    What a place does not take is told again with the next change of the state, and at the end.
+    What a place does not take is reported again with the next change of the state, and at the end.
 
     Lifetime: from construction until `close`; ends before the bench.
 

@@ -53,10 +53,10 @@ class Effects(Protocol):
 
 
 class Bench:
-    """Takes commands from anybody, one at a time, and tells everybody the newest state.
+    """Takes commands from anybody, one at a time, and sends everybody the newest state.
 
     Lifetime: from construction until `close`.  It takes over the journal: an empty one begins
-    a session; one with entries is continued where it ended, and what was under way then is
+    a session; one with entries is continued where it ended; what was under way then is
     entered as ended (a sending as a fault, since nobody knows how far the robot came).  So are
     votes and approvals: they let nothing out but in the bench that they were given to.
 
@@ -84,7 +84,7 @@ class Bench:
             now: seconds since the epoch; with the actor, the only input besides commands.
             steady: seconds that only go on; a vote lapses by them, too.
             effects: makes what carries out effects.
-            start: tells what runs here, and is recorded first; None: nothing is said of it.
+            start: states what runs here, and is recorded first; None: nothing is said of it.
 
         Raises:
             JournalError: the journal cannot be written, another program writes to it, or its
@@ -195,7 +195,7 @@ class Bench:
         return isinstance(command, Approve | SendPlan)
 
     def ask(self, question: Question) -> None:
-        """Have something worked out that is only looked at: it is not recorded, changes nothing."""
+        """Have something worked out that is only checked: it is not recorded, changes nothing."""
         self._effects.ask(question)
 
     @property

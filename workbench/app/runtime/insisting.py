@@ -27,10 +27,10 @@ def insist(
 
     Args:
         do: takes the command.
-        command: tells what has happened.
-        actor: the machine that tells it.
+        command: states what has happened.
+        actor: the machine that reports it.
         giving_up: set when the bench closes; then it is tried no more.
-        tell: told why it is not on record yet, and with an empty text that it is now.
+        tell: called with why it is not on record yet, and with an empty text that it is now.
         is_waiting: whether to try again as well while it is not in order, a task running say.
 
     Raises:

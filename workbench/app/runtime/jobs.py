@@ -93,9 +93,9 @@ class Jobs:
 
         Args:
             cell: that all jobs work on.
-            ended: told once for every job, unless `close` came first.
-            progressed: told now and then.
-            prepared: told while the worker gets ready, which jobs wait for.
+            ended: called once for every job, unless `close` came first.
+            progressed: called now and then.
+            prepared: called while the worker gets ready, which jobs wait for.
             module: its `JOBS` maps names to job functions.
         """
         self._ended = ended
@@ -129,7 +129,7 @@ class Jobs:
             self._wake()
 
     def ask(self, question: Question) -> None:
-        """Have a question answered between jobs, in place of the asker's last one not begun."""
+        """Have a question answered between jobs, instead of the asker's last one not begun."""
         with self._lock:
             # In its place: who asks without pause gets no more turns than others.
             self._questions[question.asker] = question
@@ -147,7 +147,7 @@ class Jobs:
             self._wake()
 
     def close(self) -> None:
-        """End the worker and whatever it does, and wait until it is gone; nothing is told."""
+        """End the worker and whatever it does, and wait until it is gone; nothing is reported."""
         with self._lock:
             self._closing = True
             self._wake()

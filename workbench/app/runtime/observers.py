@@ -1,4 +1,4 @@
-"""Those who watch the bench: each is told the newest state in a thread of its own."""
+"""Those who watch the bench: each gets the newest state in a thread of its own."""
 
 import logging
 import threading
@@ -29,7 +29,7 @@ class ObserverThread:
         threading.Thread(target=self._run, name="observer", daemon=True).start()
 
     def put(self, state: State) -> None:
-        """Have it told; one that waits still is not told any more."""
+        """Have it told; one that waits still is not reported any more."""
         with self._changed:
             self._newest = state
             self._changed.notify()

@@ -32,7 +32,7 @@ def in_own_process(
         name: of the job.
         cell: that it works on.
         arguments: of the job.
-        report: told from another thread how far it is.
+        report: called from another thread with the progress.
         given_up: set by who does not want to wait any longer.
 
     Raises:

@@ -41,7 +41,7 @@ def make_ready(report: Report, uses: Sequence[Use] = USES) -> bool:
     with this one.
 
     Args:
-        report: told now and then, with `NOTE`; not at all when nothing is to be done.
+        report: called now and then, with `NOTE`; not at all when nothing is to be done.
         uses: what is wanted.
 
     Returns:

@@ -23,7 +23,7 @@ EVERY = 0.1
 """[s] Between two looks into the folder."""
 
 STILL = 0.3
-"""[s] A file that has not changed for so long is complete."""
+"""[s] A file that has not changed for that long is complete."""
 
 KINDS = frozenset({".txt", ".json", ".tuple", ".tup"})
 
@@ -31,7 +31,7 @@ PATIENCE = 10.0
 """[s] For which a file waits to be taken while that is not in order, a task running say."""
 
 MOST_TOLD = 300
-"""Characters of a problem that are told."""
+"""Characters of a problem that are reported."""
 
 
 class PosesWatch:
@@ -39,7 +39,7 @@ class PosesWatch:
 
     What lies there already when the watch begins is left alone: it may be of another bin.  A file
     counts when it has stopped growing or was renamed into place, and again when it is written
-    again.  One that cannot be used is told of, and the next one is looked at.
+    again.  One that cannot be used is reported, and the next one is checked.
 
     Lifetime: from construction until `close`; a folder that is not there is waited for.
 
@@ -126,7 +126,7 @@ class PosesWatch:
         return True
 
     def _refuse(self, path: Path, error: CommandRefused, before: State) -> bool:
-        """Poses of parts that the cell does not know are told of; a busy bench is waited for."""
+        """Poses of parts that the cell does not know are reported; a busy bench is waited for."""
         # A task that has ended meanwhile was in the way all the same.
         if self._bench.state is not before or before.job is not None:
             return False

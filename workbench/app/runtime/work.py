@@ -116,7 +116,7 @@ def glance(
 ) -> Glance:
     """How the candidates would be judged with `change` in the cell, the parts where they were.
 
-    What stands around besides is `obstacles`; None: they are looked for `around`, which holds the
+    What stands around besides is `obstacles`; None: they are searched for `around`, which holds the
     scan, the parts found in it, and those that were put down.
     """
     obstacles = arguments["obstacles"]

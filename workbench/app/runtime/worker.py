@@ -1,7 +1,7 @@
 """The worker's side of a job: what runs in the process of its own, and what it says.
 
 A job function takes the cell, its arguments, `report` and `cancelled`.  `report(done, note)`
-tells the share done (0..1) and what is being done; it may be called as often as one likes.
+reports the share done (0..1) and what is being done; it may be called as often as one likes.
 `cancelled()` is True once somebody has ended the job; the function then raises `JobCancelled`.
 """
 
@@ -49,8 +49,8 @@ class Request:
 class Question:
     """Something to be worked out between jobs, soon or not at all; nothing of it is on record.
 
-    `asker` tells who asks: what they ask next takes the place of what has not begun.  `name` and
-    `arguments` are those of a job.  `answered` is told the result, or the `WorkbenchError` that
+    `asker` names who asks: what they ask next takes the place of what has not begun.  `name` and
+    `arguments` are those of a job.  `answered` gets the result, or the `WorkbenchError` that
     ended it, by one thread of the owner; a question that a newer one has replaced never is.
     """
 

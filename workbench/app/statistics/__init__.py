@@ -1,4 +1,4 @@
-"""What sessions have brought: how many parts, how surely, how fast, and with which grasps.
+"""Counts and rates over sessions.
 
 Imports `core`.
 """

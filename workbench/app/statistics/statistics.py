@@ -18,6 +18,8 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
+from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
+from workbench.app.statistics.rows import numbers_of_row, picks_of_row
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.candidate import Reason, kind_of
@@ -97,12 +99,14 @@ class Statistics:
     """All cycles of one or more sessions, and what is counted beside them.
 
     `refusals` are what is said of refused candidates (`kind_of`), and of how many; `judged` how
-    often each grasp was tried and would have worked.
+    often each grasp was tried and would have worked; `remaining` are the parts that stayed when a
+    planning brought no plan, the latest ones.
     """
 
     cycles: tuple[CycleRecord, ...] = ()
     refusals: tuple[tuple[str, int], ...] = ()
     judged: Uses = field(default_factory=lambda: NO_USES)
+    remaining: tuple[RemainingPart, ...] = ()
 
     @property
     def picks(self) -> tuple[tuple[CycleRecord, PickRecord], ...]:
@@ -158,7 +162,7 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
     "arm": lambda cycle, pick: pick.arm,
     "strategy": lambda cycle, pick: cycle.strategy,
 }
-"""What success is told by."""
+"""What success is reported by."""
 
 
 class Count:
@@ -175,8 +179,9 @@ class Count:
         # The stage under way, since when, and the number of its task.
         self._begun: tuple[str, float, int] = NOTHING_BEGUN
         self._turns = Turns(COUNTED)
-        self._parts: tuple[str, ...] = ()
+        self._found: Any = ()
         self._judged: Uses = NO_USES
+        self._remaining = Remaining()
         # Of a row: what each plan takes, and its parts by the numbers of the first; which is sent.
         self._row: tuple[tuple[PickRecord, ...], ...] = ()
         self._numbers: tuple[tuple[int, ...], ...] = ()
@@ -212,7 +217,12 @@ class Count:
     @property
     def value(self) -> Statistics:
         """What has been counted so far."""
-        return Statistics(tuple(self._cycles), tuple(self._refusals.most_common()), self._judged)
+        return Statistics(
+            tuple(self._cycles),
+            tuple(self._refusals.most_common()),
+            self._judged,
+            self._remaining.value,
+        )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
         if kind in SCANS:
@@ -259,43 +269,26 @@ class Count:
             self._count_planned(at, result["plan"])
 
     def _count_found(self, detections: Any) -> None:
-        self._parts = tuple(detection["part"] for detection in detections)
+        self._found = detections
 
     def _count_planned(self, at: float, result: Any) -> None:
-        self._judged = added(self._judged, judged(self._parts, result["candidates"]))
+        kinds = tuple(detection["part"] for detection in self._found)
+        self._judged = added(self._judged, judged(kinds, result["candidates"]))
         verdicts = (candidate["verdict"] for candidate in result["candidates"])
         self._refusals.update(
             kind_of(Reason(verdict["reason"]), is_apart=(verdict["distance"] or 0.0) > 0)
             for verdict in verdicts
             if verdict["reason"] != Reason.OK
         )
+        self._remaining.add(self._found, result)
         plan = result["plan"]
         if plan is None:
             self._change(end="no plan", strategy="", picks=(), until=at)
             return
-        plans = [plan, *(proven_plan["plan"] for proven_plan in result.get("row", ()))]
-        first = [detection["T_world_part"] for detection in plan["detections"]]
-        self._numbers = (
-            tuple(range(len(first))),
-            *(
-                tuple(
-                    first.index(part.get("T_world_found", part["T_world_part"]))
-                    for part in later_plan["detections"]
-                )
-                for later_plan in plans[1:]
-            ),
-        )
+        self._numbers = numbers_of_row(result)
         self._row = tuple(
-            tuple(
-                PickRecord(
-                    numbers[arm["detection"]],
-                    each_plan["detections"][arm["detection"]]["part"],
-                    arm["grasp"],
-                    arm["arm"],
-                )
-                for arm in each_plan["arms"]
-            )
-            for each_plan, numbers in zip(plans, self._numbers, strict=True)
+            tuple(PickRecord(*named_pick) for named_pick in picks)
+            for picks in picks_of_row(result, self._numbers)
         )
         self._place = 0
         self._change(end="", strategy=plan["strategy"], picks=self._row[0], until=at)
@@ -382,6 +375,7 @@ def statistics(rows: Iterable[Row]) -> Statistics:
 
 def together(parts: Iterable[Statistics]) -> Statistics:
     """Several sessions as one."""
+    parts = tuple(parts)
     cycles: list[CycleRecord] = []
     refusals: Counter[str] = Counter()
     uses: Uses = NO_USES
@@ -390,5 +384,8 @@ def together(parts: Iterable[Statistics]) -> Statistics:
         refusals.update(dict(part.refusals))
         uses = added(uses, part.judged)
     return Statistics(
-        tuple(sorted(cycles, key=lambda cycle: cycle.at)), tuple(refusals.most_common()), uses
+        tuple(sorted(cycles, key=lambda cycle: cycle.at)),
+        tuple(refusals.most_common()),
+        uses,
+        tuple(left for part in parts for left in part.remaining)[-MOST:],
     )

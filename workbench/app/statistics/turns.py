@@ -24,7 +24,7 @@ class Turns:
     """
 
     def __init__(self, kinds: Collection[str]) -> None:
-        """Only entries of these kinds are told."""
+        """Only entries of these kinds are reported."""
         self._kinds = kinds
         # While it is wanted to go on: the entry that has begun the scan, and ends of tasks.
         self._held: list[Told] | None = None

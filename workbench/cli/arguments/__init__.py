@@ -1,4 +1,4 @@
-"""What can be typed: dataclasses whose docstrings are the help; nothing heavy is loaded.
+"""Arguments as dataclasses, whose docstrings are the help.
 
 Imports nothing of cli.
 """

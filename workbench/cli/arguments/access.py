@@ -9,7 +9,7 @@ from tyro.conf import Positional, subcommand
 from workbench.cli.arguments.names import Json, Maybe, UserName, UsersFile
 
 USERS = Path("sessions/users.sqlite")
-"""Where users are kept unless told otherwise."""
+"""Where users are kept unless stated otherwise."""
 
 RoleName = Literal["viewer", "operator", "engineer"]
 

@@ -61,7 +61,7 @@ class BenchMotion:
     planner: str = "rrtconnect"
     """Which planner."""
     against: Maybe[Literal["ompl", "klampt"]] = None
-    """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges, or to
+    """Give the same problems to OMPL's RRT-Connect as well, over the same check of edges; or to
     Klamp't's SBL (extra `bench`), which checks states by itself and shortens nothing."""
     iterations: int = 10000
     """Iterations that a search may take."""

@@ -38,8 +38,8 @@ class CellShow:
 class CellNew:
     """Make a first cell around a robot from its URDF: a start to change, not a cell to trust.
 
-    Meshes that are checked become convex pieces, pairs of links that need no check are found by
-    trying, a bin, a table, a scanner, homes and places are put where the arms reach them.
+    Meshes that are checked become convex pieces; pairs of links that need no check are found by
+    trying; a bin, a table, a scanner, homes and places are put where the arms reach them.
     """
 
     name: Positional[str]

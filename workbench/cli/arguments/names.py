@@ -1,4 +1,4 @@
-"""What several commands are told: options with the help that all of them share, and choices.
+"""What several commands are reported: options with the help that all of them share, and choices.
 
 Choices are repeated here because `--help` loads nothing heavy.
 """

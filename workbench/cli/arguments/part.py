@@ -47,7 +47,7 @@ class PartFromScans:
     """Merge scans of one part from known poses into a closed model, for `part import`.
 
     The folder holds the scans and views.toml, which says where each was taken from; see
-    docs/new_part.md.  What no scan shows is closed, and its share of the surface is told.
+    docs/new_part.md.  What no scan shows is closed, and its share of the surface is reported.
     """
 
     folder: Positional[Path]

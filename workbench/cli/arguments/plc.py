@@ -9,7 +9,7 @@ from tyro.conf import Positional, subcommand
 from workbench.cli.arguments.names import CertificatesFolder, Json
 
 CERTIFICATES = Path("sessions/opcua")
-"""Where certificates are kept unless told otherwise."""
+"""Where certificates are kept unless stated otherwise."""
 
 
 @dataclass(frozen=True, slots=True)

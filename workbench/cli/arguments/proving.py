@@ -26,7 +26,7 @@ class Prove:
     certificate: Maybe[Path] = None
     """Write the certificate to this file, when the proof holds."""
     check: Maybe[Path] = None
-    """Check this certificate, in place of proving a plan."""
+    """Check this certificate, instead of proving a plan."""
     out: Maybe[Path] = None
     """Write the plan with its digest to this file, when the proof holds."""
     cell: CellOfPlan = None

@@ -29,7 +29,7 @@ class ScannerFit:
 class ScannerDrift:
     """Say whether the scanner still hangs where it was calibrated, by recorded sessions.
 
-    Bin and fixtures are looked at in the scans of every day, and parts where the robot has put them
+    Bin and fixtures are checked in the scans of every day, and parts where the robot has put them
     in view of the scanner. Nothing is changed unless --save is given.
     """
 

@@ -14,7 +14,7 @@ class StudyLocalization:
     """Find the parts of seeded piles in simulated scans and compare with where they lie.
 
     Or search again in scans that were kept with what people said of them: it ends with 3 when a
-    part that was right is not now, or more is wrong, and with 2 when a case cannot be used.
+    part that was right is not now, or more is wrong; and with 2 when a case cannot be used.
     """
 
     cell: CellName = "yumi"
@@ -42,12 +42,12 @@ class StudyLocalization:
     tilted: float = 0.0
     """And is turned by this about the bin's x axis [degrees]."""
     search: str = ""
-    """Kinds to look for in place of those that lie there, as in --parts: what is found is wrong."""
+    """Kinds to look for instead of those that lie there, as in --parts: what is found is wrong."""
     seed: FirstSeed = 0
     cad_scale: float = 1.0
-    """The CAD files are so many times as large as what lies there: is that said?"""
+    """The CAD files are this many times as large as what lies there: is that said?"""
     models: Maybe[Path] = None
-    """Folder with a PLY file [mm] for each part, searched with in place of its CAD file."""
+    """Folder with a PLY file [mm] for each part, searched with instead of its CAD file."""
     cases: Maybe[Path] = None
     """Folder of kept cases, to search in these and in no pile; goes with --json alone."""
     plot: Maybe[Path] = None
@@ -110,8 +110,8 @@ class StudyThreshold:
 class StudyEmptying:
     """Empty full bins: what is taken, how fast, and what stays in the corners and why.
 
-    Parts fall into the bin by physics; plan after plan is made, carried out and the bin looked at
-    again, until three looks in a row bring no plan, or three picks in a row have failed.
+    Parts fall into the bin by physics; plan after plan is made, carried out and the bin checked
+    again; until three looks in a row bring no plan, or three picks in a row have failed.
     """
 
     cell: Positional[CellName] = "yumi"
@@ -157,7 +157,7 @@ class StudyPlacing:
     """How sure the hand is: where parts lie in it as said before, and as MuJoCo has it.
 
     Parts fall one at a time, are found in a simulated scan and gripped by some of the grasps that
-    fit, each time off by an error drawn from what is said of scanner and search.
+    fit; each time off by an error drawn from what is said of scanner and search.
     """
 
     cell: Positional[CellName] = "yumi"
@@ -169,7 +169,7 @@ class StudyPlacing:
     ] = "fine"
     """Build of scanner, as in study localization."""
     wider: float = 1.0
-    """The search is so many times less sure than it says."""
+    """The search is this many times less sure than it says."""
     force: float = 20.0
     """Of each finger [N]."""
     acceleration: float = 0.0
@@ -231,7 +231,7 @@ class StudyGrips:
 class StudyBop:
     """Find the objects of a data set in BOP's layout, and measure as BOP 2024 does.
 
-    Its depth images alone are looked at.
+    Its depth images alone are checked.
     """
 
     folder: Positional[Path]
@@ -247,10 +247,10 @@ class StudyBop:
     """Name under robots/, or path of a cell.toml: its localizer searches, and its scanner's noise
     counts where an image tells none."""
     own_bin: bool = False
-    """The images are of that cell's bin, by its scanner.  If not, things are looked for above the
+    """The images are of that cell's bin, by its scanner.  If not, things are searched for above the
     plane on which most of an image lies: a floor little above a table is taken for the table."""
     images: int = 0
-    """No more than the first so many images; 0 takes all."""
+    """No more than the first this many images; 0 takes all."""
     results: Maybe[Path] = None
     """A CSV file of BOP's results to be measured instead of a search."""
     out: Maybe[Path] = None

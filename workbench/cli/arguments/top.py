@@ -48,7 +48,7 @@ class Serve:
     """Port to listen on; 0 takes a free one."""
     session: Maybe[Path] = None
     """Folder of a session to go on with, where it ended; its cell is the one that it has now. One
-    that another program writes to is only looked at."""
+    that another program writes to is only checked."""
     after: Maybe[Path] = None
     """Folder of a session that the new one names as the one before it."""
     anchor: tuple[str, ...] = ()
@@ -117,7 +117,7 @@ class Scan:
     parts: int = 2
     """How many parts lie in the bin."""
     part: str = ""
-    """Which part of the cell; the first one unless told otherwise; all: of each in turn."""
+    """Which part of the cell; the first one unless stated otherwise; all: of each in turn."""
     truth: Maybe[Path] = None
     """JSON file to write the true poses to."""
 
@@ -132,10 +132,10 @@ class Localize:
     out: Path
     """JSON file of poses to write."""
     rejected: Annotated[bool, arg(aliases=["--discarded"])] = False
-    """Tell also which poses were thought possible and rejected, and why."""
+    """Tell also which poses were hypotheses and rejected, and why."""
     seed: Seed = 0
     detail: float = 1.0
-    """How fine the scan is looked at, 0.3 to 2; finer sees smaller features and takes longer."""
+    """How fine the scan is searched, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
     """Parts with a lower score are left out, 0 to 1."""
     scale: tuple[str, ...] = ()
@@ -253,7 +253,7 @@ class Send:
     port: int
     """Port on which it takes motion."""
     approve_as: str
-    """Name of the person who has looked at the plan and answers for it."""
+    """Name of the person who has checked the plan and answers for it."""
     row: Positional[tuple[Path, ...]] = ()
     """Files of the plans that follow it in a row, in the order in which plan --picks wrote them."""
     digest: Maybe[str] = None
@@ -329,7 +329,7 @@ class Backup:
 class Restore:
     """Put back what a backup holds, once every cell, part and session in it could be read.
 
-    What has the same name is replaced, but for sessions, which stay; all else is left alone.
+    What has the same name is replaced, except for sessions, which stay; all else is left alone.
     """
 
     file: Positional[Path]

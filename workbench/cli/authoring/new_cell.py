@@ -1,4 +1,4 @@
-"""`workbench cell new`: from a URDF to a cell that can be looked at, checked and changed."""
+"""`workbench cell new`: from a URDF to a cell that can be viewed, checked and changed."""
 
 import re
 from dataclasses import dataclass, replace

@@ -12,7 +12,7 @@ from workbench.model.cell import Cell
 class Made:
     """A cell that was made: its file, what was left out, and what a person has to decide.
 
-    `excess` [m] is by how much the convex pieces of links are larger than their meshes, `unchecked`
+    `excess` [m] is by how much the convex pieces of links are larger than their meshes; `unchecked`
     are pairs of links that need no check, each with its reason.
     """
 

@@ -10,7 +10,7 @@ from workbench.plugins.found import plugins as found
 
 
 def plugins(typed: arguments.Plugins) -> int:
-    """List them; a broken one is told of and is no failure of this command."""
+    """List them; a broken one is reported and is no failure of this command."""
     all_of_it = sorted(found(), key=lambda plugin: (tuple(WHAT).index(plugin.group), plugin.name))
     if typed.json:
         print_json({"plugins": [asdict(plugin) for plugin in all_of_it]})

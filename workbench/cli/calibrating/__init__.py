@@ -1,1 +1,1 @@
-"""Commands about the scanner: where it is, how it scans, whether it has moved."""
+"""Commands about the scanner: calibration, first scan, drift."""

@@ -128,5 +128,5 @@ def between(T: pin.SE3) -> str:
 
 
 def listed(values: Floats, digits: int) -> str:
-    """Numbers as a cell file has them."""
+    """Numbers (n,), no unit of their own, as a cell file has them."""
     return f"[{', '.join(f'{value + 0.0:.{digits}f}' for value in values)}]"

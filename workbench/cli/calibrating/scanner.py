@@ -18,7 +18,7 @@ from workbench.formats.files.whole_files import read_whole
 
 
 def fit(typed: arguments.ScannerFit) -> int:
-    """Say what a scan tells of its scanner, and write it into the cell if asked to."""
+    """Say what a scan shows of its scanner, and write it into the cell if asked to."""
     cell = read_cell(typed.cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)
     seen = first_scan(typed.scan, cloud, cell)

@@ -26,10 +26,10 @@ LONGEST = 3600.0
 """[s] A scan or an approval takes no longer."""
 
 COMPARED = ("taken_share", "parts_per_hour", "cycles", "scans", "failed_picks", "touches")
-"""What is told of the same piles, emptied by one plan a look."""
+"""The report of the same piles, emptied by one plan a look."""
 
 MOST_TOLD = 30
-"""Parts that stayed are told up to here; --json tells all."""
+"""Parts that stayed are computed up to here; --json prints all."""
 
 
 def emptying(typed: StudyEmptying) -> int:

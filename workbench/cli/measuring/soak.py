@@ -58,7 +58,7 @@ class Sample:
 def soak(typed: BenchSoak) -> int:
     """Run the cycles; succeeds when none was lost and the journal is whole.
 
-    Ctrl-C ends them early and tells what has been so far.
+    Ctrl-C ends them early and states what has been so far.
     """
     check_whole("--cycles", typed.cycles, 1, 1_000_000)
     check_whole("--piles", typed.piles, 1, 10_000)
@@ -104,7 +104,7 @@ def soak(typed: BenchSoak) -> int:
 def _cycle(bench: Bench, number: int, seed: int, lost: list[str], then: int | None) -> str:
     """Run one cycle and tell in a word what became of it; why it was lost is added to `lost`.
 
-    `then` is the seed of the pile that is gone on with beside it, None where nothing is.
+    `then` is the seed of the pile that is continued beside it, None where nothing is.
     """
     rows: list[StageRow] = []
     try:
@@ -173,7 +173,7 @@ def _row_ends(cycles: int) -> list[int]:
 
 
 def _row(cycles: int, samples: list[Sample]) -> dict[str, Any]:
-    """What was taken after so many cycles, and the median of those since the row before."""
+    """What was taken after this many cycles, and the median of those since the row before."""
     after = samples[cycles - 1].after
     since = samples[(cycles - 1) // ROW * ROW : cycles]
     return {

@@ -91,10 +91,10 @@ def explain(typed: arguments.Explain) -> int:
 
 
 MOST_BLOCKERS, MOST_FIXES = 8, 5
-"""Lines that are printed; --json tells all."""
+"""Lines that are printed; --json prints all."""
 
 MOST_SURE = 3
-"""The best candidates, of which it is told how sure it is where the part comes to lie."""
+"""The best candidates, which state their placing error."""
 
 
 def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:

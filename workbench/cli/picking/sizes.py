@@ -19,7 +19,7 @@ ROUNDS = 4
 
 
 def with_sizes(cell: Cell, sizes: Mapping[str, float]) -> Cell:
-    """The cell whose parts are so many times as large, by their names."""
+    """The cell whose parts are this many times as large, by their names."""
     return replace(cell, parts=tuple(sized(part, sizes.get(part.name, 1.0)) for part in cell.parts))
 
 

@@ -1,4 +1,4 @@
-"""Commands that run: the page, the controller, users, backups.
+"""Commands that keep running: page, controller; users, backups.
 
 Imports `arguments` and `picking`.
 """

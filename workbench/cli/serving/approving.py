@@ -50,7 +50,7 @@ def facts_of(
         cell: with the controller that it goes to.
         plan: the plan.
         proof: of it.
-        basis: what the proof was told of the bin.
+        basis: what the proof knew of the bin.
         start: whether the robot stands where the plan starts.
         first: plan of its row, as in which parts are called; None: the plan itself.
     """

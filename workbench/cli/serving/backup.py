@@ -34,7 +34,7 @@ def _users_of(path: Path) -> Mapping[str, Any]:
 
 
 def restore(typed: arguments.Restore) -> int:
-    """Read everything in the backup, and only then put it in place of what is there."""
+    """Read everything in the backup, and only then put it instead of what is there."""
     root = Path.cwd()
     with unpacked(typed.file, root) as kept:
         users = _users_in(typed.file, kept.users)

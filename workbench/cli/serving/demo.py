@@ -136,7 +136,7 @@ class Cycle:
 
         Args:
             seed: of the pile.
-            then: seed of the next pile, which is gone on with meanwhile; None: it waits.
+            then: seed of the next pile, which is continued meanwhile; None: it waits.
 
         Raises:
             NoPlan: there is nothing to send.
@@ -175,7 +175,7 @@ class Cycle:
         return self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
 
     def _see_it_at_the_start(self, plan: Plan) -> None:
-        """Wait for the report that the robot has come back: it is told after the plan's end.
+        """Wait for the report that the robot has come back: it is reported after the plan's end.
 
         Where it really stands elsewhere the approval is refused, and says by how much.
         """

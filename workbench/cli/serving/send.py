@@ -130,7 +130,7 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
 
 
 def _describe(typed: arguments.Send) -> str:
-    """What the proof was told of the bin."""
+    """What the proof knew of the bin."""
     sources = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
     return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
 

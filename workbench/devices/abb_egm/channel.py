@@ -1,4 +1,4 @@
-"""One arm's UDP port: reports of the controller as they come, each looked at, and our answers.
+"""One arm's UDP port: reports of the controller as they come, each checked, and our answers.
 
 The controller speaks first: it sends to the address in its configuration, and we answer to where
 that came from.
@@ -21,7 +21,7 @@ DRIFT = 1e-3
 """By such a share the controller's clock may be slower than ours: reports are not late for it."""
 
 AT_ONCE = 256
-"""So many messages are taken before anything else is done."""
+"""This many messages are taken before anything else is done."""
 
 WRAP = 1 << 32
 """Numbers and clocks of messages are modulo this."""
@@ -59,7 +59,7 @@ class Channel:
         Args:
             cell: with that arm.
             arm: whose axes are reported there.
-            host: numeric address of the controller; what others send is not looked at.
+            host: numeric address of the controller; what others send is not checked.
             port: where it sends to.
             silence: [s] without a report that are too long, on our clock or the controller's.
             clock: [s] that never goes back.

@@ -5,7 +5,7 @@ others have published and run, and what ABB's people answered, at github.com: `a
 104 and 125), `abb_robot_driver` (issue 29), examples of `ABB-EGM-Python`:
 
 - EGMGetId, EGMSetupUC, EGMActJoint and EGMRunJoint follow each other, after a fine point; EGMReset
-  gives an identity back.  EGMStreamStart tells where the arm is, and hears nothing.
+  gives an identity back.  EGMStreamStart states where the arm is, and hears nothing.
 - While EGMRunJoint runs, the arm follows the references that are answered to its messages, and the
   program waits there; traps run.  It ends by EGMStop, or when all axes were within their
   `egm_minmax` of the references for `\CondTime`; with EGM_STOP_HOLD the arm stays where it is.
@@ -40,7 +40,7 @@ UNITS = {1: "ROB1", 2: "ROB2", 3: "ROBL", 4: "ROBR"}
 """Mechanical units by the numbers that the prelude gives them."""
 
 MOST_ID = 4
-"""So many identities has a task."""
+"""This many identities has a task."""
 
 
 class Guidance:

@@ -14,7 +14,7 @@ from workbench.model.plan import Plan
 from workbench.model.release import Approval
 
 NO_LOAD = (0.0,) * 11
-"""Mass, centre of gravity, axes and inertia of a load that is not told."""
+"""Mass, centre of gravity, axes and inertia of a load that is not reported."""
 
 STILL = 1e-6
 """[m] Openings that differ by less are the same."""

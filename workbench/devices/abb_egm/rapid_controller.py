@@ -25,8 +25,8 @@ KINDS = ("motion", "states")
 class GuidedController(Controller):
     """A controller with EGM; `port` and `state_port` are UDP, those of the sensor's side.
 
-    Faster than in real time it waits a little for each answer, so that nobody has to be as fast,
-    and EGM does not end before the first one.
+    Faster than in real time it waits a little for each answer: nobody has to be as fast, and EGM
+    does not end before the first one.
     """
 
     def __init__(

@@ -23,16 +23,16 @@ from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
 
 NEAR = np.deg2rad(0.2)
-"""[rad] A joint may stand so far from where the plan begins, or a leg ends."""
+"""[rad] A joint may stand this far from where the plan begins, or a leg ends."""
 
 OFF = np.deg2rad(1.0)
 """[rad] A joint may be so far from where its references were within `LAG`, also where it stands."""
 
 LAG = 25
-"""[references] 0.1 s: so far behind may the robot be."""
+"""[references] 0.1 s: this far behind may the robot be."""
 
 GENTLE = 50
-"""[references] In so many it goes from where it stands to where the plan begins."""
+"""[references] In this many it goes from where it stands to where the plan begins."""
 
 SETTLE = 750
 """[reports] 3 s: so long may it take to come to rest at the end of a leg."""
@@ -183,7 +183,7 @@ class Sending:
         return feedback.told[3:4] == (self._score.ticket,)
 
     def _check_module(self, name: str, feedback: wire.Feedback) -> None:
-        """The module in RAPID tells of our ticket, and of no order but the last ones."""
+        """The module in RAPID reports our ticket, and of no order but the last ones."""
         if len(feedback.told) < 3 or feedback.told[0] != wire.VERSION:
             raise LinkError(f"{name}: the module in RAPID has gone silent")
         self._check_new(name, feedback)
@@ -233,7 +233,7 @@ class Sending:
         self._said[run.arm] = (*said[:6], 0.0, *said[7:])
 
     def _hear(self) -> list[str]:
-        """Arms with new reports, each of which is looked at."""
+        """Arms with new reports, each of which is checked."""
         heard: list[str] = []
         for name, reports in self._news():
             for feedback in reports:

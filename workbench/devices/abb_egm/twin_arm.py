@@ -31,11 +31,11 @@ LOAD = 7
 """Where the load begins in the numbers of an order."""
 
 MOST_TICKETS = 16
-"""So many of the last tickets are remembered, and not begun again."""
+"""This many of the last tickets are remembered, and not begun again."""
 
 
 class TwinArm:
-    """Where it is, what it is told, and how its EGM stands."""
+    """Where it is, what it is reported, and how its EGM stands."""
 
     def __init__(self, cell: Cell, arm: Arm, home_after: float = math.inf) -> None:
         """Stand at home.
@@ -62,7 +62,7 @@ class TwinArm:
         self._order: tuple[float, ...] = ()
         self.leg = 0
         self.load: tuple[float, ...] = ()
-        """What it carries, as `abb_loads` has it; empty until it is told."""
+        """What it carries, as `abb_loads` has it; empty until it is reported."""
         self.orders: list[tuple[float, ...]] = []
 
     def take(self, said: wire.Reference) -> bool:

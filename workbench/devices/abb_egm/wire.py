@@ -109,7 +109,7 @@ class Reference:
 
 
 def read_feedback(data: bytes, axes: int) -> Feedback:
-    """A report of an arm with so many axes.
+    """A report of an arm with this many axes.
 
     Raises:
         LinkError: it is none, or a number in it is none.

@@ -1,4 +1,4 @@
-"""The controller's end, simulated: it answers, moves in time, and fails when it is asked to.
+"""The simulated ABB controller.
 
 Imports `abb_socket`.
 """

@@ -45,7 +45,7 @@ class Body:
         self._received = self._placed = self._grips = 0
         self._told: Mapping[tuple[str, LoadOf], LoadData] = {}
         self.carried: dict[str, tuple[LoadData, ...]] = {}
-        """What each arm carries that was told: its tool, and the part in its hand."""
+        """What each arm carries that was reported: its tool, and the part in its hand."""
 
     def state(self) -> dict[str, Any]:
         """As it is reported."""

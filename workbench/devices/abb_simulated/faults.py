@@ -37,7 +37,7 @@ SLOW_SECONDS = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """What goes wrong, and when: after so many messages of one connection.
+    """What goes wrong, and when: after this many messages of one connection.
 
     Under `abb-socket/2` `wrong-arm`, `emergency-stop` and `pointer-lost` count steps of the
     program; `empty-hand` counts how often hands close, in both protocols.

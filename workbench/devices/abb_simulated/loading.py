@@ -235,7 +235,7 @@ def _number(word: str, low: float, high: float, decimals: int) -> float:
 
 
 def _read_signed(words: list[str], decimals: tuple[int, ...]) -> list[float]:
-    """Numbers below 1000 either way, with so many decimals each."""
+    """Numbers below 1000 either way, with this many decimals each."""
     for word, count in zip(words, decimals, strict=True):
         if not re.fullmatch(rf"-?\d{{1,3}}\.\d{{{count}}}", word):
             raise ProtocolError(f"{word!r} is not a number with {count} decimals")

@@ -79,7 +79,7 @@ class Motion:
         self._let, self.waits = self.waits, 0
 
     def advance(self, seconds: float) -> Iterator[str]:
-        """Go on for so many seconds of the robot's time; what there is to tell.
+        """Go on for this many seconds of the robot's time; what there is to tell.
 
         Raises:
             LinkError: a fault that stops the robot.

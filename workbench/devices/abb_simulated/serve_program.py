@@ -44,7 +44,7 @@ class Station:
     patience: LinkPatience = USUAL
 
     def wait(self, seconds: float) -> None:
-        """Do nothing for so long, unless the controller ends."""
+        """Do nothing for that long, unless the controller ends."""
         until = self.patience.clock() + seconds
         while self.patience.clock() < until and not self.is_over():
             time.sleep(TICK)

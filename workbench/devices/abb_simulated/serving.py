@@ -22,7 +22,7 @@ START_TOLERANCE = np.deg2rad(0.5)
 """[rad] How far an arm may stand from where the program begins."""
 
 MOST_TICKETS = 16
-"""So many of the last tickets are remembered, and not run again."""
+"""This many of the last tickets are remembered, and not run again."""
 
 LONGEST_WORDS = 60
 """Characters of a refusal or a fault that fit a frame."""

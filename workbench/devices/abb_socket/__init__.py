@@ -1,4 +1,4 @@
-"""Our end of the link to an ABB controller: messages, programs, conversations.
+"""Our end of the socket link to ABB.
 
 Imports nothing of the other devices.
 """

@@ -4,7 +4,7 @@ A RAPID string holds 80 characters, so every message is exactly that: 75 charact
 filled up with blanks, the CRC of these as 4 hexadecimal digits, and a line feed.  The controller
 takes each with one `SocketReceive \Str \ReadNoOfBytes:=80`, and TCP may split and join the bytes
 as it likes.  The text begins with a number of four digits, one more than that of the frame before
-in the same direction (1 after 9999), so that nothing is lost, doubled or out of order without being
+in the same direction (1 after 9999).  So whatever is lost, doubled or out of order is
 noticed.
 
 The check sum is CRC-16/CCITT-FALSE (polynomial 0x1021, first value 0xFFFF).

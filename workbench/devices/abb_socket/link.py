@@ -121,7 +121,7 @@ def _stop(
     """Ask the controller to stop, and wait for its word.
 
     Raises:
-        JobCancelled: always; it tells what came of it.
+        JobCancelled: always; it states what came of it.
     """
     where = f"sending was stopped at {talk.where}"
     if not talk.is_begun:

@@ -110,7 +110,7 @@ def angles_within_limits(cell: Cell, arm: Arm, words: Sequence[str]) -> Floats:
 def messages(cell: Cell, plan: Plan) -> tuple[Message, ...]:
     """All messages of a plan, in the order in which they are sent.
 
-    A waypoint that ends one leg and begins the next is sent once, and the first waypoint of a
+    A waypoint that ends one leg and begins the next is sent once; the first waypoint of a
     sequence, where the arm stands, not at all.
 
     Raises:

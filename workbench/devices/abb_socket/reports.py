@@ -13,7 +13,7 @@ from workbench.plugins.progress import Cancelled, never
 LONGEST_LINE = 64 * 1024
 
 LONGEST_TEXT = 300
-"""Characters of a fault that are told."""
+"""Characters of a fault that are reported."""
 
 MOST_COUNTED = 2**23
 """RAPID counts in numbers of 32 bits with a point: above this some are left out."""

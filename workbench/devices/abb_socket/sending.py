@@ -42,7 +42,7 @@ PING = 0.5
 
 
 def arms_of(cell: Cell) -> str:
-    """The arms of a cell as a controller tells them: letter and number of axes."""
+    """The arms of a cell as a controller reports them: letter and number of axes."""
     return " ".join(f"{arm.controller_id}{len(arm.joints)}" for arm in cell.arms)
 
 

@@ -1,1 +1,1 @@
-"""Scanners that speak GenICam over GigE Vision, by the library aravis."""
+"""GenICam scanners over GigE Vision, by aravis."""

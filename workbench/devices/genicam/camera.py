@@ -24,10 +24,10 @@ ARMING = 0.05
 """[s] From the start to the trigger: cameras need it, and nothing that comes meanwhile counts."""
 
 ALIVE = 1.0
-"""[s] A camera that sends nothing is asked so often whether it is still there."""
+"""[s] A camera that sends nothing is asked this often whether it is still there."""
 
 AGAIN = 5.0
-"""[s] A trigger is repeated so often: a camera that is not ready for one ignores it."""
+"""[s] A trigger is repeated this often: a camera that is not ready for one ignores it."""
 
 NO_RAW_SOCKET = 1
 """ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED: the same stream with and without privileges."""
@@ -42,7 +42,7 @@ WRONG = {
     6: "was not complete",
     7: "was broken off",
 }
-"""ArvBufferStatus, but for success."""
+"""ArvBufferStatus, except for success."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,7 +104,7 @@ def connected(address: str, serial: str) -> Generator[Camera]:
     """The camera at an address, or of a serial number, or the only one there is.
 
     Args:
-        address: IP address; empty: it is looked for on all networks, which takes a second.
+        address: IP address; empty: it is searched for on all networks, which takes a second.
         serial: serial number; empty: whichever it is.
 
     Raises:
@@ -149,7 +149,7 @@ def one_frame(
 ) -> Frame:
     """Take one frame, of what is before the camera after this call.
 
-    The stream, its port and its buffers are new, and what comes before the trigger is thrown away,
+    The stream, its port and its buffers are new; what comes before the trigger is thrown away,
     by the numbers of its frames as well: what is taken was not taken earlier.
 
     Args:

@@ -1,7 +1,7 @@
 """The functions of aravis that a scan needs, called in the shared library itself.
 
 Signatures are those of aravis 0.8 (`arvcamera.h`, `arvdevice.h`, `arvbuffer.h`, `arvstream.h`,
-`arvsystem.h`).  Why not by GObject introspection: docs/decisions/0030-genicam.md.
+`arvsystem.h`).  Not by GObject introspection: PyGObject has no wheels.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""RAPID executed: tasks, robots, signals, operator and sockets, for modules as they are.
+"""RAPID interpreter: tasks, robots, signals, sockets.
 
 Imports the words of faults of `abb_simulated`.
 """

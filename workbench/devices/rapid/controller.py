@@ -170,7 +170,7 @@ class Controller:
 
     @property
     def state_port(self) -> int:
-        """None: what is to be known is told on the link."""
+        """None: what is to be known is reported on the link."""
         return 0
 
     @property

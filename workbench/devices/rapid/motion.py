@@ -129,7 +129,7 @@ class Mechanism:
         return bool(way.share) and not is_known and self._time >= way.seconds * (1.0 - way.share)
 
     def advance(self, seconds: float) -> None:
-        """Go on for so long; nothing happens while a stop holds it."""
+        """Go on for that long; nothing happens while a stop holds it."""
         if self.stops:
             return
         while self._ways and seconds > 1e-12:

@@ -60,7 +60,7 @@ class Moving:
             task: whose instructions these are.
             mechanisms: the robots by the names of their tasks.
             time: the robot's [s].
-            moved: told before each move.
+            moved: called before each move.
             gripped: how far [mm] a finger is out when the hand has closed.
         """
         self._task, self._mechanisms, self._time = task, mechanisms, time

@@ -2,8 +2,8 @@
 
 Source: Technical reference manual: RAPID instructions, functions and data types (3HAC050917),
 SocketCreate to SocketPeek: one message has at most 1,024 bytes, a string 80; receiving waits 60 s
-unless told otherwise; a link that was closed by the other side is ERR_SOCK_CLOSED.  Whether
-SocketPeek tells of such a link as well is not said there: `peek_tells_end` chooses.
+unless stated otherwise; a link that was closed by the other side is ERR_SOCK_CLOSED.  Whether
+SocketPeek reports such a link as well is not said there: `peek_tells_end` chooses.
 """
 
 # The prelude gives the types of what natives take, and every call is checked against it.
@@ -173,7 +173,7 @@ class Network:
         output: Place | None,
         time: float | None,
     ) -> None:
-        r"""SocketReceive: what has arrived, or, with \\ReadNoOfBytes, so many bytes."""
+        r"""SocketReceive: what has arrived, or, with \\ReadNoOfBytes, this many bytes."""
         device, link = _require_open(place)
         if device.is_listening:
             raise RapidError("ERR_SOCK_NOT_CONN")

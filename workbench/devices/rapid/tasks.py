@@ -188,7 +188,7 @@ class Task:
         """Wait until `condition` is anything but false, and give what it was.
 
         Raises:
-            TimedOut: it was not within so many seconds.
+            TimedOut: it was not within this many seconds.
         """
         until = None if seconds >= FOREVER else self.clock() + seconds
         while True:

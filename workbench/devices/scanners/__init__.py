@@ -1,4 +1,4 @@
-"""Scanners that are no cameras of GenICam: clouds as files, makers' libraries, several as one.
+"""Other scanners: cloud files, makers' libraries, merged.
 
 It may import `formats` and `model`, as all of `devices`.
 """

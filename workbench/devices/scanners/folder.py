@@ -14,7 +14,7 @@ from workbench.plugins.scanner import ScanRequest
 
 KINDS = frozenset({".ply", ".pcd"})
 STILL = 0.3
-"""[s] A file that has not grown for so long is complete."""
+"""[s] A file that has not grown for that long is complete."""
 
 GLANCE = 0.1
 """[s] Between two looks into a folder."""

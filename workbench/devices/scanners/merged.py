@@ -1,9 +1,9 @@
 """The scanner `merged`: several scanners, each with a calibrated pose of its own, as one cloud.
 
 A cell has one scanner, in whose frame all points are.  This one takes a scan of each view, one
-after the other, so that none lights what another looks at, and puts the points together in its own
+after the other, so that none lights what another looks at.  It puts the points together in its own
 frame by the poses in the world that the views were calibrated to.  Where its own frame lies moves
-no point in the world: it is where the bin is looked at from when parts are searched.
+no point in the world: it is where the bin is seen from when parts are searched.
 """
 
 import re

@@ -15,7 +15,7 @@ would be less than `LEAST`, or the arm were too suddenly turned, it stops as it 
 
 That a blend stays in that triangle is our assumption, not the maker's word: the e-Series user
 manual says that blends from joint moves to joint moves are the smoothest in joint space with regard
-to velocities and times, and may leave the course where velocities differ much.
+to velocities and times; they may leave the course where velocities differ much.
 """
 
 import math
@@ -42,10 +42,10 @@ APART = 0.49
 """Share of the distance between two waypoints that a radius may have: blends must not overlap."""
 
 UNEVEN = 1.5
-"""One side of a blend may take so many times longer than the other.
+"""One side of a blend may take this many times longer than the other.
 
 Over T seconds, a curve of fifth degree whose second derivatives are zero at its ends leaves by 2/5
-T of the velocity there before it turns (its Bezier points), which is no farther than the corner
+T of the velocity there before it turns (its Bezier points).  That is no farther than the corner
 while T is at most 2.5 times what that side takes.
 """
 

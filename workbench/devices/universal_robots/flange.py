@@ -9,7 +9,7 @@ from workbench.model.geometry import Floats
 class Flange:
     """The flange of one arm of turning joints, as its controller counts the axes.
 
-    `lever` [m]: no axis turns the flange about a point farther away, so turns of the axes that add
+    `lever` [m]: no axis turns the flange about a point farther away; so turns of the axes that add
     up to `a` [rad] move it by at most `lever * a`.
     """
 

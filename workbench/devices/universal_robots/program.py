@@ -2,7 +2,7 @@
 
 The whole program goes out at once and the controller runs it once: the program leaves its ticket in
 an output register, and ends where it finds it there.  It writes into another one which leg it is
-in, and is stopped by the controller when the input register that we keep writing falls silent.
+in; it is stopped by the controller when the input register that we keep writing falls silent.
 
 Source: Universal Robots, "The URScript Programming Language", e-Series.
 """

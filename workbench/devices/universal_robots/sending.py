@@ -18,10 +18,10 @@ from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
 
 NEAR = np.deg2rad(0.2)
-"""[rad] A joint may stand so far from where the plan begins, or ends."""
+"""[rad] A joint may stand this far from where the plan begins, or ends."""
 
 OFF = np.deg2rad(0.5)
-"""[rad] A joint may be so far from the way of its references, where they are streamed."""
+"""[rad] A joint may be this far from the way of its references, where they are streamed."""
 
 POLL = 0.05
 
@@ -90,7 +90,7 @@ class Sending:
                     self._client.say(stop=True)
 
     def _follow(self, cancelled: Cancelled) -> Iterator[State]:
-        """States of the program as it runs, each looked at, up to that of its end."""
+        """States of the program as it runs, each checked, up to that of its end."""
         total, clock = len(self._program.legs), self._patience.clock
         began, stood, over = clock(), None, None
         while True:

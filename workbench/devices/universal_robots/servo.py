@@ -10,7 +10,7 @@ reads that as q'' = gain (reference - q - lookahead q'): a joint lags by `lookah
 stream, as a user has measured (34 ms at 0.03 s and 1200: issue 86 of
 Universal_Robots_Client_Library).  To second order such an arm leaves the way by
 (lookahead^2 - 2 / gain) q'' / 2, next to nothing at 0.03 s and 2000, which the maker's own driver
-takes, and degrees at twice or three times that lag.  So each leg is streamed so slowly that the arm
+takes; degrees at twice or three times that lag.  So each leg is streamed so slowly that the arm
 stays within `CLOSE` of the proven curve by this reading.  It is no word of the maker: the link
 compares the joints that are reported with the curve all the time.
 """
@@ -36,7 +36,7 @@ SETTLED = 8
 """[lookaheads] So long the last reference is repeated: the arm stands before a gripper moves."""
 
 CLOSE = np.deg2rad(0.1)
-"""[rad] A joint that follows may be so far from the way of its references."""
+"""[rad] A joint that follows may be this far from the way of its references."""
 
 SLOWER = 0.9
 """What a leg's pace is multiplied by until the arm follows so closely."""

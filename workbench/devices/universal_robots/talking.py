@@ -84,7 +84,7 @@ class Client:
         """The next line; None when none came within so long.
 
         Raises:
-            LinkError: it has ended, or tells of a problem.
+            LinkError: it has ended, or reports a problem.
         """
         while b"\n" not in self._heard:
             if not select.select([self._out], [], [], seconds)[0]:

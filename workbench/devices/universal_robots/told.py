@@ -1,4 +1,4 @@
-"""What the client tells of the controller, looked at before anything is done with it."""
+"""What the client reports of the controller, checked before anything is done with it."""
 
 import math
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ class States:
         self._at = -math.inf
 
     def taken(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> State | None:
-        """A state that is news; None where this is none: the client tells the last one again.
+        """A state that is news; None where this is none: the client reports the last one again.
 
         Args:
             message: from the client.

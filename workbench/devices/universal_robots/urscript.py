@@ -101,7 +101,7 @@ def _line(number: int, text: str, is_inside: bool) -> Line:
 
 
 def _payload(name: str, words: str) -> Line | None:
-    """A call that tells the load, its numbers in `words`; None where no load is that."""
+    """A call that sends the load, its numbers in `words`; None where no load is that."""
     said = PAYLOAD.fullmatch(words)
     if said is None or (name == "set_payload") != (said[3] is None):
         return None

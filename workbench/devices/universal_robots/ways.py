@@ -24,7 +24,7 @@ SAMPLES = 200
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A part of a motion: so many seconds, and the axes (6,) [rad] at each of them."""
+    """A part of a motion: this many seconds, and the axes (6,) [rad] at each of them."""
 
     seconds: float
     at: Callable[[float], Floats]
@@ -140,7 +140,7 @@ def shares_within(
 def _pieces(segments: Sequence[Segment]) -> list[Piece]:
     """Straight ones and blends.
 
-    Where a blend begins and ends both moves have the same share of their speed, the largest with
+    Where a blend begins and ends both moves have the same share of their speed: the largest with
     which all that comes after, and came before, can be done.
     """
     count = len(segments)

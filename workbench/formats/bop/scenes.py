@@ -25,7 +25,7 @@ KINDS = (".png", ".tif")
 MOST_PIXELS = 50_000_000
 
 OTHER_UNIT = 4.0
-"""A depth image whose median is so many times as far as the true poses is in another unit."""
+"""A depth image whose median is this many times as far as the true poses is in another unit."""
 
 FARTHEST = 20.0
 """[m] A part further away than this was given in other units."""

@@ -1,4 +1,4 @@
-"""Folders of cells: read, changed in place, written anew; calibrations and predictions beside them.
+"""Cell folders: read, edited, written; calibrations.
 
 Imports `files`, `meshes`, `robots` and `parts`.
 """

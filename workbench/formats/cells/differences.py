@@ -1,4 +1,4 @@
-"""How two cells differ, in words and by how much: it tells people why a plan is stale."""
+"""How two cells differ, in words and by how much: for people, why a plan is stale."""
 
 from collections.abc import Iterator
 from dataclasses import fields

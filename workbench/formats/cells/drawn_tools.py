@@ -35,7 +35,7 @@ CLOSE_ENOUGH = 0.002
 """[m] A hull that is no more than this too large is taken as it is."""
 
 MOST_PIECES = 8
-"""Of a body that is none: every one is looked at whenever the arm moves."""
+"""Of a body that is none: every one is checked whenever the arm moves."""
 
 LARGEST_TOOL = 1.0
 """[m] Farthest from the flange that a tool gets."""

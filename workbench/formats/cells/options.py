@@ -20,7 +20,7 @@ def read_options(table: Table, kind: type) -> Options:
 
 @contextmanager
 def refused_at(table: Table, key: str) -> Generator[None]:
-    """What a plug-in refuses is told with the place in the file."""
+    """What a plug-in refuses is reported with the place in the file."""
     try:
         yield
     except FileError:

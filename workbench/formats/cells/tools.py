@@ -23,7 +23,7 @@ LOAD_KEYS = ("mass_g", "centre_of_gravity_mm", "inertia_kgm2")
 """Keys of every tool, of a kind or not."""
 
 AROUND = 0.1
-"""[m] So far beside its solids a tool may have parts that nobody has modelled."""
+"""[m] This far beside its solids a tool may have parts that nobody has modelled."""
 
 TENSOR = ((0, 3, 4), (3, 1, 5), (4, 5, 2))
 """Where xx, yy, zz, xy, xz and yz stand in a matrix of inertia."""

@@ -27,7 +27,7 @@ PutMesh = Callable[[str, bytes], str]
 
 
 def write_cell(folder: Path, cell: Cell, unchecked: Mapping[tuple[str, str], str]) -> Path:
-    """Write a cell that `read_cell` gives back, but for its parts, which are named only.
+    """Write a cell that `read_cell` gives back, except for its parts, which are named only.
 
     Args:
         folder: made when missing; files in it are replaced.

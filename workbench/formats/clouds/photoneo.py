@@ -1,8 +1,8 @@
 """What Photoneo's scanners say in PLY files after the points: size of the image, and the camera.
 
 They write elements `camera` (where the camera is in the frame of the points, and its axes) and
-`phoxi_frame_params` (columns and rows), one row each, and more, such as the camera's matrix, which
-points in space have no need of.  Source: files that PhoXi Control wrote, in public data sets.
+`phoxi_frame_params` (columns and rows), one row each.  There is more, such as the camera's matrix,
+which points in space have no need of.  Source: files that PhoXi Control wrote, in public data sets.
 """
 
 from dataclasses import dataclass

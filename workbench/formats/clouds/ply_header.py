@@ -44,7 +44,7 @@ _COUNT = re.compile(r"[0-9]{1,18}")
 
 @dataclass(slots=True)
 class Element:
-    """So many rows with properties (name, NumPy kind without byte order, or `LIST`)."""
+    """This many rows with properties (name, NumPy kind without byte order, or `LIST`)."""
 
     name: str
     count: int

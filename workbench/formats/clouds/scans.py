@@ -172,7 +172,7 @@ def points_of(path: Path, content: bytes) -> Floats:
     """The points (n, 3) of a PLY or PCD file, whatever their unit and axes.
 
     Raises:
-        FileError: as `parse_cloud` has it, but for the unit.
+        FileError: as `parse_cloud` has it, except for the unit.
     """
     points = _rows(path, content).points
     return np.array(points[_select_measured(path, points)], dtype=np.float64)
@@ -189,7 +189,7 @@ def _select_measured(path: Path, points: Floats) -> Bools:
 class Rows(NamedTuple):
     """What a file says of its points.
 
-    `points` (n, 3) in its unit, `pixels` (n,) where it tells them, the image's size where pixels
+    `points` (n, 3) in its unit, `pixels` (n,) where it reports them, the image's size where pixels
     are known, and `colours` (n, 3), 0..255, where it has them.
     """
 

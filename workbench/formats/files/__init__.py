@@ -1,4 +1,4 @@
-"""What every reader and writer stands on: whole files, strict keys, archives, units.
+"""Base of all readers: whole files, strict keys, archives, units.
 
 Imports nothing of the other formats.
 """

@@ -41,7 +41,7 @@ MOST_MEMORY = 6 * 1024 * MB
 """[bytes] Of addresses; what is really used is a fraction of it."""
 
 AT_ONCE = 2
-"""So many such processes of one process run at a time, whoever asks for them."""
+"""This many such processes of one process run at a time, whoever asks for them."""
 
 POLL = 0.05
 """[s] Between two looks whether nobody wants it any more."""

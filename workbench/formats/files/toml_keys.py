@@ -137,7 +137,7 @@ class Table:
     ) -> Floats:
         """A list of finite numbers (count,) in the key's unit.
 
-        Two counts: so many or so many; None: any number of them.
+        Two counts: this many or this many; None: any number of them.
         """
         items = {"type": "array", "items": _number_form(low, high)}
         self._note(key, default, items | _count_schema(count))
@@ -157,7 +157,7 @@ class Table:
         low: float = -math.inf,
         high: float = math.inf,
     ) -> list[int]:
-        """A list of so many whole numbers, or of one of two counts, low <= value <= high."""
+        """A list of this many whole numbers, or of one of two counts, low <= value <= high."""
         items = _number_form(low, high) | {"type": "integer"}
         self._note(key, default, {"type": "array", "items": items} | _count_schema(count))
         values = self.numbers(key, count, default, low=low, high=high)

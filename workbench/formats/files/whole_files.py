@@ -231,7 +231,7 @@ def sent_name(name: str) -> str:
 def uploaded(name: str, content: bytes | memoryview) -> Generator[Path]:
     """A file that somebody has sent, as one in a folder of its own until the block ends.
 
-    What is wrong with the file is told without that folder.
+    What is wrong with the file is reported without that folder.
 
     Raises:
         InputError: the name is not that of a file (`sent_name`).

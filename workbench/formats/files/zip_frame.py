@@ -29,7 +29,7 @@ LARGEST_FILE = LARGE * 20 // 21
 
 MOST_FILES = 100_000
 MOST_GROWTH = 300
-"""So many times as large as the zip file may its content be; scans come to about 3."""
+"""This many times as large as the zip file may its content be; scans come to about 3."""
 
 LONGEST_NAME = 500
 NAME = re.compile(r"(?! )[\w.+ -]{0,119}[\w+-]", re.ASCII)

@@ -1,4 +1,4 @@
-"""Robots and worlds of Klamp't, read and written.
+"""Robots and worlds of Klamp't.
 
 Imports `files`, `meshes` and `robots`.
 """

@@ -79,7 +79,7 @@ def box_around(thing: Fixture) -> Bin:
 
 
 def in_pieces(thing: Fixture, *, tolerance: float, most: int) -> Fixture:
-    """A thing with convex pieces in place of its meshes; see `convex_pieces.pieces_of`."""
+    """A thing with convex pieces instead of its meshes; see `convex_pieces.pieces_of`."""
     solids: list[Solid] = []
     for solid in thing.solids:
         found = None

@@ -1,4 +1,4 @@
-"""Sessions as MCAP files, for Foxglove and tools of ROS: schemas, messages, the file.
+"""Sessions as MCAP files, for Foxglove and ROS.
 
 `mcap` is needed, an extra: `pip install workbench[mcap]`.
 """

@@ -14,7 +14,7 @@ from workbench.model.errors import FileError
 
 
 class McapFile:
-    """Messages by topic; channels and schemas are told of once, before their first message."""
+    """Messages by topic; channels and schemas are reported once, before their first message."""
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer

@@ -1,4 +1,4 @@
-"""Triangle meshes: read, mended, cut into convex pieces; and solids as files describe them.
+"""Meshes: read, repaired, cut into convex pieces; solids.
 
 Imports `files`, and of `clouds` what PCD files hold.
 """

@@ -148,7 +148,7 @@ def read_bodies(path: Path) -> CadBodies:
 
 
 def _in_unit(body: Body, unit: float) -> Body:
-    """A body in metres in a unit of so many metres."""
+    """A body in metres in a unit of this many metres."""
     T = body.T.copy()
     T[:3, 3] /= unit
     return Body(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)

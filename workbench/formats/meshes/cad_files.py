@@ -1,6 +1,6 @@
 """Meshes from CAD files that somebody else made, read in a process of its own.
 
-The readers behind it are large, some of them C++, and a broken or hostile file may make them crash,
+The readers behind it are large, some of them C++; a broken or hostile file may make them crash,
 hang, or take all the memory: then that process ends, and nothing else.
 """
 

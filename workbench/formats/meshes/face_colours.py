@@ -17,7 +17,7 @@ KINDS = (".ply", ".obj", ".off", ".glb")
 """Of mesh files that may have colours; those of STL are no standard."""
 
 FINENESS = 4
-"""A triangle with a texture is looked at in the squared number of places."""
+"""A triangle with a texture is checked in the squared number of places."""
 
 
 def read_face_colours(path: Path, count: int) -> np.ndarray:

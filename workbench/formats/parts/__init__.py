@@ -1,4 +1,4 @@
-"""Folders of parts: the mesh, what people say of it, and its grasps with every version of them.
+"""Part folders: mesh, statements, versions of grasps.
 
 Imports `files` and `meshes`.
 """

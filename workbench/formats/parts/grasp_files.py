@@ -88,7 +88,7 @@ def _make_unused(name: str, taken: set[str]) -> str:
 
 
 def are_written_alike(library: GraspLibrary, other: GraspLibrary) -> bool:
-    """Whether two libraries make the same file, but for its comments."""
+    """Whether two libraries make the same file, except for its comments."""
 
     def keys(grasp_library: GraspLibrary) -> list[dict[str, Any]]:
         return [keys_of(entry) for entry in grasp_library.entries] + [

@@ -21,7 +21,7 @@ MOST_PIECES = 128
 """That a mesh is divided into."""
 
 MOST_GROUPS, GROUPED = 16, 10
-"""More pieces than these are put into groups, which may be so many times as much too large."""
+"""More pieces than these are put into groups, which may be this many times as much too large."""
 
 TOLERANCE, TOLERANCE_SHARE = 0.0005, 0.005
 """[m] By which they may be larger than the mesh; the share is that of its longest side."""

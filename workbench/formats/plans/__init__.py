@@ -1,4 +1,4 @@
-"""Plans and poses of parts in files, for other programs.
+"""Plans and part poses as files.
 
 Imports `files`.
 """

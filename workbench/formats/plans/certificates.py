@@ -1,6 +1,6 @@
 """Certificates: a proof as a file that another machine checks without searching for anything.
 
-A certificate holds the plan, what was known to be in the bin, what the proof said of every leg, and
+A certificate holds the plan, what was known to be in the bin, what the proof said of every leg; and
 for which cell, software and libraries it was made.  Checking it asks whether all of that is so,
 which takes less time than finding it; nothing in it is believed.
 
@@ -115,7 +115,7 @@ def read_certificate(path: str | Path) -> Certificate:
 
 
 def _content(plan: Plan, scene: Scene, proof: Proof, made_with: dict[str, str]) -> dict[str, Any]:
-    """What a certificate holds, but for its digest."""
+    """What a certificate holds, except for its digest."""
     return {
         "format": CERTIFICATE_FORMAT,
         "made_with": made_with,

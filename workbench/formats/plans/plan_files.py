@@ -61,7 +61,7 @@ def write_plan(path: str | Path, plan: Plan, proof: Proof | None = None) -> None
     """Write a plan, with a summary of its proof when there is one.
 
     Raises:
-        FileError: the file cannot be written, a number is not finite, or a leg has more than
+        FileError: the file cannot be written, a number is not finite; or a leg has more than
             `model.digest.LARGE` numbers (it would enter the digest by its bytes, which JSON
             does not hold).
     """

@@ -48,7 +48,7 @@ def read_poses(path: str | Path, part: str) -> tuple[Detection, ...]:
 
 
 def parse_poses(path: Path, content: bytes, part: str) -> tuple[Detection, ...]:
-    """Detections from a file of either kind, told apart by content.
+    """Detections from a file of either kind, distinguished by content.
 
     Args:
         path: of the file, for messages.

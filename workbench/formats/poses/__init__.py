@@ -1,4 +1,4 @@
-"""Poses as other programs have them: on pendants, and in files of hand-eye calibrations.
+"""Poses on pendants, and in files of hand-eye calibrations.
 
 Imports `files`.
 """

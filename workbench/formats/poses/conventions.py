@@ -15,7 +15,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 
 SAME = 1e-9
-"""[rad] Two turns about one axis nearer than this to a pole are told as one."""
+"""[rad] Two turns about one axis nearer than this to a pole are reported as one."""
 
 UNIT = 0.01
 """By how much the length of a typed quaternion may differ from 1: pendants show few digits."""
@@ -71,7 +71,7 @@ def _zyx_matrix(degrees: Floats) -> Floats:
 
 
 def _zyx_degrees(R: Floats) -> Floats:
-    """Where y is 90 degrees, x and z are one turn: all of it is told as z."""
+    """Where y is 90 degrees, x and z are one turn: all of it is reported as z."""
     y = np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0]))
     if np.hypot(R[0, 0], R[1, 0]) < SAME:
         return np.rad2deg([0.0, y, np.arctan2(-R[0, 1], R[1, 1])])
@@ -96,7 +96,7 @@ def _zyz_matrix(degrees: Floats) -> Floats:
 
 
 def _zyz_degrees(R: Floats) -> Floats:
-    """Where y is 0 or 180 degrees both other turns are one: all of it is told as the first."""
+    """Where y is 0 or 180 degrees both other turns are one: all of it is reported as the first."""
     across = np.hypot(R[0, 2], R[1, 2])
     y = np.arctan2(across, R[2, 2])
     if across < SAME:

@@ -1,4 +1,4 @@
-"""RAPID, the language of ABB's controllers: modules read, checked and made callables.
+"""RAPID modules: parsed, checked, made callable.
 
 `syntax/` reads text, `robotware/` knows what every controller has, `backups/` finds out which files
 belong together.

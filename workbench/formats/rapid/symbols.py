@@ -121,7 +121,7 @@ class Routine:
         return frame.result
 
     def recover(self, frame: Frame, error: RapidError) -> Any:
-        """What the ERROR handler makes of an error: a word that tells how to go on.
+        """What the ERROR handler makes of an error: a word that states how to go on.
 
         Raises:
             RapidError: there is no handler, or it raises.

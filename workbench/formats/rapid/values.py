@@ -3,7 +3,7 @@
 A `num` is a float of single precision, as in the controller, a `dnum` one of double precision, a
 string and a bool are Python's;
 records and arrays are lists of what they consist of.  A place that can be written is a pair of a
-list and an index in it, whether it belongs to a variable, an array or a record.
+list and an index in it; whether it belongs to a variable, an array or a record.
 """
 
 import math

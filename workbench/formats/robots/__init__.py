@@ -1,4 +1,4 @@
-"""Robots from URDF, xacro and Denavit-Hartenberg tables, and robots written.
+"""Robots from URDF, xacro and Denavit-Hartenberg tables.
 
 Imports `files` and `meshes`.
 """

@@ -46,9 +46,9 @@ def read_description(
     """A robot from the URDF or xacro file of somebody else.
 
     Args:
-        path: of the file; packages that it names are looked for around it (`Packages`).
+        path: of the file; packages that it names are searched for around it (`Packages`).
         arguments: for a xacro file.
-        package_paths: folders where packages are looked for first.
+        package_paths: folders where packages are searched for first.
         mesh_unit: of meshes of which neither the URDF nor their own file says it; None: metres,
             or millimetres where metres would make a mesh larger than a robot.
 

@@ -1,4 +1,4 @@
-"""An arm by its Denavit-Hartenberg table: joints, and capsules in place of what it looks like.
+"""An arm by its Denavit-Hartenberg table: joints, and capsules instead of what it looks like.
 
 Standard: row k is the way from frame k-1 to frame k, turn theta about z, shift d along z, shift a
 along x, turn alpha about x.  Modified: alpha and a come first, about and along the x before.

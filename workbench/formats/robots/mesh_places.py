@@ -12,7 +12,7 @@ from workbench.model.errors import FileError
 
 OF_PACKAGES = ("package://", "model://")
 LEVELS = 3
-"""Folders above a file in which a name without a package is looked for, too."""
+"""Folders above a file in which a name without a package is searched for, too."""
 
 
 class MissingMesh(FileError):
@@ -25,7 +25,7 @@ def mesh_file(element: Element, name: str, packages: Packages) -> Path:
     A name whose letters are large where the file's are small, or the other way, is found as well.
 
     Raises:
-        MissingMesh: there is none; it says where it was looked for.
+        MissingMesh: there is none; it says where it was searched for.
     """
     plain = name.replace("\\", "/").strip()
     scheme = next(

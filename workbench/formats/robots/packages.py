@@ -1,4 +1,4 @@
-"""Where the packages of ROS lie that robot files name: looked for beside the files, without ROS.
+"""Where the packages of ROS lie that robot files name: searched for beside the files, without ROS.
 
 Source: https://ros.org/reps/rep-0127.html (`package.xml`)
 """
@@ -29,9 +29,9 @@ VARIABLES = ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
 class Packages:
     """The packages around one file.
 
-    A package is a folder of that name, or one whose `package.xml` says it.  It is looked for in the
-    folders that a person names, among the folders above the file, beside and below these, and where
-    the variables of ROS say.
+    A package is a folder of that name, or one whose `package.xml` says it.  It is searched for in
+    the folders that a person names; then among the folders above the file, beside and below these,
+    and where the variables of ROS say.
     """
 
     def __init__(self, file: Path, more: Sequence[Path] = ()):
@@ -72,7 +72,7 @@ class Packages:
         )
 
     def missing(self, name: str) -> str:
-        """The sentence that says where a package was looked for."""
+        """The sentence that says where a package was searched for."""
         places = [*self._more, *self._above[:-2]][:4]
         listed = ", ".join(str(place) for place in places) or "no folder"
         return (

@@ -37,12 +37,12 @@ class Remarks:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """One for each kind of fault; of several alike the first is told, and how many more."""
+        """One for each kind of fault; of several alike the first is reported, and how many more."""
         return tuple(_sentence(instead, what) for instead, what in self._faults.items())
 
 
 def _problem(error: FileError) -> str:
-    """What is wrong; a mesh's own fault is told with the name of its file."""
+    """What is wrong; a mesh's own fault is reported with the name of its file."""
     file = Path(error.path)
     return f"{file.name} {error.problem}" if file.suffix.lower() in KINDS else error.problem
 

@@ -22,13 +22,13 @@ def simplified(
     most: int,
     report: Report = silent,
 ) -> tuple[Robot, dict[str, float]]:
-    """The robot with convex pieces in place of the meshes that are checked.
+    """The robot with convex pieces instead of the meshes that are checked.
 
     Args:
         robot: as it was read.
         tolerance: [m] by which a piece may be too large before it is divided.
         most: pieces for one mesh.
-        report: told the share done, and which link is next.
+        report: called with the share done, and which link is next.
 
     Returns:
         The robot, and for each link that had a mesh by how much its pieces are too large [m].

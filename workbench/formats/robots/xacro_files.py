@@ -135,7 +135,7 @@ class _Arguments(dict[str, str]):
 
 
 class _Finder:
-    """Finds packages for xacro; in place of a missing one it names an empty folder."""
+    """Finds packages for xacro; instead of a missing one it names an empty folder."""
 
     def __init__(self, packages: Packages, nowhere: Path):
         self._packages = packages

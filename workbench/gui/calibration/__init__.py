@@ -1,1 +1,1 @@
-"""The tab that finds out where the scanner hangs."""
+"""Tab Calibration."""

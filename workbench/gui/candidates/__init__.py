@@ -1,1 +1,1 @@
-"""The tab that shows every grasp that was judged."""
+"""Tab Candidates."""

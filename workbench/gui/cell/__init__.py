@@ -1,1 +1,1 @@
-"""The tab that shows what the cell is made of: to move things and jog the robot."""
+"""Tab Cell: moving things, jogging the robot."""

@@ -19,7 +19,7 @@ AROUND = 0.3
 """[rad] How far they lie from it at most."""
 
 SHOWN = 0.1
-"""[m] Pairs further apart than this need not be told."""
+"""[m] Pairs further apart than this need not be reported."""
 
 
 class JogFinder:

@@ -1,1 +1,1 @@
-"""The tab that runs a cycle: scan, find, plan, approve, send."""
+"""Tab Cycle: scan, find, plan, approve, send."""

@@ -80,7 +80,7 @@ def facts_html(
         state: with the plan that would be sent, or the row that begins with it.
         joints: how the robot stands by its own report.
         at: seconds since the epoch.
-        made: HTML in place of values, by the names of lines (`PlanLinks.made`).
+        made: HTML instead of values, by the names of lines (`PlanLinks.made`).
         words: of who reads it.
     """
     cell, row = state.cell, state.whole_row
@@ -177,7 +177,7 @@ def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
 
 
 def _coverage_words(cell: Cell, plans: Sequence[Plan]) -> str:
-    """What the proofs have looked at, as somebody says it who sets up robots."""
+    """What the proofs have viewed, as somebody says it who sets up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]
     waypoints = sum(len(leg.q) for leg in legs)

@@ -15,7 +15,7 @@ class StepButton:
     """Says which step it lets run, and is pressed once for each; no key does what it does.
 
     Each step has a button of its own: a press that comes late, over a slow network or by somebody
-    who has not seen that it was done, is for a button whose step has run, and is refused.
+    who has not seen that it was done, is for a button whose step has run.  It is refused.
     """
 
     def __init__(self, visitor: Visitor, folder: viser.GuiFolderHandle):

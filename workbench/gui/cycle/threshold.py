@@ -31,7 +31,7 @@ class ThresholdInput:
 
         Args:
             visitor: whose browser.
-            strategy: tells the one that is chosen; the threshold counts for `auto`.
+            strategy: returns the one that is chosen; the threshold counts for `auto`.
         """
         self._visitor, self._strategy = visitor, strategy
         wanted = round(visitor.cell.policy.threshold * 1000)

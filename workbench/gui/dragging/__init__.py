@@ -1,4 +1,4 @@
-"""What a person drags with a gizmo: how far it is believed, and how candidates would be judged.
+"""Verdicts while a person drags a gizmo.
 
 Imports `shared` and `scene`.
 """

@@ -27,7 +27,7 @@ NOT_BELIEVED = (
     "Drag it again",
     "This browser drew too slowly and sent another place than the one seen; nothing was moved.",
 )
-"""What a person is told."""
+"""What a person is reported."""
 
 
 class GizmoDrag:
@@ -91,8 +91,8 @@ def follow(
     Args:
         gizmo: in the scene of one browser.
         visitor: whose browser.
-        stood: tells where the gizmo stood before the drag.
-        moved: told where the gizmo is now, and whether the person has let go of it.
+        stood: states where the gizmo stood before the drag.
+        moved: called with where the gizmo is now, and whether the person has let go of it.
         began: called when the person takes hold of it, before `moved`.
         put_back: called when a drag has ended that does not count.
     """

@@ -41,7 +41,7 @@ class PoseInputs:
             name: of the gizmo in the scene.
             size: of the gizmo [m].
             command: that a person gives who wants it elsewhere.
-            meant: told the pose that a person wants; whether it was carried out.
+            meant: called with the pose that a person wants; whether it was carried out.
             otherwise: what would be other with it at a pose, for verdicts while it is dragged
                 (`LiveVerdicts.ask`); None: no verdict would.
             carried: what is drawn elsewhere with it at a pose (`Carried`).
@@ -113,7 +113,7 @@ class PoseInputs:
             place(self._gizmo, T)
 
     def _tell_verdicts(self) -> None:
-        """What is told of the candidates; with a gizmo there is room for it before a drag."""
+        """The text about the candidates; with a gizmo there is room for it before a drag."""
         room = Room.NONE if self._gizmo is None else Room.EMPTY
         if self._gizmo is not None and self._visitor.bench.state.detections:
             room = Room.TOLD

@@ -1,4 +1,4 @@
-"""What is told of the candidates while something is dragged, as HTML."""
+"""The text about the candidates while something is dragged, as HTML."""
 
 import enum
 from collections import Counter

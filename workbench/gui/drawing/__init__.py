@@ -1,4 +1,4 @@
-"""Computations that run in parallel with drawing, and who has watched what.
+"""Background computations for drawing; watching of plans.
 
 Imports `shared`, `scene`, `cell` and `emptying`.
 """

@@ -1,4 +1,4 @@
-"""The parts of a film, in one browser alone, in place of what is really in the cell."""
+"""The parts of a film, in one browser alone, instead of what is really in the cell."""
 
 from dataclasses import replace
 from functools import partial
@@ -87,7 +87,7 @@ class FilmScene:
         self._meshes[part.number] = mesh
 
     def _tell(self, part: FilmPart, is_chosen: bool) -> None:
-        """Colour a part, and say why it stays where that is told."""
+        """Colour a part, and say why it stays where that is reported."""
         colour = left_colour(part.kind) if part.kind else part_colour(part.number)
         self._meshes[part.number].color = rgb_of(colour)
         label = f"{FILM}/part-{part.number + 1}/label"

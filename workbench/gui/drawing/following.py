@@ -1,4 +1,4 @@
-"""What is looked at belongs to a state: the moment of the plan, and parts of searches beside it."""
+"""What is viewed belongs to a state: the moment of the plan, and parts of searches beside it."""
 
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
@@ -19,8 +19,8 @@ def keep_up(
 
     Args:
         look: is changed where it does not belong to the state.
-        before: the state that was looked at before, None when there was none.
-        state: that is looked at from now on.
+        before: the state that was viewed before, None when there was none.
+        state: that is seen from now on.
         live: where the robot is reported to be.
         runs: the timeline of the state's plan, or of its row.
     """
@@ -65,7 +65,7 @@ def _end_comparing(look: SharedLook, before: State, state: State) -> None:
 
 
 def _is_other_scene(before: State, state: State) -> bool:
-    """Whether the time and the candidate that were looked at do not matter any more.
+    """Whether the time and the candidate that were viewed do not matter any more.
 
     In a recorded session one also goes back, to before the plan was sent.
     """

@@ -21,7 +21,7 @@ class OwnScene:
     """The see-through robot where this browser has moved it, what it meets, what was measured.
 
     In viser a node of one browser takes the place of the shared node of that name, in this browser
-    alone, and what hangs below it follows: so only poses of links are sent, no meshes, and what
+    alone; what hangs below it follows: so only poses of links are sent, no meshes, and what
     all see is back, as it is then, once they are removed.  The solid robot is the real one for all.
 
     Concurrency: the renderer's thread.

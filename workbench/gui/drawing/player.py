@@ -23,7 +23,7 @@ Row = tuple[Plan, ...]
 
 
 class Player:
-    """Moves the time on, and tells the bench when somebody has seen a row from start to end.
+    """Moves the time on, and informs the bench when somebody has seen a row from start to end.
 
     Concurrency: the renderer's thread.
     """

@@ -1,4 +1,4 @@
-"""The poses in which a candidate can be looked at: its way, or where it was refused."""
+"""The poses in which a candidate can be viewed: its way, or where it was refused."""
 
 import numpy as np
 

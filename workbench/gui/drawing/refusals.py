@@ -23,7 +23,7 @@ from workbench.planning.picking.put_down import ways_at_places
 from workbench.planning.picking.resolve import approach_phase, holding_phase
 
 MOST_GRIPS = 48
-"""So many ways in which a hand may hold a part are tried, to find the one of a verdict."""
+"""This many ways in which a hand may hold a part are tried, to find the one of a verdict."""
 
 Stands = tuple[pin.SE3, float, pin.SE3]
 """How a hand stands: its `T_world_tcp`, its opening [m], and `T_world_part` of its part."""

@@ -1,1 +1,1 @@
-"""The tab that empties piles in simulation, and shows how."""
+"""Tab Emptying."""

@@ -129,7 +129,7 @@ class FilmControls:
         self._visitor.own.show(lambda showing: replace(showing, chosen=number))
 
     def _film(self) -> Film | None:
-        """The film of the chosen pile; None where it cannot be shown, which is told then."""
+        """The film of the chosen pile; None where it cannot be shown, which is reported then."""
         bench = self._visitor.bench
         problem = self._problem(bench.state, bench.live)
         films = bench.live.films

@@ -84,7 +84,7 @@ class Projector:
 
 
 def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) -> FilmMoment:
-    """How everything is at the moment of a film that is looked at.
+    """How everything is at the moment of a film that is viewed.
 
     Args:
         cell: in which it was made.

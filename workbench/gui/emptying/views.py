@@ -148,7 +148,7 @@ def piles_html(
         piles: all of them.
         shown: their indices, as they are sorted.
         order: how, for the arrow in the heading.
-        chosen: index of the one that is looked at.
+        chosen: index of the one that is viewed.
         headings: ids of unseen buttons, by column.
         rows: ids of unseen buttons, by place.
     """
@@ -191,7 +191,7 @@ def left_html(
 
     Args:
         pile: whose.
-        chosen: number of the part that is looked at, from 0 on.
+        chosen: number of the part that is viewed, from 0 on.
         rows: ids of unseen buttons, by place.
         words: of who reads it.
     """

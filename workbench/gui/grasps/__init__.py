@@ -1,1 +1,1 @@
-"""The tab in which grasps are put on the part."""
+"""Tab Grasps."""

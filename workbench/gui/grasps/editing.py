@@ -108,7 +108,7 @@ class Editing:
         return free_name(names_in(self.part.library.entries), name)
 
     def put(self, was: Entry, now: Entry, says: str) -> bool:
-        """Put an entry in place of one as this browser has seen it; whether that was done.
+        """Put an entry instead of one as this browser has seen it; whether that was done.
 
         When somebody else was quicker the wish is kept as `lost`.
         """
@@ -161,7 +161,7 @@ class Editing:
         return True
 
     def remove(self, entry: Entry, now: Sequence[Entry], says: str) -> bool:
-        """Put none or several entries in place of one."""
+        """Put none or several entries instead of one."""
         names = [known_entry.name for known_entry in self.part.library.entries]
         place = names.index(entry.name) if entry.name in names else 0
         if not self._ask(EditPart(self.part.name, (entry,), tuple(now), says=says)):
@@ -171,7 +171,7 @@ class Editing:
         return True
 
     def take_library(self, entries: Sequence[Entry], pairs: Sequence[GraspPair], says: str) -> bool:
-        """Put another library in place of the one there is."""
+        """Put another library instead of the one there is."""
         was = self.part.library.entries
         return self._ask(
             EditPart(self.part.name, was, tuple(entries), pairs=tuple(pairs), says=says)

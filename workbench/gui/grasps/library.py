@@ -174,7 +174,7 @@ class LibraryControls:
             self._taken_over(lambda: draft_of(folder), says)
 
     def _taken_over(self, read: Callable[[], GraspLibrary | None], says: str) -> None:
-        """Put the library that is read from a file, if it is there, in place of the one now."""
+        """Put the library that is read from a file, if it is there, instead of the one now."""
         try:
             library = read()
         except InputError as error:

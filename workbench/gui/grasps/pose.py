@@ -52,7 +52,7 @@ class GraspPose:
     """
 
     def __init__(self, visitor: Visitor, editing: Editing, moving: Callable[[pin.SE3], None]):
-        """Add the controls; `moving` is told where the hand is while it is dragged."""
+        """Add the controls; `moving` is called with where the hand is while it is dragged."""
         self._visitor, self._editing, self._moving = visitor, editing, moving
         self._verdicts = LiveVerdicts(visitor, EditPart)
         self._seen: Entry | None = None

@@ -21,13 +21,13 @@ from workbench.planning.collision.legs import grips
 from workbench.words.words import IN_ENGLISH, Words
 
 NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
-"""[rad, m] What is told of a turn and of a shift would be 0."""
+"""[rad, m] Turns and shifts below this are shown as 0."""
 
 
 def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
     """The grips that planning tries for an entry, each as a grasp with the hand there.
 
-    They are those of a pattern, what the part's symmetry makes of each, and what each leaves free
+    They are those of a pattern, what the part's symmetry makes of each; and what each leaves free
     in the steps in which it is tried; named as in the table of candidates.
     """
     names = {grasp.name for grasp in grasps_of(entry)}
@@ -126,7 +126,7 @@ class CopySteps:
         visitor.on_key("C", "Next copy of the grasp", lambda: is_alone() and self._go(1))
 
     def show(self, state: State, part: Part, entry: Entry | None) -> Grasp | None:
-        """The chosen grasp is `entry` now; the copy that is looked at, None: the grasp itself."""
+        """The chosen grasp is `entry` now; the copy that is viewed, None: the grasp itself."""
         tool = self._editing.tool
         of = digest_of((part.digest, tool.name, "" if entry is None else entry.name))
         if of != self._of:

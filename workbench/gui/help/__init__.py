@@ -1,4 +1,4 @@
-"""What the groups of controls are for, in three sentences each, with a way into the manual.
+"""Help texts of the groups, with links to the manual.
 
 Imports nothing of the page.
 """

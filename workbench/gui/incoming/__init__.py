@@ -1,4 +1,4 @@
-"""What browsers send, checked against what their page offers them.
+"""Browser messages, checked against the offered controls.
 
 May import model; nothing else of gui.
 """

@@ -3,7 +3,7 @@
 viser 1.1.1 takes any value for a widget, of any type, also while the widget is disabled or hidden:
 what a browser draws is no bar to who writes messages himself.  Here each message is compared with
 what the page of that browser offers at this moment.  What is refused is one line in the log, and
-the browser is told the value that is true.
+the browser gets the value that is true.
 """
 
 # pyright: reportPrivateUsage=false
@@ -48,7 +48,7 @@ PICTURE = base64.b64decode(
     "////////////////////////////////wAALCAABAAEBAREA/8QAFAABAAAAAAAAAAAAAAAAAAAAA//EABQQAQAA"
     "AAAAAAAAAAAAAAAAAAD/2gAIAQEAAD8AN//Z"
 )
-"""A JPEG of one pixel: what viser reads in place of a picture that a browser sends."""
+"""A JPEG of one pixel: what viser reads instead of a picture that a browser sends."""
 
 
 class Gate:
@@ -64,7 +64,7 @@ class Gate:
 
         Args:
             server: viser's.
-            name_of: tells who sits at a browser, by its number.
+            name_of: returns who sits at a browser, by its number.
         """
         self._server = server
         self._name_of = name_of
@@ -194,7 +194,7 @@ class Gate:
 
 
 def _picture(payload: bytes) -> bytes:
-    """What viser unpacks in place of a picture that a browser sends.
+    """What viser unpacks instead of a picture that a browser sends.
 
     Nobody looks at it, and a few bytes may stand for a picture of gigabytes.
     """

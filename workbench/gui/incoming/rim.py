@@ -19,7 +19,7 @@ class Rim(ThreadPoolExecutor):
     """
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Call in a thread; an error is told in the browser that the first argument names."""
+        """Call in a thread; an error is reported in the browser that the first argument names."""
 
         def call() -> Any:
             try:

@@ -1,4 +1,4 @@
-"""The page as a whole: its server, the thread that draws, header and tabs.
+"""Page server, renderer thread, header and tabs.
 
 Imports all of gui.
 """

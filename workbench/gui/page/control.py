@@ -24,7 +24,7 @@ STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 
 class ControlStrip:
     """One line and the buttons that mean something now; unseen where nobody needs control.
 
-    Who is in control is told of each request, and answers it by Hand over or Keep.
+    Whoever is in control sees each request, and answers it by Hand over or Keep.
 
     Concurrency: clicks give commands; the renderer's thread draws.
     """

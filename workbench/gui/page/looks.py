@@ -52,7 +52,7 @@ def camera_of(name: str, state: State, look: Look, thing: str = "") -> Camera:
         name: one of `KEYS`.
         state: what there is.
         look: its candidate is selected, if it has one.
-        thing: the thing of the cell that is selected in place of it; empty: none.
+        thing: the thing of the cell that is selected instead of it; empty: none.
 
     Raises:
         InputError: nothing is there to look at.

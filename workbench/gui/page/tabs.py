@@ -62,7 +62,7 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
 
 
 class _Broken:
-    """In place of a tab that could not be made: what is the matter."""
+    """Instead of a tab that could not be made: what is the matter."""
 
     def __init__(self, visitor: Visitor, problem: str):
         visitor.gui.add_markdown(f"**This tab does not work.** {problem}")

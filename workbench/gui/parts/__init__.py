@@ -1,1 +1,1 @@
-"""The tab with the parts found."""
+"""Tab Parts."""

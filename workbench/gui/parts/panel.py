@@ -39,7 +39,7 @@ Made = Callable[[str, bytes, Cancelled], Command]
 """Makes a command of a file's name and content."""
 
 SLOW = 1.0
-"""[s] After which somebody who waits for a file is told that it is being read."""
+"""[s] After which somebody who waits for a file is informed that it is being read."""
 
 GIZMO = 0.09
 """[m] Size of the gizmo that corrects a part."""

@@ -1,1 +1,1 @@
-"""The tab that plays a plan."""
+"""Tab Plan."""

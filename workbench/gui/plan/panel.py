@@ -17,7 +17,7 @@ from workbench.gui.shared.viser_server import element_id
 from workbench.gui.shared.visitor import Visitor
 
 TO_START, END_PREVIEW = "To the start", "End preview"
-"""What the button says: after a cycle the robot is not at the plan's start to be looked at."""
+"""What the button says: after a cycle the robot is not at the plan's start to be viewed."""
 
 STEP = 0.01
 """[s] Of the slider."""

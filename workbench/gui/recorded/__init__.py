@@ -1,1 +1,1 @@
-"""The tab of a recorded session."""
+"""Tab of a recorded session."""

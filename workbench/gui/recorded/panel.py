@@ -1,4 +1,4 @@
-"""The tab of a recorded session: what happened, and which moment of it is looked at."""
+"""The tab of a recorded session: what happened, and which moment of it is viewed."""
 
 import viser
 

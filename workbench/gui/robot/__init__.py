@@ -1,1 +1,1 @@
-"""The tab that shows the robot link."""
+"""Tab Robot."""

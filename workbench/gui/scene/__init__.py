@@ -1,4 +1,4 @@
-"""What is drawn: the picture that all share, and what one browser sees over it.
+"""The shared scene, and each browser's additions.
 
 Imports `shared`.
 """

@@ -41,7 +41,7 @@ def strokes_of(ends: Floats, approaches: Floats, colours: Ints) -> tuple[Floats,
 class DrawnCandidates:
     """All candidates as strokes along their approach, in the colour of their verdict.
 
-    The chosen one shows its tool, or the whole arm in the pose that is looked at, with the
+    The chosen one shows its tool, or the whole arm in the pose that is viewed, with the
     verdict beside it; what comes too close to each other there is red.
 
     Concurrency: one thread.

@@ -24,7 +24,7 @@ STAGE_SIZE = 100.0
 """[m] Around where a part stands alone there is nothing else."""
 
 BESIDE = 0.02
-"""[m] The words stand so far beside the bin and what is dragged."""
+"""[m] The words stand this far beside the bin and what is dragged."""
 
 
 class DrawnVerdicts:
@@ -153,7 +153,7 @@ def kinds_in(glance: Glance) -> list[Reason]:
 
 
 def live_words(glance: Glance) -> str:
-    """How many would work, and how far that was looked at, in one sentence."""
+    """How many would work, and how far that was viewed, in one sentence."""
     count, whole = int(glance.working.sum()), len(glance.reasons)
     return f"while you drag: {count} of {whole} work, as far as hand, reach and place say"
 

@@ -15,7 +15,7 @@ from workbench.model.scan import RejectedHypothesis
 def add_lines(
     scene: viser.SceneApi, name: str, lines: Floats, colour: Colour | np.ndarray, wide: float
 ) -> None:
-    """Lines (n, 2, 3) [m], so many pixels wide from near and far; one colour, or (n, 2, 3)."""
+    """Lines (n, 2, 3) [m], this many pixels wide from near and far; one colour, or (n, 2, 3)."""
     scene.add_line_segments(
         name, lines.astype(np.float32), colour, thickness=wide, thickness_units="screen"
     )

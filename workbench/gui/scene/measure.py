@@ -15,7 +15,7 @@ NEAR_RAY = 0.003
 """[m] A scanned point this close to the ray was meant."""
 
 HEIGHTS = np.deg2rad([25.0, 45.0, 10.0, 65.0])
-"""[rad] Above the horizon, from where a place is looked at, the best first."""
+"""[rad] Above the horizon, from where a place is viewed, the best first."""
 
 
 def met(
@@ -56,7 +56,7 @@ def clear_way(
     Args:
         target: the point (3,) [m], world frame.
         line: (3,) along what is to be seen from its side.
-        far: how far off it is looked at from [m].
+        far: how far off it is seen from [m].
         cell: what stands there.
         q: arm -> configuration (n,) [rad]; arms not named stand at home.
     """

@@ -11,7 +11,7 @@ from workbench.gui.shared.solids import Colour, with_hard_edges
 from workbench.model.geometry import Shape
 
 GROWN = 0.0015
-"""[m] What is marked stands out so far beyond what it marks."""
+"""[m] What is marked stands out this far beyond what it marks."""
 
 
 def draw_meets(

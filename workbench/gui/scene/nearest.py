@@ -24,7 +24,7 @@ from workbench.proof.spot import Spot
 from workbench.proof.stages import NEAR_MARGIN_LEGS
 
 NEAR_BY = 0.45
-"""[m] From so far off two bodies are looked at."""
+"""[m] From this far off two bodies are viewed."""
 
 TOUCH = 0.0001
 """[m] Bodies that are nearer than this touch, for people."""
@@ -132,7 +132,7 @@ class PlanLinks:
         Args:
             visitor: whose page it is.
             before: called as the place is asked for.
-            plans: so many at most.
+            plans: this many at most.
         """
         self._visitor = visitor
         self._before = before

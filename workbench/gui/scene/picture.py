@@ -268,7 +268,7 @@ class Scene:
             add_lines(self._scene, name, segments, rgb_of(arm_colour(number)), 2.5)
 
     def _show_shapes(self, is_shown: bool) -> None:
-        """Show what is checked for collisions in place of what it looks like."""
+        """Show what is checked for collisions instead of what it looks like."""
         if is_shown and self._checked is None:
             self._checked = DrawnRobot(
                 self._scene, ROBOT_CHECKED, self._cell, colour=CHECKED, as_checked=True

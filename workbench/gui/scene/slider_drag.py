@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 
 REST = 0.4
-"""[s] A hand that rests for so long has chosen."""
+"""[s] A hand that rests for that long has chosen."""
 
 
 class SliderDrag:

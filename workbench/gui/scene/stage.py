@@ -21,7 +21,7 @@ STAGE = "/stage"
 """Name of the part's frame in the scene; all that is shown with it lies below."""
 
 T_WORLD_STAGE = pin.SE3(np.eye(3), np.array([0.0, 0.0, 1000.0]))
-"""Where the part is: so far above the cell that nothing of it is seen."""
+"""Where the part is: this far above the cell that nothing of it is seen."""
 
 PART_COLOUR = (173, 181, 189)
 AXES = 0.8
@@ -61,7 +61,7 @@ class Stage:
         return self._camera is not None
 
     def open(self, part: Part, pressed: Pressed) -> None:
-        """Look at the part; `pressed` is told where somebody clicks."""
+        """Look at the part; `pressed` is called with where somebody clicks."""
         camera = self._client.camera
         self._camera = camera.position, camera.look_at
         self._size = size_of(part)
@@ -85,7 +85,7 @@ class Stage:
         self._clicked = clicked
 
     def close(self) -> None:
-        """Look at the cell again, from where it was looked at."""
+        """Look at the cell again, from where it was viewed."""
         self._scene.remove_by_name(STAGE)
         if self._clicked is not None:
             self._scene.remove_click_callback(self._clicked)
@@ -167,7 +167,7 @@ def size_of(part: Part) -> float:
 
 
 def view_of(part: Part) -> tuple[Floats, Floats]:
-    """From where the part is looked at first, and to which point, each (3,) [m] in the world."""
+    """From where the part is viewed first, and to which point, each (3,) [m] in the world."""
     points = np.asarray(part.mesh.points)
     middle = T_WORLD_STAGE.act((points.min(axis=0) + points.max(axis=0)) / 2)
     return middle + size_of(part) * np.array([2.1, -2.4, 1.5]), middle

@@ -1,4 +1,4 @@
-"""What stands around the robot and never moves, and from where it is looked at."""
+"""What stands around the robot and never moves, and from where it is viewed."""
 
 import itertools
 import math
@@ -39,7 +39,7 @@ FILL = 1.9
 """How bright that is."""
 
 LIES = (81, 148, 237)
-"""Of a part that shall lie somewhere, and is not there."""
+"""Of a part that has to lie somewhere, and is not there."""
 
 UP = (0.0, 0.0, 1.0)
 """Where the sky is."""
@@ -172,7 +172,7 @@ def show_frames(
 ) -> None:
     """Show or hide the frames that poses in the cell file are about.
 
-    Where parts shall lie there is one, the first kind that may.
+    Where parts has to lie there is one, the first kind that may.
     """
     scene.remove_by_name("/frames")
     if not is_shown:
@@ -212,7 +212,7 @@ def add_light(scene: viser.SceneApi) -> None:
     """Light from above and some from all sides, before anything is there that it falls on.
 
     Where no graphics processor draws, the map of an environment takes some ten seconds of all
-    processors at the first picture, and shadows a third of the rest.
+    processors at the first picture; shadows take a third of the rest.
     """
     scene.configure_environment_map(None)
     scene.configure_default_lights(cast_shadow=False)
@@ -247,7 +247,7 @@ def first_look(cell: Cell) -> tuple[Floats, Floats]:
 
 
 def look_direction(cell: Cell) -> Floats:
-    """The unit vector (3,) from a cell to where it is looked at from first."""
+    """The unit vector (3,) from a cell to where it is seen from first."""
     robot, goal = cell.T_world_robot.translation, cell.bin.T_world_bin.translation
     azimuth = math.atan2(goal[1] - robot[1], goal[0] - robot[0]) - math.radians(38)
     direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
@@ -275,7 +275,7 @@ def framed(
 
     Args:
         points: shape (n, 3) [m].
-        direction: unit vector (3,) from what is looked at to the camera, not vertical.
+        direction: unit vector (3,) from what is viewed to the camera, not vertical.
         field_of_view: vertical [rad].
         aspect: width by height of the picture.
 

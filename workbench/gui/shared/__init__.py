@@ -1,4 +1,4 @@
-"""What every tab stands on: views, looks, colours, tables, one browser's controls.
+"""Base of all tabs: views, looks, colours, tables, controls.
 
 Imports nothing of gui.
 """

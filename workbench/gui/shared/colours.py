@@ -26,7 +26,7 @@ VERDICTS: dict[Reason, str] = {
     Reason.OUT_OF_TIME: "#0b7285",
     Reason.WITHIN_MARGIN: BUSY,
 }
-"""Green works, grey was not asked for, red touches, orange and ochre get stuck on the way,
+"""Green works, grey was not asked for, red touches, orange and ochre get stuck on the way;
 violet finds no way, cyan ran out of time, blue wants another scan; a margin is a warning."""
 
 KINDS = tuple(Reason)

@@ -3,7 +3,7 @@
 viser 1.1.1 keeps 32 icons and reads the directory of its archive, some four thousand entries, for
 every other one.  The page shows more kinds than that, each in the same order for each browser: none
 was ever kept, and the drawing stood still for more than a second whenever a browser came.  Viser's
-internals are used here; its version is pinned, and `tests/gui/shared/test_icons.py` tells when they
+internals are used here; its version is pinned, and `tests/gui/shared/test_icons.py` shows when they
 change.
 """
 

@@ -1,4 +1,4 @@
-"""What is looked at: the part of the picture that no auditor asks for."""
+"""What is viewed: the part of the picture that no auditor asks for."""
 
 import threading
 from collections.abc import Callable, Mapping, Set
@@ -25,7 +25,7 @@ SAME = np.deg2rad(2.0)
 """Up to here a robot that is planned would only hide the real one [rad]."""
 
 CLOCK = frozenset({"time", "is_playing"})
-"""Fields of a look that say which moment of the plan is looked at."""
+"""Fields of a look that say which moment of the plan is viewed."""
 
 PLAYBACK = CLOCK | {"follows", "by", "browser"}
 """Fields of a look that playing a plan changes."""
@@ -141,7 +141,7 @@ class Jogged:
 class FilmPart:
     """A part at a moment of a film: which one fell, of which kind, where, and why it stays.
 
-    `kind` is empty while it is not told that it stays.
+    `kind` is empty while it is not reported that it stays.
     """
 
     number: int
@@ -179,7 +179,7 @@ class View:
     picture.
 
     The rest is of one browser alone, and as if it did nothing in the view that all share: its `own`
-    look, `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
+    look; `jogged` while the robot is moved by hand there, `overlay`, the pose of a calibration
     that is laid over the robot, and `filmed`, the moment of a film that is shown there.
     """
 
@@ -206,7 +206,7 @@ class View:
 
     @property
     def pose(self) -> Pose | None:
-        """The pose of the chosen candidate that is looked at."""
+        """The pose of the chosen candidate that is viewed."""
         # The index comes from a browser's slider, and may be any number.
         last = len(self.poses) - 1
         return self.poses[min(max(self.look.pose, 0), last)] if self.poses else None
@@ -218,7 +218,7 @@ class View:
 
     @property
     def was_reported(self) -> bool:
-        """Whether its controller reports nothing now, but has told where every joint was."""
+        """Whether its controller reports nothing now, but has reported where every joint was."""
         return not self.is_reported and self._has_all(self.live.last_joints)
 
     def _has_all(self, joints: Mapping[str, float]) -> bool:
@@ -242,7 +242,7 @@ class View:
 
     @property
     def is_previewed(self) -> bool:
-        """Whether a moment of the plan is looked at that the robot has nothing to do with."""
+        """Whether a moment of the plan is viewed that the robot has nothing to do with."""
         if self.state.plan is None or self.look.follows:
             return False
         return self.look.is_playing or self.look.time > 0 or self.state.phase in AFTER_CYCLE
@@ -282,7 +282,7 @@ class View:
 
     @property
     def visited(self) -> Visited | None:
-        """The place of the plan that is looked at, as long as the plan stands there."""
+        """The place of the plan that is viewed, as long as the plan stands there."""
         place = self.own.visited
         if place is None or place.time != self.look.time:
             return None

@@ -30,7 +30,7 @@ class Showing:
     """A film of an emptied pile that somebody looks at, at `time` [s] on its clock.
 
     It is `seconds` long, and `speed` is how many times as fast as planned it plays; `kinds` says by
-    number why a part stays in the bin, `chosen` is the number of the one that is looked at.
+    number why a part stays in the bin, `chosen` is the number of the one that is viewed.
     """
 
     film: Film
@@ -72,7 +72,7 @@ class Own:
     `jog` holds the arms that are moved by hand, arm -> configuration (n,) [rad]; `observation` is
     the pose of a calibration that is laid over the robot, `is_calibrated` says with which pose of
     the scanner; `film` is what is shown of an emptied pile; `measured` are the points (3,) [m] that
-    were clicked on, up to two; `visited` is the place of the plan that is looked at; `dragged` is
+    were clicked on, up to two; `visited` is the place of the plan that is viewed; `dragged` is
     what is shown of the candidates while something is dragged, `carried` what of the scene follows
     the hand that drags; `thing` is what of the cell was
     chosen to be moved, empty where a candidate was chosen since.
@@ -100,7 +100,7 @@ NOTHING_OWN = Own()
 class OwnLook:
     """The own look of one browser.
 
-    Lifetime: that of the browser's controls; what was looked at ends with them.
+    Lifetime: that of the browser's controls; what was viewed ends with them.
 
     Concurrency: any thread; `changed` is called after each change, outside the lock.
     """
@@ -125,7 +125,7 @@ class OwnLook:
         self._changed()
 
     def show(self, changed: Callable[[Showing], Showing]) -> None:
-        """Go on with the film that is looked at, if one is, as `changed` makes it of how it was."""
+        """Go on with the film that is viewed, if one is, as `changed` makes it of how it was."""
         with self._lock:
             if self._now.film is None:
                 return

@@ -110,7 +110,7 @@ def ordered(
 
 
 def pages(count: int) -> int:
-    """How many pages so many rows need; an empty table has one."""
+    """How many pages this many rows need; an empty table has one."""
     return max(1, -(-count // PAGE))
 
 

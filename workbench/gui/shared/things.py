@@ -15,7 +15,7 @@ from workbench.planning.kinematics.robot import Kinematics
 BIN, SCANNER, ROBOT = "bin", "scanner", "robot"
 
 OF_PARTS = "part-place"
-"""Between an arm's name and a number: a place where a part shall lie."""
+"""Between an arm's name and a number: a place where a part has to lie."""
 
 
 TCP = "TCP"

@@ -81,7 +81,7 @@ def time_of_day(at: float) -> str:
 
 
 def zone(at: float) -> str:
-    """The name of the zone in which times are told, as it is at that time."""
+    """The name of the zone in which times are reported, as it is at that time."""
     return time.strftime("%Z", time.localtime(at))
 
 
@@ -325,7 +325,7 @@ def straight_bound(proof: Proof) -> float | None:
 def table_html(
     rows: list[tuple[str, str]], *, title: str = "", made: Mapping[str, str] = NOTHING_MADE
 ) -> str:
-    """Names and values in two columns; `made` is HTML that stands in place of values, by name."""
+    """Names and values in two columns; `made` is HTML that stands instead of values, by name."""
     body = "".join(
         f"<tr><th>{escape(name)}</th><td>{made.get(name) or escape(value)}</td></tr>"
         for name, value in rows

@@ -1,11 +1,11 @@
 """viser's server with what it leaves open shut.
 
-viser 1.1.1 listens on all interfaces unless told otherwise, takes the next port when the
-wanted one is busy, opens a public tunnel for any browser that asks, talks to pages of
+viser 1.1.1 listens on all interfaces unless stated otherwise, takes the next port when the
+wanted one is busy; it opens a public tunnel for any browser that asks, talks to pages of
 other sites, and may stop talking to a browser for good.  It knows no logins either: those are
 the front's, which alone has the key to a server that wants one, and says whom it brings.
 viser's internals are used here and in `incoming` and nowhere else; the version is pinned and
-`tests/gui/shared/test_viser_server.py` tells when they change.
+`tests/gui/shared/test_viser_server.py` shows when they change.
 """
 
 # pyright: reportPrivateUsage=false

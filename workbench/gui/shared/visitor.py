@@ -81,7 +81,7 @@ class Visitor:
 
     @property
     def is_recorded(self) -> bool:
-        """Whether this is a recorded session: all of it can be looked at, nothing be done."""
+        """Whether this is a recorded session: all of it can be viewed, nothing be done."""
         return isinstance(self.bench, History)
 
     @property
@@ -133,7 +133,7 @@ class Visitor:
         return element_id(button)
 
     def rows(self, count: int, pressed: Callable[[int], object]) -> list[str]:
-        """The ids of so many unseen buttons, out of sight; told is which one is pressed."""
+        """The ids of this many unseen buttons, out of sight; told is which one is pressed."""
         buttons = [self.unseen(partial(pressed, number)) for number in range(count)]
         self.hide(buttons)
         return buttons
@@ -272,7 +272,7 @@ class Visitor:
         self.bench.do(command, actor, self.person.role)
 
     def ask(self, command: Callable[[], Command], name: str = "") -> bool:
-        """Make a command and give it; a refusal is told in this browser only.
+        """Make a command and give it; a refusal is reported in this browser only.
 
         Args:
             command: makes it.
@@ -284,7 +284,7 @@ class Visitor:
         return self.attempt(lambda: self.give(command(), name))
 
     def attempt(self, action: Callable[[], object]) -> bool:
-        """Do something for this browser; a refusal is told in it only.
+        """Do something for this browser; a refusal is reported in it only.
 
         Returns:
             Whether it was done.

@@ -1,1 +1,1 @@
-"""The tab that tells what the session has brought."""
+"""Tab Statistics."""

@@ -39,7 +39,7 @@ class Counted:
     def of(self, state: State) -> Statistics:
         """What was counted last; counts in the background when something has come since.
 
-        A recorded session is counted whole, whichever moment of it is looked at.
+        A recorded session is counted whole, whichever moment of it is viewed.
         """
         is_settled = state.job is None and state.phase in WORTH_COUNTING
         if isinstance(self._bench, History):

@@ -1,4 +1,4 @@
-"""The tab that tells what the session has brought, and gives it as a table to take along."""
+"""The tab that states what the session has brought, and gives it as a table to take along."""
 
 from collections.abc import Sequence
 
@@ -14,6 +14,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.statistics.learning import LearningControls
 from workbench.gui.statistics.restoring import RestoreControls
 from workbench.gui.statistics.views import statistics_html
 
@@ -38,6 +39,9 @@ class StatisticsPanel:
         self._shown: View | None = None
         gui = visitor.gui
         self._tables = gui.add_html("")
+        self._learning: LearningControls | None = None
+        if not visitor.is_recorded and visitor.person.role.covers(Role.ENGINEER):
+            self._learning = LearningControls(visitor)
         self._cycles = gui.add_html("")
         self._save = gui.add_button("Save as CSV", icon=viser.Icon.DOWNLOAD, color="gray")
         self._save.on_click(lambda _: self._download())
@@ -55,6 +59,10 @@ class StatisticsPanel:
         ):
             self._restore.show(new)
         counted = new.statistics
+        if self._learning is not None and (
+            old is None or old.state is not new.state or old.statistics is not counted
+        ):
+            self._learning.show(new)
         if old is not None and old.statistics is counted:
             return
         whole = line(WHOLE, kind="hint") if new.is_recorded else ""

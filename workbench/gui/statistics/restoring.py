@@ -47,7 +47,7 @@ class RestoreControls:
     """A backup from somebody's machine, or one that is kept here; a table, and a button.
 
     Concurrency: callbacks of viser, the renderer's thread, and a thread for each look and each
-    restoring; what was looked at is replaced as a whole.
+    restoring; what was viewed is replaced as a whole.
     """
 
     def __init__(self, visitor: Visitor):
@@ -161,7 +161,7 @@ class RestoreControls:
         )
 
     def _begin(self, work: Callable[[], None]) -> None:
-        """Have something done in a thread of its own; what goes wrong is told in its place."""
+        """Have something done in a thread of its own; what goes wrong is reported in its place."""
 
         def told() -> None:
             try:

@@ -5,6 +5,7 @@ from html import escape
 
 from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
+from workbench.app.statistics.remaining import remaining_words
 from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import line, table_html, time_of_day, zone
@@ -92,6 +93,10 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
                 (words.render(Reason(reason).message), count, f"{count:,}")
                 for reason, count in counted.refusals
             ],
+        ),
+        _chart(
+            "Parts left when no plan was found",
+            [line(words.render(said)) for said in remaining_words(counted.remaining)[:MOST_BARS]],
         ),
     ]
     return table_html(rows) + "".join(charts)

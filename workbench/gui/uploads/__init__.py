@@ -1,1 +1,1 @@
-"""CAD files that people send from their machine: chosen, and told before they are taken."""
+"""CAD files that people upload."""

@@ -35,7 +35,7 @@ class CadPick:
 
     Where the file holds several solids, one of them may be chosen.
 
-    Concurrency: callbacks of viser, and one thread for each look, which waits for a process of its
+    Concurrency: callbacks of viser, and one thread for each look.  That waits for a process of its
     own and ends it when another file or unit was chosen meanwhile, or the browser has gone;
     `drawing` and `look` are replaced as a whole.
     """
@@ -53,7 +53,7 @@ class CadPick:
         Args:
             visitor: whose browser.
             label: of the button.
-            changed: called when another file is there, and when it was looked at.
+            changed: called when another file is there, and when it was viewed.
             has_solids: one of several solids may be chosen; otherwise all are taken.
         """
         self._visitor, self._changed = visitor, changed

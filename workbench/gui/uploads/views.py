@@ -1,4 +1,4 @@
-"""What is told of a CAD file that was chosen."""
+"""The text about a chosen CAD file."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What one browser is told, in its language, on the way out.
+"""Translation of what goes to one browser.
 
 Imports words, gui.shared and viser.
 """

@@ -1,4 +1,4 @@
-"""Messages as values: an id with typed arguments; each id has its English template.
+"""Messages: ids, typed arguments, English templates.
 
 Code compares, stores and sends messages; their text is for people and is rendered last, in English
 by `str`, in other languages by `workbench.words`.

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
-from workbench.model.messages.changes import ChangeText, FillText
+from workbench.model.messages.changes import ChangeText, FillText, RemainText
 from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.plans import (
     GuaranteeText,
@@ -66,6 +66,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ValueRefusal,
     ChangeText,
     FillText,
+    RemainText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

@@ -54,3 +54,17 @@ class FillText(Text, subject="fill"):
         "no hand fits at {looked} parts that were examined, nor with thinner fingers, lower walls "
         "or a cup of {cup:mm0}"
     )
+
+
+class RemainText(Text, subject="remain"):
+    """Parts that stayed in the bin when planning ended without a plan, and grasps for them."""
+
+    WALLS = "{count} {part} beside a wall of the bin"
+    NEIGHBOURS = "{count} {part} among other parts"
+    FLOOR = "{count} {part} flat on the floor"
+    WAYS = "{count} {part} with approach or lift blocked"
+    REACH = "{count} {part} out of reach"
+    OTHER = "{count} {part} elsewhere"
+    ADDED = "{added} of {looked} {part} that were left can be taken with new grasps: {names}"
+    KNOWN = "{known} of {looked} {part} that were left can be taken with the grasps of the library"
+    NONE = "no grip of the tools takes the {looked} {part} that were left as they lay"

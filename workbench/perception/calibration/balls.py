@@ -27,7 +27,7 @@ FEWEST = 25
 """Points on a ball that is believed."""
 
 MOST_BALLS = 24
-"""Balls that are looked at, those with the most votes."""
+"""Balls that are checked, those with the most votes."""
 
 TOLERANCE = 0.08
 """Distance from a ball's surface, over the radius, within which points belong to it."""

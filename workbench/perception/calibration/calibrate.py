@@ -3,7 +3,7 @@
 Whatever the arm does, `T_world_scanner * p_scanner = T_world_flange * T_flange_plate * p_plate` for
 each ball.  Unknown are the scanner's pose and how the plate is held.  A linear answer for three
 poses at a time (rotations by Kronecker products as Li, Wang and Wu 2010, then translations) finds
-those that agree; least squares over the distances of the balls, then weighed by how exact shifts
+those that agree; least squares over the distances of the balls; weighed by how exact shifts
 and turns of the plate turn out to be (`sureness`), gives the answer.
 """
 
@@ -38,7 +38,7 @@ GOOD, ACCEPTABLE = (0.001, np.deg2rad(0.3)), (0.002, np.deg2rad(0.6))
 """[m, rad] Up to here the light of a pose is green, and amber."""
 
 AGREE, TIMES = 0.0015, 4.0
-"""[m] A pose is left out when it is off by more than this, and by more than so many times what is
+"""[m] A pose is left out when it is off by more than this, and by more than this many times what is
 usual among the poses."""
 
 APART = 0.004
@@ -51,7 +51,7 @@ ROUNDS = 10
 """Of fitting and leaving out, at most."""
 
 TRIPLES = 150
-"""Of three poses at a time, so many are tried as the beginning."""
+"""Of three poses at a time, this many are tried as the beginning."""
 
 SAME = (0.005, np.deg2rad(3.0))
 """[m, rad] Poses of the flange nearer to each other than this are one."""

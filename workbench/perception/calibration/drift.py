@@ -1,7 +1,7 @@
 """How the scanner's pose has drifted, by things whose place is known, and the pose refined by them.
 
 Each day is one measurement: within a day nothing of what moves a bin, or bends a mount, may have
-happened, so that scans of one day are no independent witnesses.  What stands still is held against
+happened; so scans of one day are no independent witnesses.  What stands still is held against
 itself: the first days since the calibration against the last ones, by the test of two samples
 (Student 1908), along each of six directions.  Parts that the robot has put down are held against
 where it has put them: they tell the scanner's pose itself, not only how it changes.
@@ -27,13 +27,13 @@ FEWEST, MOST = 2, 7
 """Days at the beginning and at the end that are compared: all, up to a week."""
 
 NOW = 3
-"""Days at both ends by which it is told how much: what drifts goes on within a week."""
+"""Days at both ends by which the change is stated: what drifts goes on within a week."""
 
 CHANCE = 0.01
-"""With which a drift is told though there is none, all directions and things together."""
+"""With which a drift is reported though there is none, all directions and things together."""
 
 ARM = 0.15
-"""[m] A turn counts as much as the shift that it makes so far away."""
+"""[m] A turn counts as much as the shift that it makes this far away."""
 
 SCALE = np.repeat([1.0, 1 / ARM], 3)
 """[no unit, 1/m] By it motions have one unit."""

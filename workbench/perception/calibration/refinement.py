@@ -108,7 +108,7 @@ def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
 def told_by_parts(put_down: Sequence[Sighting]) -> Estimate:
     """The motion of the scanner that parts tell, as sure as they agree.
 
-    A part that has slipped in the hand is seen as exactly as one that has not, and some may be from
+    A part that has slipped in the hand is seen as exactly as one that has not; some may be from
     before a drift had ended.  So how far the estimate goes when one of them is left out counts as
     well (the jackknife, Tukey 1958).
 

@@ -1,9 +1,9 @@
 """How sure a calibration is: its covariance, each pose predicted by the others, errors of points.
 
 A robot is less exact than a scanner of balls is: where it holds the plate is off by some tenths of
-a millimetre, and how it turns it by some hundredths of a degree, for all three balls of a pose
+a millimetre; how it turns it is off by some hundredths of a degree, for all three balls of a pose
 alike.  Nine numbers of a pose are therefore no nine measurements.  They are taken as one shift
-and one turn of the plate, whose two variances are estimated from the poses themselves by their
+and one turn of the plate.  Their two variances are estimated from the poses themselves by their
 second moments (Rao, Journal of Multivariate Analysis 1, 1971), and by which both are weighed.
 Balls that are each off by themselves are the case of equal variances.
 """
@@ -145,7 +145,7 @@ def point_errors(covariance: Floats, origin: Floats, points: Floats) -> Floats:
     """How far off points are seen by what is not known of the scanner's pose, (n,) [m].
 
     In 95 % of calibrations a point is no further off.  Its squared error is a sum of three squares
-    of different size, taken as one chi-square of the same mean and variance (Box, Annals of
+    of different size.  It is taken as one chi-square of the same mean and variance (Box, Annals of
     Mathematical Statistics 25, 1954).
 
     Args:
@@ -200,7 +200,7 @@ def _deviations(
     """All of `Fit` but its answer.
 
     The sums of squares left over are what both variances would leave on average.  A variance that
-    was measured by few numbers is taken as larger by some (n + 2) / (n - 2), as the 95 % quantile
+    was measured by few numbers is taken as larger by some (n + 2) / (n - 2): as the 95 % quantile
     of Fisher's distribution is than that of the chi-square.
     """
     rows, off = _weigh(poses, answer, centres, ratio)

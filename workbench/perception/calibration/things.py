@@ -1,9 +1,9 @@
-"""What a scan tells of the scanner's pose by things whose place is known: bin, fixtures, parts.
+"""What a scan shows of the scanner's pose by things whose place is known: bin, fixtures, parts.
 
 The bin is fitted as ever.  Of fixtures and of parts that the robot has put down, the points that
-lie on their surfaces are (point-to-plane ICP, Chen and Medioni 1992), each by itself: it is seen
-elsewhere than expected by a small motion, along those directions that its surfaces hold.  Nothing
-is said along the others.
+lie on their surfaces are fitted (point-to-plane ICP, Chen and Medioni 1992), each by itself: it is
+seen elsewhere than expected by a small motion, along those directions that its surfaces hold.
+Nothing is said along the others.
 """
 
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ from workbench.perception.views.surfaces import add_solids, add_surface, triangl
 Kind = Literal["bin", "fixture", "part"]
 
 ENOUGH = 20_000
-"""Points of a scan that are looked at, and all around parts; of more every second, third, ..."""
+"""Points of a scan that are checked, and all around parts; of more every second, third, ..."""
 
 REACH, GATES = 0.008, (0.006, 0.004, 0.003, 0.003)
 """[m] Points this near to a surface may belong to it; the same in each step of the fit."""
@@ -43,7 +43,7 @@ HELD = 0.01
 """Share of the information of the best direction below which a direction is not held."""
 
 NOISE, SHARED, BIAS = 0.0005, 16.0, 0.0001
-"""[m] Deviation of a point; so many count as one; and what no number of points takes out.  Only
+"""[m] Deviation of a point; this many count as one; and what no number of points takes out.  Only
 how the directions of one thing compare is taken from these: what is stated is measured."""
 
 LYING = np.diag([1.0, 1.0, 0.0, 0.0, 0.0, 1.0])
@@ -103,7 +103,7 @@ def put_slopes(
     something level, which takes out what is left of its height and its lean.
 
     Args:
-        middle: (3,) [m] of the bin, where all motions are told.
+        middle: (3,) [m] of the bin, where all motions are reported.
         T_world_found: where the scan had the part that was taken.
         T_world_put: where the robot has put it by that.
         keeps: (6, 6) what the grip keeps of an error, a motion at the part's origin in
@@ -178,7 +178,7 @@ def motion_of(step: Floats, point: Floats) -> pin.SE3:
 
 
 def moved_to(by: Floats) -> Floats:
-    """Motions told at a point, as motions told at one that is `by` (3,) [m] from it, (6, 6)."""
+    """Motions told at a point, as motions stated at one that is `by` (3,) [m] from it, (6, 6)."""
     found = np.eye(6)
     found[:3, 3:] = -crosses(by[None])[0]
     return found

@@ -1,4 +1,4 @@
-"""Kinds and turns told by colour, where shape leaves several open.
+"""Colours that decide between kinds and turns.
 
 Imports `localization`, `parts` and `views`.
 """

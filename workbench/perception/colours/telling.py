@@ -1,4 +1,4 @@
-"""Which kind a part is of and how it is turned, told by colour where shape leaves that open.
+"""Which kind a part is of and how it is turned, shown by colour where shape leaves that open.
 
 Shape comes first: what it tells is not asked of colours.  Guesses that are left, other kinds in the
 same place and turns of a part's shape onto itself, are compared in pairs where they would show
@@ -35,7 +35,7 @@ AS_GOOD = 4.0
 """By so much more than the best light another one may miss all parts together, and is possible."""
 
 FEWEST, LEAST = 12, 0.03
-"""Points, and share of those seen, by which two guesses must differ to be told apart."""
+"""Points, and share of those seen, by which two guesses must differ to be distinguished."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -183,7 +183,7 @@ def _decide(
 
 
 def _is_alike(first: Guess, second: Guess) -> bool:
-    """Whether two guesses are of one kind and no colour on all of it tells them apart."""
+    """Whether two guesses are of one kind and no colour on all of it distinguishes them."""
     return first.kind == second.kind and is_same_surface(first.shown, second.shown)
 
 

@@ -1,4 +1,4 @@
-"""Parts found in a scan: hypotheses by votes, fits, a last look, and a choice.
+"""Part localization: votes, fits, assessment, choice.
 
 `kinds.localize_parts` finds all parts of all kinds in one scan.
 

@@ -2,8 +2,8 @@
 
 A point-to-plane fit (Chen & Medioni 1992) with eight unknowns: a pose, a scale about the part's
 middle, and one distance by which the whole surface seems to be off along its normals.  The latter
-takes what scanners do to curved surfaces (they average neighbours, and have near things grow), so
-that the radius alone of something round says nothing: lengths between faces and edges of different
+takes what scanners do to curved surfaces (they average neighbours, and have near things grow); so
+the radius alone of something round says nothing: lengths between faces and edges of different
 directions do.  Pose and distance are eliminated for each detection; what is left of the scale is
 put together by the weights of its information.
 """
@@ -30,7 +30,7 @@ RIM = 2
 FEWEST_POINTS = 30
 
 SHARED = 4.0
-"""Points that share their errors: so many count as one."""
+"""Points that share their errors: this many count as one."""
 
 GATE = 6.0
 """Robust deviations beyond which a point says nothing."""
@@ -51,7 +51,7 @@ FEWEST = 3
 """Detections that have to tell a scale."""
 
 SHARED_OFF = 1.5e-5
-"""[m] By so much all points of a scan are off together along whatever tells the scale: a part of
+"""[m] By so much all points of a scan are off together along whatever shows the scale: a part of
 which only short lengths are seen tells little, however many points it has."""
 
 LEAST_DEVIATION = 0.001
@@ -61,7 +61,7 @@ LEAST_DEVIATION = 0.001
 def scale_check(
     name: str, depth_map: DepthMap, surface: PartSurface, poses: Sequence[Floats], tolerance: float
 ) -> ScaleCheck | None:
-    """How large a kind of part is in the scan over its CAD file, None where that cannot be told.
+    """How large a kind of part is in the scan over its CAD file, None where that is unknown.
 
     Args:
         name: of the part.

@@ -16,7 +16,7 @@ from workbench.perception.matching.sightings import Sighting, closeness, pull, t
 from workbench.perception.parts.part_surface import PartSurface
 
 SHARED = 16.0
-"""Points that share their errors: so many count as one."""
+"""Points that share their errors: this many count as one."""
 
 REACH = 2
 """[pixels] Up to which neighbours are asked how alike their errors are."""
@@ -39,7 +39,7 @@ CERTAIN, STEEPNESS = 1.5, 15.0
 
 LOOSELY_CERTAIN, LOOSE_STEEPNESS = -3.0, 10.0
 """The same where more is tolerated (`loosening`), for the ratio over all that a part should show.
-Parts that are 7 to 8 % smaller or larger than their CAD file nearly all have 0.45 and more, other
+Parts that are 7 to 8 % smaller or larger than their CAD file nearly all have 0.45 and more; other
 kinds that were taken for one 0.25 and less."""
 
 TURNED_RIGHT = 0.985

@@ -21,7 +21,7 @@ LEAST_VISIBLE = 0.3
 """Less of the facing surface than this cannot tell a part from a chance likeness."""
 
 PLAUSIBLE = 0.75
-"""Of what is seen in the part's place, the part must explain this share to be looked at closely."""
+"""Of what is seen in the part's place, the part must explain this share to be checked closely."""
 
 LEAST_PIXELS = 40
 

@@ -164,7 +164,7 @@ def _refine_best_symmetric(
 ) -> Floats:
     """The best near-symmetric pose of each of the poses (k, 4, 4), settled.
 
-    Of turns about an axis one stands for all: they are told apart at the close look.
+    Of turns about an axis one stands for all: they are distinguished at the close look.
     """
     motions = surface.symmetry.motions
     if surface.symmetry.axis is not None:

@@ -52,14 +52,14 @@ OUTDONE = 1.5
 all that counts of the other."""
 
 FEW_KINDS = 5
-"""So many are all looked for at once; to glance at more before costs less than it saves."""
+"""This many are all searched for at once; to glance at more before costs less than it saves."""
 
 
 @dataclass(slots=True, eq=False)
 class Entry:
     """The hypotheses of one kind that are left.
 
-    `gains` (k,) [m^2] is the area that speaks for each of them, `largest` (pixels,) [m^2] that of
+    `gains` (k,) [m^2] is the area that speaks for each of them; `largest` (pixels,) [m^2] that of
     the largest part of another kind that explains a pixel of this kind's maps, 0 where none does.
     """
 
@@ -135,7 +135,7 @@ def _rounds(
 ) -> Iterator[tuple[int, Sequence[bool]]]:
     """The number of the effort of each round, and for each kind whether it is its turn.
 
-    Of many kinds those come first of which a glance shows some: the others are looked for in what
+    Of many kinds those come first of which a glance shows some: the others are searched for in what
     these leave, which is little if they are not there.
     """
     everyone = [True] * len(found)
@@ -149,7 +149,7 @@ def _rounds(
 def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[str], None]) -> list[bool]:
     """For each kind whether poses of it stand that a few votes propose, among those of all kinds.
 
-    Nothing is looked at closely, so twice as much is tolerated.
+    Nothing is checked closely, so twice as much is tolerated.
     """
     glances = [
         replace(

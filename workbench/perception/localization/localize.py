@@ -65,7 +65,7 @@ FLIP_FACTOR = 0.5
 """Share of the chance that a pose has which is no better than one the other way round."""
 
 MOST_REJECTED = 20
-"""Rejected hypotheses that are told of, the best first."""
+"""Rejected hypotheses that are reported, the best first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -115,7 +115,7 @@ def begin_search(
         scan: organised or not.
         part: what to look for.
         cell: its bin says where; its scanner how noisy the points are, if the scan does not.
-        detail: how fine the scan is looked at; 1 is usual.
+        detail: how fine the scan is searched; 1 is usual.
         scene: what surrounds the parts, and how good the scan is.
 
     Returns:
@@ -157,7 +157,7 @@ def _dense(scan: Scan, scene: SceneModel) -> Scan:
 def proposals(
     search: PartSearch, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
 ) -> list[Hypothesis]:
-    """Where a part may lie in what is left of the scan, looked at with an effort of that number.
+    """Where a part may lie in what is left of the scan, checked with an effort of that number.
 
     Point-pair features of the scan inside the bin vote for poses; they are fitted by projective
     ICP, and verified by drawing the mesh: what the scan measures must lie where the pose predicts
@@ -168,7 +168,7 @@ def proposals(
         number: from 0, of the effort in `hypotheses.EFFORTS`.
         taken: (pixels,) no unit, those of its maps in which parts of other kinds are known to lie.
         seed: of the choice of points that vote.
-        step: told what is being done; it may raise to give up.
+        step: called with what is being done; it may raise to give up.
 
     Returns:
         What `kinds.compete` takes.

@@ -32,7 +32,7 @@ LOOSE_ENDS = 0.75
 """Share of its outline at which a part must end then: an outline that is off lies on the next."""
 
 EXPLAINED, TIMES = 0.4, 1.5
-"""They must explain this share then, and so many times what they did."""
+"""They must explain this share then, and this many times what they did."""
 
 STEPS = (0.02, 0.01, 0.005)
 """Lengths of the steps by which poses are brought to rest, over the diameter."""

@@ -18,7 +18,7 @@ def pose_error(
 ) -> tuple[float, float]:
     """Distance of the middle [m] and turn [rad] between two poses, under the stated symmetry.
 
-    Of all turns that leave the part as it is, that counts after which the turn is the smallest
+    Of all turns that leave the part as it is, that counts after which the turn is the smallest.
     (Hodan et al., On Evaluation of 6D Object Pose Estimation, 2016).
 
     Args:

@@ -119,7 +119,7 @@ def _refine_arrays(
 def _settle(
     drawing: Drawing, T: Floats, middle: Floats, radius: float, steps: Floats, searched: int
 ) -> None:  # pragma: no cover (compiled)
-    """Bring one pose `T` (4, 4) to rest, in place; so many directions may be searched."""
+    """Bring one pose `T` (4, 4) to rest, in place; this many directions may be searched."""
     x = np.empty(6)
     _fit(drawing, T, middle, radius)
     if searched == 0:

@@ -1,4 +1,4 @@
-"""A scan as maps, and what poses of a part predict held against them.
+"""Depth maps of a scan, compared with drawn parts.
 
 Imports `parts`, `scene` and `views`.
 """

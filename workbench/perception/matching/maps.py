@@ -18,7 +18,7 @@ FLOOR_GATE = 0.0015
 """[m] Points lower than this above the bin's floor, or nearer to a wall, are the bin."""
 
 FLOOR_GATE_OVER_NOISE = 4.0
-"""Or so many deviations of the points of the floor."""
+"""Or this many deviations of the points of the floor."""
 
 BELOW = 0.02
 """[m] Points deeper than this under the bin's floor are no part of the scene."""
@@ -109,7 +109,7 @@ def make_map(scan: Scan, bin: Bin, seen: SeenBin, *, size: float, pitch: float) 
         bin: as the cell has it.
         seen: the same as the scan shows it; its inside is the foreground, up to `size` above the
             rim, and of a bin with regions what is no further than `size` from these.
-        size: diameter of what is looked for [m].
+        size: diameter of what is searched for [m].
         pitch: width of a pixel wanted at the bin's floor [m]; a sparse cloud gets wider ones.
 
     Returns:

@@ -1,4 +1,4 @@
-"""What is known of parts before they are looked for: surfaces, pair features, near-symmetries.
+"""Part preparation: surfaces, pair features, near-symmetries.
 
 Imports `views`.
 """

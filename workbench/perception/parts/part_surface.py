@@ -25,13 +25,13 @@ DENSE = 12_000
 """Points sampled on the surface before thinning."""
 
 DIRECTIONS = 80
-"""From which the part is looked at to find which of its surface can be seen at all."""
+"""From which the part is checked to find which of its surface can be seen at all."""
 
 VOTING, COARSE = 0.08, 0.055
 """Distance of the points for voting and for the first fit, over the diameter."""
 
 FINE_STEPS, ALIKE, ALIKE_NORMALS = 72, 0.6, 0.95
-"""Points that turns by any angle, in so many steps, take to within this share of their distance
+"""Points that turns by any angle, in this many steps, take to within this share of their distance
 from each other, with normals whose cosine is so large, stand for each other."""
 
 FEW_DRAWN, DRAWN = 1000, (500, 1000, 2000, 4000)
@@ -56,8 +56,8 @@ class PartSurface:
     `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
     `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
     still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
-    `symmetry` is what the localizer may mix up, `stated` (k, 4, 4) the motions after which the
-    part counts as the same by its author's word, `fixed` (3,) [m] the place near the middle that
+    `symmetry` is what the localizer may mix up; `stated` (k, 4, 4) the motions after which the
+    part counts as the same by its author's word; `fixed` (3,) [m] the place near the middle that
     these leave where it is.  Of what `is_ball` no turn is ever seen.
     """
 

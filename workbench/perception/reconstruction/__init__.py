@@ -1,4 +1,4 @@
-"""A closed surface from several scans of one part, whose poses are known.
+"""Closed surfaces from scans with known poses.
 
 Imports `views`.
 """

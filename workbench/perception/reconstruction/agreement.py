@@ -1,7 +1,7 @@
 """Whether views fit each other: what one has measured, others must not look through.
 
 How far views lie apart where they show the same place says nothing of a pose that is far off:
-the places that are the same are looked for near each other.
+the places that are the same are searched for near each other.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ def looked_through(views: Sequence[DepthView], gate: float) -> Floats:
 
     Args:
         views: n of them, in the model's frame.
-        gate: [m] what is measured by so much further away was looked at through the point.  As
+        gate: [m] what is measured by so much further away was seen through the point.  As
             many others as carve a surface away must have done so.
     """
     shares: list[float] = []

@@ -24,7 +24,7 @@ OFF = 0.0003
 """[m] Deviation of a point from the surface that other views show."""
 
 WORTH = 200.0
-"""So many points of a view are taken to err independently: neighbours share their errors."""
+"""This many points of a view are taken to err independently: neighbours share their errors."""
 
 REACH = 0.002
 """[m] What is further from each other is not the same place."""

@@ -16,7 +16,7 @@ SLAB = 2_000_000
 """Voxels that are worked on at once, for the memory's sake."""
 
 AGREED = 2
-"""So many views must look through a place near a surface before it is carved: one alone may have
+"""This many views must look through a place near a surface before it is carved: one alone may have
 measured wrongly."""
 
 RIM = 3

@@ -1,4 +1,4 @@
-"""What a scan says beside the parts: the bin itself, and what nobody modelled.
+"""Bin fit, noise, and unknown things in a scan.
 
 Imports `views`.
 """

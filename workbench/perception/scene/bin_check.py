@@ -1,7 +1,7 @@
 """Whether the bin is where the cell says, and how full it is: a look at its rim and its inside.
 
 The rim is a rectangular ring of known size.  Points at about its height are fitted to it by
-Gauss-Newton steps with ever narrower weights (iteratively reweighted least squares), from the
+Gauss-Newton steps with ever narrower weights (iteratively reweighted least squares): from the
 place in the cell and, when too little of the rim is found there, from others around it.
 """
 
@@ -18,13 +18,13 @@ from workbench.perception.scene.bin_fit import FARTHEST, as_in_cell, fit_bin
 from workbench.perception.scene.fill_level import LOW, Filling, filled
 
 REACH = 0.08
-"""[m] Around the bin that the rim is looked for."""
+"""[m] Around the bin that the rim is searched for."""
 
 BAND = 0.02
 """[m] Above and below its height."""
 
 ENOUGH, RIM_POINTS = 60_000, 1500
-"""Points of the scan, and of the rim, that are looked at; of more every second, third, ..."""
+"""Points of the scan, and of the rim, that are checked; of more every second, third, ..."""
 
 SCALES = (0.04, 0.04, 0.03, 0.02, 0.02, 0.01, 0.01, 0.006, 0.004, 0.004)
 """[m] Distances from which points no longer pull, step by step."""

@@ -16,10 +16,10 @@ from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Bin
 
 FARTHEST, STEEPEST = 0.008, float(np.deg2rad(2.0))
-"""[m, rad] Floor and walls are looked for this near to where the cell has them."""
+"""[m, rad] Floor and walls are searched for this near to where the cell has them."""
 
 GATE, GATE_OVER_NOISE = 0.002, 4.0
-"""[m] A point this near to a surface belongs to it, or so many deviations of the noise."""
+"""[m] A point this near to a surface belongs to it, or this many deviations of the noise."""
 
 BEHIND = 5.0
 """What a point behind a surface counts against one on it: nothing can be seen there, but scanners
@@ -39,7 +39,7 @@ FLAT, BENT = 0.001, 0.002
 is seen in a corner only is not continued steeply."""
 
 TILES = 16
-"""A surface is divided into so many pieces along each side, each seen or not."""
+"""A surface is divided into this many pieces along each side, each seen or not."""
 
 FEWEST = 4
 """Points on a piece with which it is seen."""
@@ -100,7 +100,7 @@ def fit_bin(points: Floats, T_bin_points: pin.SE3, bin: Bin, *, noise: float) ->
     Args:
         points: (n, 3) [m] of a scan, in any frame.
         T_bin_points: that frame in the bin as the cell has it.
-        bin: its size, and the frame in which it is looked for.
+        bin: its size, and the frame in which it is searched for.
         noise: [m] deviation of the points as far as it is known.
     """
     gate = max(GATE, GATE_OVER_NOISE * noise)

@@ -15,7 +15,7 @@ from workbench.model.part import Bin
 from workbench.perception.scene.bin_check import BAND, rim_place
 
 MOST, ROUNDS, PLANES = 20_000, 300, 4
-"""Points that are looked at, planes tried for each surface, and how many surfaces."""
+"""Points that are checked, planes tried for each surface, and how many surfaces."""
 
 GATE = 0.004
 """[m] A point this near to a plane lies on it."""

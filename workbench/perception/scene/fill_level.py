@@ -22,15 +22,15 @@ LOW = 0.004
 """[m] What is no higher above the floor takes no room."""
 
 FLATTEST, LOW_OVER_NOISE = 0.001, 4.0
-"""[m] A point this high above the floor shows that something lies there, or so many deviations of
+"""[m] A point this high above the floor shows that something lies there, or this many deviations of
 the floor's points."""
 
 FLAT_POINTS, FLAT_SHARE = 6, 0.4
-"""So many such points on a square of two by two pieces of the grid, and this share of all on it,
+"""This many such points on a square of two by two pieces of the grid, and this share of all on it,
 show something flat: stray points of scanners lie alone."""
 
 MARGIN = 0.01
-"""[m] Beside walls nothing flat is looked for: scanners smooth wall and floor into each other."""
+"""[m] Beside walls nothing flat is searched for: scanners smooth wall and floor into each other."""
 
 OVER_CELLS = 4
 """Pieces of the grid over which something sticks out, or it is a mistake of the scanner."""

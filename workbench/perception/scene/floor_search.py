@@ -11,7 +11,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 
 MOST, ROUNDS = 4_000, 600
-"""Points that are looked at, and planes that are tried."""
+"""Points that are checked, and planes that are tried."""
 
 GATE = 0.006
 """[m] A point this near to a plane lies on it: floors of cartons are bent."""

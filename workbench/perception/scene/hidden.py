@@ -21,7 +21,7 @@ MOST = 200_000
 """Cubes; where there are more they are larger."""
 
 BELOW = 0.001
-"""[m] What goes on below a part stays so far from it: it is in touch with it at most."""
+"""[m] What goes on below a part stays this far from it: it is in touch with it at most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

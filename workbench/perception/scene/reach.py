@@ -12,7 +12,7 @@ def reach(cell: Cell) -> float:
     """Radius [m] of a ball around the robot's base that it leaves with nothing, a part included.
 
     Lengths along the chains are added as if every arm could be stretched straight, whatever the
-    limits of its joints, so the true workspace is smaller.
+    limits of its joints.  So the true workspace is smaller.
     """
     from_base = {cell.robot.root: 0.0}
     for joint in cell.robot.joints:

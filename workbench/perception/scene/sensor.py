@@ -6,7 +6,7 @@ left stand for all.  Narrow windows tell how neighbouring points differ; wide on
 smooth and quantise: errors that neighbours share, and that a part would be off by.
 
 The deviation grows with the square of the depth and with the angle at which a surface is met, as
-that of triangulating scanners does; a window tells what it would be at 1 m, met head-on.
+that of triangulating scanners does; a window states what it would be at 1 m, met head-on.
 """
 
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ NARROW, WIDE = (40, 160), (16, 1000)
 """Windows along the longer side of the image, and about how many points are taken in each."""
 
 ENOUGH = 100_000
-"""Points that are looked at; of more every second, third, ..."""
+"""Points that are checked; of more every second, third, ..."""
 
 FEWEST_POINTS = 16
 """Points that a window needs."""
 
 FEWEST_WINDOWS = 12
-"""With fewer the scan tells nothing of its noise."""
+"""With fewer the scan shows nothing of its noise."""
 
 SMOOTH = 0.25
 """This share of the windows, those with the least noise, is taken for smooth: its highest tells."""
@@ -46,7 +46,7 @@ COARSEST = 0.01
 
 @dataclass(frozen=True, slots=True)
 class SensorModel:
-    """`noise` [m] is the deviation of depths at 1 m, met head-on; None when nothing tells it."""
+    """`noise` [m] is the deviation of depths at 1 m, met head-on; None when nothing shows it."""
 
     noise: float | None
 

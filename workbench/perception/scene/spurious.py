@@ -1,8 +1,8 @@
 """Which points that nothing explains are something, and which a mistake of the scanner.
 
 A scanner decodes single pixels wrongly, and a pixel that lies half on one surface and half on the
-next measures something between the two.  Anything real is seen by several pixels side by side, so
-a point is believed when enough area was seen around it that is not such a mistake, and then what
+next measures something between the two.  Anything real is seen by several pixels side by side.
+So a point is believed when enough area was seen around it that is not such a mistake, and then what
 lies beside it is believed with it.
 """
 
@@ -29,7 +29,7 @@ BESIDE = 1.5
 """Pixels from a point to where the surfaces are that it may be mixed of."""
 
 FEW = 50
-"""Points from which nothing is told about a scan."""
+"""Points from which nothing is reported about a scan."""
 
 MOST = 50_000
 """Points by which that is measured; of more of them every second, third, ... is left out."""

@@ -1,7 +1,7 @@
 """What a scan shows that neither the cell nor the parts found explain: obstacles nobody modelled.
 
-Points near a known surface are explained by it.  What is left is counted in small cubes, so that
-the cost goes by how much there is to see and not by how finely it was seen; mistakes of the
+Points near a known surface are explained by it.  What is left is counted in small cubes: so the
+cost goes by how much there is to see and not by how finely it was seen; mistakes of the
 scanner are dropped (`spurious`), and the rest becomes a few upright boxes.  They reach down to the
 floor below: the scanner does not see what is underneath.
 """
@@ -25,7 +25,7 @@ from workbench.perception.scene.voxels import Voxels, counted
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
 TOLERANCE = 0.006
-"""[m] So far from a known surface a point still belongs to it: noise, and pose errors."""
+"""[m] This far from a known surface a point still belongs to it: noise, and pose errors."""
 
 CUBE = 0.002
 """[m] Edge of the cubes that points are counted in: a third of the tolerance."""

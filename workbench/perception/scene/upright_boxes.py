@@ -1,6 +1,6 @@
 """Upright boxes around points: what is seen from above, down to the floor.
 
-A heap becomes one box where it fills that, more where it does not, and where its one box would
+A heap becomes one box where it fills that; more where it does not, and where its one box would
 reach into a known part that none of its points is under.
 """
 
@@ -48,7 +48,7 @@ class Grid:
 
     Attributes:
         edge: of a cell [m].
-        coarse: so many cells apart things are one, and what lies between them is full.
+        coarse: this many cells apart things are one, and what lies between them is full.
     """
 
     edge: float

@@ -1,4 +1,4 @@
-"""Scenes that nobody had to build: piles, scans of them, and what is wrong with scans.
+"""Simulated piles, scans and scanner errors.
 
 Imports `views`.
 """

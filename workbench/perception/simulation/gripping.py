@@ -1,7 +1,7 @@
 """A part that two fingers close on, lift and shake: how it lies in the hand then.
 
 The part lies at rest on a plane; nothing else is there.  The hand stands still: the plane goes away
-in place of the hand, and what the hand's motion does to the part is added to gravity.
+instead of the hand, and what the hand's motion does to the part is added to gravity.
 """
 
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ FINGER_MASS = 0.1
 """[kg]"""
 
 TILE = 0.003
-"""[m] For what is round pads are cut into tiles of about this size, as MuJoCo has a box and a
+"""[m] For what is round pads are cut into tiles of about this size.  MuJoCo has a box and a
 cylinder touch at one point, and not along a line.  Flat things touch the whole box."""
 
 ON_PLANE, ON_PAD, ON_TILES = 1, 2, 4
@@ -40,7 +40,7 @@ LONGEST, STILL = 2.0, 1e-3
 """[s] In which the fingers have to close; [m/s] they have when they move no more."""
 
 SETTLE, SHAKE = 0.1, 0.1
-"""[s] The hand holds on before it moves, and accelerates each way for so long."""
+"""[s] The hand holds on before it moves, and accelerates each way for that long."""
 
 GRAVITY = 9.81
 """[m/s2]"""

@@ -1,6 +1,6 @@
 """A simulated scan of the robot that holds the reference plate over its bin.
 
-The piles that `synthesize` looks at have no robot in them; here it is the robot that is looked at.
+The piles that `synthesize` looks at have no robot in them; here it is the robot that is checked.
 """
 
 from collections.abc import Mapping
@@ -108,7 +108,7 @@ def is_plate_in_sight(
 ) -> bool:
     """Whether all three balls lie inside the scanner's picture and nothing of the robot hides them.
 
-    Each ball is looked at in its middle and at four places around it.  The plate is held as
+    Each ball is checked in its middle and at four places around it.  The plate is held as
     `T_tcp_plate` says, or as `held_pose` does.
     """
     T_world_plate = _plate_of(cell, Ts_world_link, arm, plate, T_tcp_plate)

@@ -91,7 +91,7 @@ def sheared(image: Floats, by: float) -> Floats:
 
 
 def stepped(depth: Floats, step: float) -> Floats:
-    """Depths of which only every so large a step of 1/z is told, as of whole disparities.
+    """Depths of which only every so large a step of 1/z is reported, as of whole disparities.
 
     Args:
         depth: (rows, columns) [m], NaN or infinite where nothing is measured.

@@ -13,17 +13,17 @@ class NoiseModel:
 
     `baseline` [m] is from camera to projector, along the image's rows.  Below the cosine
     `grazing` too little of the pattern comes back; failures begin at `fading`.  `drop_outs` is the
-    share of pixels that fail anywhere (dust, gloss), `outliers` that of pixels which are decoded
-    wrongly and lie anywhere up to `stray` [m] off, `flying` that of pixels beside a depth edge
+    share of pixels that fail anywhere (dust, gloss); `outliers` that of pixels which are decoded
+    wrongly and lie anywhere up to `stray` [m] off; `flying` that of pixels beside a depth edge
     which measure something between its two sides.
 
-    The rest is none unless it is said.  Near things are `fattened` by so many pixels; depths are
+    The rest is none unless it is said.  Near things are `fattened` by this many pixels; depths are
     averaged with a deviation of `blur` pixels, steps lower than `bridged` [m] with them, which
     leaves about 1 / (2 sqrt(pi) `blur`) of the deviation that pixels have by themselves; they are
     told in steps of `step` [m] at 1 m, and waved by `wave` [m] at 1 m, once every `fringe` [m] of
     depth.  `corners` is the share of multiple ways in concave places (`lengthened`).  What is met
     more squarely than the cosine `gloss` mirrors the light and is a hole in `glare` of the pixels;
-    `torn` is the share of rows that are missing.  By so many pixels the scene has `drifted` along
+    `torn` is the share of rows that are missing.  By this many pixels the scene has `drifted` along
     the rows when the last of them is measured.
     """
 

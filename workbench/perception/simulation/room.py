@@ -28,7 +28,7 @@ def check_room(parts: Sequence[Part], bin: Bin) -> None:
 
 
 def words_of(parts: Sequence[Part]) -> str:
-    """So many parts, and of which kinds."""
+    """This many parts, and of which kinds."""
     return f"{len(parts)} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
 
 

@@ -2,7 +2,7 @@
 
 The models follow what is known of triangulating sensors: a deviation that grows with the square of
 the depth and with the angle of incidence (Nguyen, Izadi, Lovell, "Modeling Kinect Sensor Noise for
-Improved 3D Reconstruction and Tracking", 3DIMPVT 2012), mixed pixels at depth edges, pixels that
+Improved 3D Reconstruction and Tracking", 3DIMPVT 2012); mixed pixels at depth edges, pixels that
 the projector does not light, and now and then a pattern that is decoded wrongly.  Kinds of scanner
 differ most in the errors that neighbouring pixels share (`image_errors`).
 """

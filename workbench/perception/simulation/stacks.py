@@ -15,7 +15,7 @@ BETWEEN = 0.5
 """[s] of simulated time until the next part is let go of."""
 
 AFTER = 2.0
-"""[s] of simulated time that a whole stack stands before it is looked at."""
+"""[s] of simulated time that a whole stack stands before it is checked."""
 
 AWAY = 50.0
 """[m] Parts that are still to come wait so high, weightless."""

@@ -1,4 +1,4 @@
-"""What a camera would see of shapes: the pinhole, triangles, depth pictures.
+"""Pinhole camera, rasterised triangles, depth images.
 
 Imports nothing of perception.
 """

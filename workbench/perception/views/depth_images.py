@@ -22,7 +22,7 @@ def averaged(
 
     Returns:
         The rays (rows, columns, 3) through the means of the points, z = 1, or the centres where
-        there are none, and the depths (rows, columns) [m] along z, 0 where there are none.
+        there are none; and the depths (rows, columns) [m] along z, 0 where there are none.
     """
     rows, columns = centres.shape[:2]
     nearest = np.full((rows, columns), np.inf)
@@ -58,8 +58,8 @@ def normals_of(
 ) -> Floats:  # pragma: no cover (compiled)
     """Normals of planes fitted in windows of `half` pixels to each side.
 
-    Over the image of a plane, 1/z is a linear function a x + b y + c of the ray (x, y, 1),
-    and (a, b, c) is the plane's normal: three unknowns, and no eigenvalue problem.
+    Over the image of a plane, 1/z is a linear function a x + b y + c of the ray (x, y, 1);
+    (a, b, c) is the plane's normal: three unknowns, and no eigenvalue problem.
 
     Args:
         rays: (rows, columns, 3), z = 1.

@@ -57,7 +57,7 @@ def add_solids(
 def rays_of(origins: Floats, directions: Floats) -> o3d.core.Tensor:
     """Rays as Open3D casts them, from origins (n, 3) or one (3,) along directions (n, 3) [m].
 
-    Distances along a ray are told in lengths of its direction.
+    Distances along a ray are reported in lengths of its direction.
     """
     starts = np.broadcast_to(origins, directions.shape)
     return o3d.core.Tensor(np.concatenate([starts, directions], axis=1).astype(np.float32))

@@ -1,4 +1,4 @@
-"""What is where, which pairs count, how near they come, and along which motions.
+"""Collision world, pairs, distances, swept motions.
 
 Imports `kinematics`.
 """

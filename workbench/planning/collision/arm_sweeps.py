@@ -1,8 +1,8 @@
 """Whether two arms can meet while each goes its own way, at whatever speed.
 
 The question has two parameters, how far each arm has come.  It is answered as for one arm
-(`motion`): at a state in the middle of both ways no pair may be closer than its margin plus the
-most that the rest of both ways can bring it nearer; otherwise the longer way is halved.
+(`motion`): at a state in the middle of both ways no pair may be closer than its margin, plus the
+most by which the rest of both ways can bring it nearer; otherwise the longer way is halved.
 """
 
 from collections import deque
@@ -19,10 +19,10 @@ from workbench.planning.collision.sweeping.two_ways import ways_met
 from workbench.planning.collision.world import World
 
 MOST_LOOKS = 4_000
-"""After so many looks the arms count as meeting: they come that close over a long way."""
+"""After this many looks the arms count as meeting: they come that close over a long way."""
 
 MOST_OPEN = 1 << 18
-"""Pairs left open by all looks together: there is room for so many."""
+"""Pairs left open by all looks together: there is room for this many."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ def first_contact(
     """The first place found where two arms come too close; None when there surely is none.
 
     Args:
-        world: in a phase in which both arms may move; only pairs between the two are looked at.
+        world: in a phase in which both arms may move; only pairs between the two are checked.
         base: whole configuration (nq,) of all other joints.
         first: the way of one arm.
         second: the way of the other.
@@ -79,7 +79,7 @@ def first_contact(
 def _measure(
     world: World, base: Floats, first: ArmSweep, second: ArmSweep, resolution: float
 ) -> ArmContact | None:
-    """As `first_contact`, every state looked at by Coal: for bodies that are not convex."""
+    """As `first_contact`, every state checked by Coal: for bodies that are not convex."""
     q, d = base.copy(), np.zeros(len(base))
     columns = [world.kinematics.columns[sweep.arm] for sweep in (first, second)]
     pending: deque[tuple[tuple[Floats, Floats], tuple[int, int], Ints]] = deque()

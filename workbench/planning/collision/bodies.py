@@ -135,9 +135,9 @@ def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
 
 
 def pairs_of(cell: Cell, bodies: list[Body]) -> Bools:
-    """True (b, b) where two bodies can meet in some phase, upper triangle; no others are looked at.
+    """True (b, b) where two bodies can meet in some phase, upper triangle; no others are checked.
 
-    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables, and
+    Left out: bodies of one link or tool, or on the same joint, pairs that the SRDF disables; and
     still things among themselves, except parts, which may be carried.
     """
     owners = [_owner_of(body) for body in bodies]

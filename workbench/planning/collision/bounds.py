@@ -12,7 +12,7 @@ them.  (The chain bound of Schwarzer, Saha and Latombe, "Exact collision checkin
 paths", 2002, tightened by taking r at q.)
 
 *Along a direction.*  Bodies that a plane parts stay apart as long as neither has come through
-it, and towards it a body moves by its velocity times the way, and by what the velocity changes:
+it; towards it a body moves by its velocity times the way, and by what the velocity changes:
 less than the chain bound by far where it moves past something.  (Directional motion bounds as in
 X. Zhang, S. Redon, M. Lee and Y. J. Kim, "Continuous collision detection for articulated models
 using Taylor models and temporal culling", 2007; here of the first order, with a bound of the rest.)
@@ -126,7 +126,7 @@ def _box_gap(a: int, b: int, R: Floats, c: Floats, half: Floats) -> float:
 def lower_bound(
     a: int, b: int, R: Floats, c: Floats, half: Floats, radius: Floats, limit: float
 ) -> float:
-    """A distance [m] that two bodies certainly have; no better one than `limit` is looked for.
+    """A distance [m] that two bodies certainly have; no better one than `limit` is searched for.
 
     `R` (b, 3, 3) and `c` (b, 3) [m] place the boxes of half sizes `half` (b, 3) [m] of all bodies,
     `radius` (b,) [m] is that of balls around the same centres.
@@ -345,7 +345,7 @@ def gather_close(
     """Write what `close_pairs` returns, unsorted, into the last three arguments.
 
     Bodies are where `place_bodies` has them; `pairs` (k,) are indices, `moves` and `lower` (k,)
-    are in [m].  The first `asked` numbers of `among` are looked at.  Returns how many pairs were
+    are in [m].  The first `asked` numbers of `among` are checked.  Returns how many pairs were
     written.
     """
     half, radius = boxes.half, boxes.radius

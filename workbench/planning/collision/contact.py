@@ -18,9 +18,9 @@ class Contact:
 class Swept:
     """How far compiled code has come along a chain of curves.
 
-    `clear`: so many curves are clear of all pairs but those in `left`, which have to be looked at
+    `clear`: this many curves are clear of all pairs but those in `left`, which have to be checked
     otherwise.  On the curve after them is `met`, a contact with the arm's configuration
-    (n,) [rad] there; where that is None and a curve remains, all of that one has to be looked at
+    (n,) [rad] there; where that is None and a curve remains, all of that one has to be checked
     otherwise.
     """
 

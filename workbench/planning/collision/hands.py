@@ -18,7 +18,7 @@ from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.legs import grips, openings
 
 NOTHING = np.iinfo(np.int64).max
-"""In place of the number of a pair: none is too close."""
+"""Instead of the number of a pair: none is too close."""
 
 
 class Hands(NamedTuple):
@@ -110,7 +110,7 @@ def _hands_of_one(
 def turns_of(tool: Tool, grasp: Grasp) -> Hands:
     """The `grips` of one grasp as ways that are judged each by itself.
 
-    Their fingers arrive as open as the grasp says; what they do to the part is not looked at.
+    Their fingers arrive as open as the grasp says; what they do to the part is not checked.
     """
     Ts = [grasp.T_part_tcp * T * tool.T_flange_tcp.inverse() for T in grips(tool, grasp)]
     return Hands(

@@ -26,7 +26,7 @@ def pairs_without_check(cell: Cell, *, seed: int = 0) -> Mapping[tuple[str, str]
     """Pairs of links, the tool of an arm being `<arm>_tool`, each with its reason.
 
     Args:
-        cell: its own disabled pairs are not looked at.
+        cell: its own disabled pairs are not checked.
         seed: of the configurations.
     """
     kinematics = Kinematics(cell)
@@ -74,7 +74,7 @@ def _meetings(
 
     Args:
         kinematics: of the cell, all of whose arms are drawn by seed.
-        geometry: its pairs of bodies are looked at until it is known of their links.
+        geometry: its pairs of bodies are checked until it is known of their links.
         margin: [m] bodies meet that are nearer.
         seed: of the configurations.
         of: the pair of links of each pair of bodies.

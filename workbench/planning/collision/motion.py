@@ -4,13 +4,13 @@ The controller interpolates all joints of an arm linearly.  Either it stops at e
 it rounds the corners: within a `zone` (a fraction of the neighbouring segments) it follows a
 parabola that touches both.  So a motion is a chain of quadratic Bezier curves in joint space:
 straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
-becomes a stop, so where corners are rounded the sharp ones are checked as well, and where they are
+becomes a stop.  So where corners are rounded the sharp ones are checked as well, and where they are
 wide roundings between the two.  One that is streamed cuts corners straight, from sample to sample,
 by less than half of both segments (`walked`).
 
 A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
-the most that the rest of the curve can bring it nearer (`bounds`).  Where that cannot be told,
-each half is looked at.  Below `RESOLUTION` of motion a state counts as itself.
+the most that the rest of the curve can bring it nearer (`bounds`).  Where that is unknown,
+each half is checked.  Below `RESOLUTION` of motion a state counts as itself.
 """
 
 from collections import deque
@@ -63,7 +63,7 @@ def straight(path: Floats) -> Curves:
 def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
-    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done,
+    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done;
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """
@@ -155,7 +155,7 @@ def chain_contact(
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along a chain of curves of the joints `columns`, others at `base`.
 
-    Only the pairs `among` are looked at, all that count in the phase when it is None.
+    Only the pairs `among` are checked, all that count in the phase when it is None.
 
     Returns:
         The contact, the arm's configuration (n,) [rad] there, and the waypoint before it; None
@@ -192,7 +192,7 @@ def _curve_contact(
     resolution: float,
     among: Ints | None,
 ) -> tuple[Contact, Floats] | None:
-    """The first contact along one curve (3, n), every state looked at by Coal."""
+    """The first contact along one curve (3, n), every state checked by Coal."""
     q, d = base.copy(), np.zeros(len(base))
     # Breadth first: what is in the way is mostly met by the coarse looks already.  A pair that
     # a look has cleared for the whole curve is not looked at again in its halves.

@@ -23,10 +23,10 @@ MOST_PAIRINGS = 16
 
 
 def kept(begins: Floats) -> Floats:
-    """The distances [m] that are kept by what is so far apart (k,) [m] where a leg begins.
+    """The distances [m] that are kept by what is this far apart (k,) [m] where a leg begins.
 
     What is in touch may come nearer by `SLACK`.  What is clear stays so, by half at least: the rest
-    is for what states are looked at apart, and measured otherwise.
+    is for what states are checked apart, and measured otherwise.
     """
     return np.where(begins > CLEAR, np.maximum(begins / 2, begins - SLACK), begins - SLACK)
 
@@ -65,9 +65,9 @@ class Checks:
 
     `arms` are the numbers of arms by name, `among` those of the pairs that count.  For every pair
     there is its margin [m], the arms that carry its bodies in `carriers` (pairs, 2), -1 where none
-    does, and in `commons` the deepest joint that carries both.  `lifts` tells whether one of them
-    is a part that is being lifted, `leaves` whether it is a part that has been placed and the other
-    is of the arm that now goes away from it, `placed` whether it is a placed part at all.
+    does, and in `commons` the deepest joint that carries both.  `lifts` states whether one of them
+    is a part that is being lifted; `leaves` whether it is a part that has been placed and the other
+    is of the arm that now goes away from it; `placed` whether it is a placed part at all.
     """
 
     arms: Mapping[str, int]
@@ -117,7 +117,7 @@ class Checks:
         return among[(self.carriers[among] == self.arms[arm]).any(axis=1)]
 
     def all_but(self, arm: str, other: str) -> Ints:
-        """The pairs of one arm, but for those with the other."""
+        """The pairs of one arm, except for those with the other."""
         return np.setdiff1d(self.involving(arm), self.between(arm, other))
 
     def to_placed(self, arm: str) -> Ints:

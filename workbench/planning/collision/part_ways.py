@@ -1,6 +1,6 @@
 """A part alone, moved along straight ways out of the bin: which of them are free, whoever holds it.
 
-The way of a part does not depend on the grasp, so where a neighbour lies on it, or leans on it, no
+The way of a part does not depend on the grasp.  So where a neighbour lies on it, or leans on it, no
 grasp has to be tried.
 """
 
@@ -23,14 +23,14 @@ from workbench.planning.collision.rolled import Placed, placed
 from workbench.planning.collision.surroundings import Surroundings
 
 STEP = 0.004
-"""[m] Parts are looked at so far apart on their way."""
+"""[m] Parts are checked this far apart on their way."""
 
 ASIDE = 0.0005
 """[m] An arm's way, straight between waypoints of its joints, is so far from the straight line."""
 
 
 FIRST = 0.003
-"""[m] So much of a way tells whether it leads away from what the part lies against.
+"""[m] So much of a way states whether it leads away from what the part lies against.
 
 The distance of two convex bodies is a convex function of the way, so what gains here gains on."""
 
@@ -39,10 +39,10 @@ LEANS, SIDES = np.deg2rad([8.0, 16.0, 24.0, 36.0, 48.0, 60.0]), 24
 within the first 10 mm, from which on `near_margin` is kept to it."""
 
 MOST_OFF = 12
-"""Ways off that are told of a part, those that lead away most."""
+"""Reported extraction directions of a part, those that lead away most."""
 
 COMES_OFF = 0.001
-"""[m] Steps in which a part comes off what it lies on, where its turns are looked at."""
+"""[m] Steps in which a part comes off what it lies on, where its turns are checked."""
 
 
 Body = tuple[Shape, pin.SE3]
@@ -66,7 +66,7 @@ class Caught:
 
 
 def steps_along(first: float, most: float) -> Floats:
-    """How far [m] along a way something is looked at, shape (k,): from `first` to its end."""
+    """How far [m] along a way something is checked, shape (k,): from `first` to its end."""
     return np.append(np.arange(first, most, STEP), most)
 
 
@@ -166,10 +166,10 @@ class PartWays:
     def ways_off(self, number: int) -> tuple[Floats, ...]:
         """The ways (3,) [m] in the world on which a part comes off and then meets nothing.
 
-        They are looked for all over the half sphere above it, up to 60 degrees from upright, each
+        They are searched for all over the half sphere above it, up to 60 degrees from upright, each
         as long as the policy's lift.
         Those come first that lead away most in their first mm, and of these the steepest.  It is
-        the part alone that is looked at, so all its grasps have them in common.
+        the part alone that is checked, so all its grasps have them in common.
 
         Args:
             number: of the detection.
@@ -226,7 +226,7 @@ class PartWays:
 
         Args:
             number: of the detection.
-            way: (3,) [m] in the world; its first `release` is looked at.
+            way: (3,) [m] in the world; its first `release` is checked.
         """
         if all(detection.roll_known for detection in self._detections):
             return None

@@ -1,7 +1,7 @@
 """Parts whose roll nobody knows: the room of all turns about their axis counts in their place.
 
 Only as they come off what they lie on the room says too little, since it is in touch with that:
-there the part itself is looked at, turn after turn.
+there the part itself is checked, turn after turn.
 """
 
 from functools import lru_cache

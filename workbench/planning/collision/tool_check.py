@@ -91,7 +91,7 @@ class ToolCheck:
     ) -> list[Fit]:
         """How an arm's hand fits: by the first way of each grasp in which it meets nothing.
 
-        Fingers are looked at as they arrive and as they are closed.  The ways are those of
+        Fingers are checked as they arrive and as they are closed.  The ways are those of
         `hands_of`.
 
         Args:

@@ -137,7 +137,7 @@ class World:
         self._split = self._split_of(self.pairs.among)
 
     def _split_of(self, among: Ints) -> tuple[Ints, Ints]:
-        """The pairs that compiled code can tell apart, and the others.
+        """The pairs that compiled code can distinguish, and the others.
 
         Parts that may stay in touch are measured: how deep they are is not searched for there.
         """
@@ -268,7 +268,7 @@ class World:
     def worst(self, q: Floats, reach: float) -> tuple[Contact | None, float]:
         """The pair with the least room at `q` (nq,), and how much it has beyond its margin [m].
 
-        Pairs with more room than `reach` [m] are not looked at: None means at least that much.
+        Pairs with more room than `reach` [m] are not checked: None means at least that much.
         """
         pairs, _, lower = self._close(q, self._still, reach, None)
         best: Contact | None = None

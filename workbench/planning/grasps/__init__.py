@@ -1,4 +1,4 @@
-"""Grasps put on a part: checked, suggested, tried all over the bin.
+"""Grasps on a part: checked, suggested, tried over the bin.
 
 Imports `kinematics`, `collision` and `picking`.
 """

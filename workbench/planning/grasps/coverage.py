@@ -66,7 +66,7 @@ class Coverage:
     `directions` (n, 3): unit vectors of the part, pointing up; `shares` (n,) of the poses with that
     direction up in which any grasp works with any arm, `arm_shares` (n, a) with each arm.
     `grasp_shares` (g, a): of all poses, for each grasp of the library and arm.  `poses` is how many
-    were looked at; fewer when the search was ended.  `lying_share` is that of the ways in which a
+    were checked; fewer when the search was ended.  `lying_share` is that of the ways in which a
     part comes to lie on the floor by itself, each by how often it does; None where that is unknown.
     """
 

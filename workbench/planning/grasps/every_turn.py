@@ -1,7 +1,7 @@
 """Whether a hand takes a part alike however that is turned about its axis.
 
 The scan may not show a part's roll.  What the hand does to it must then be right for all turns: the
-hand keeps out of the room of all of them (`collision.rolled`), and what it closes on is looked at
+hand keeps out of the room of all of them (`collision.rolled`), and what it closes on is checked
 here, turn after turn.
 """
 
@@ -23,7 +23,7 @@ from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspCheck
 from workbench.planning.grasps.pads import Hold
 
 DIGITS = 7
-"""Decimals [m] by which hands are told apart: what differs less is looked at once."""
+"""Decimals [m] by which hands are distinguished: what differs less is checked once."""
 
 
 @dataclass(frozen=True, slots=True)

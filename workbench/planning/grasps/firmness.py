@@ -1,6 +1,6 @@
 """Whether a grip holds a part's weight and acceleration, whichever way they pull: a wrench check.
 
-The forces that a grip holds are a convex body, and what counts is the largest ball in it, as in
+The forces that a grip holds are a convex body.  What counts is the largest ball in it, as in
 Ferrari and Canny, "Planning optimal grasps", ICRA 1992, but with the torque that each force brings
 along.  What the contacts hold is said in `grip_program`.
 """
@@ -19,7 +19,7 @@ GRAVITY = 9.81
 """[m/s2]"""
 
 RESERVE = 1.2
-"""The load counts so many times: neither this model nor a stated friction is exact."""
+"""The load counts this many times: neither this model nor a stated friction is exact."""
 
 BLOCKS = 5
 """Along each side of a pad's touch: points within a block count as one."""
@@ -138,7 +138,7 @@ def _blocks(points: Floats, weights: Floats) -> tuple[Floats, Floats]:
 
 
 def in_words(firmness: Firmness) -> str:
-    """What a person is told of a grip, with the numbers that it depends on."""
+    """The text about a grip, with the numbers that it depends on."""
     by = f"{firmness.force:g} N, friction {firmness.friction:g}, {firmness.acceleration:.1f} m/s2"
     if firmness.is_enough:
         return f"holds {min(firmness.share, MOST_TOLD):.1f} times the load ({by})"

@@ -7,10 +7,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Floats, Shape, Solid
 from workbench.model.part import Grasp, Part
-from workbench.planning.collision.bodies import extent
-from workbench.planning.collision.distances.measuring import distance
+from workbench.planning.collision.distances.measuring import Group, group_distance
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.firmness import (
     Firmness,
@@ -79,18 +77,6 @@ class GraspCheck:
         return not any(finding.is_problem for finding in self.findings)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Moved:
-    """A solid of the tool, with its box and the way a finger goes for each metre of opening."""
-
-    name: str
-    shape: Shape
-    T_tcp_shape: pin.SE3
-    travel: Floats
-    centre: Floats
-    radius: float
-
-
 class GraspChecker:
     """A part and a tool, prepared for any number of grasps.
 
@@ -110,43 +96,25 @@ class GraspChecker:
         self.cup = None if tool.fingers or not tool.body else Cup(tool)
         T_tcp_flange = tool.T_flange_tcp.inverse()
         moving = [(finger.solid, np.asarray(finger.direction) / 2) for finger in tool.fingers]
-        self._solids: list[_Moved] = []
-        for solid, travel in [*((solid, np.zeros(3)) for solid in tool.body), *moving]:
-            T = T_tcp_flange * solid.T_owner_shape
-            centre, _, radius = extent(solid.shape)
-            self._solids.append(
-                _Moved(
-                    solid.name,
-                    solid.shape,
-                    T,
-                    T_tcp_flange.rotation @ travel,
-                    T.act(centre),
-                    radius,
-                )
-            )
-        self._pieces = [(piece.shape, piece.T_owner_shape, *_ball(piece)) for piece in part.pieces]
+        solids = [*((solid, np.zeros(3)) for solid in tool.body), *moving]
+        self._names = [solid.name for solid, _ in solids]
+        # How each goes for a metre of opening, in the TCP frame.
+        self._travels = np.array([T_tcp_flange.rotation @ travel for _, travel in solids]).reshape(
+            -1, 3
+        )
+        self._tool_group = Group([(s.shape, T_tcp_flange * s.T_owner_shape) for s, _ in solids])
+        self._part_group = Group([(piece.shape, piece.T_owner_shape) for piece in part.pieces])
 
     def clearance(
         self, T_part_tcp: pin.SE3, opening: float, within: float = np.inf
     ) -> tuple[float, str]:
         """How far the tool is from the part [m], below 0 how deep it cuts, and the solid nearest.
 
-        Distances beyond `within` are not told apart.
+        Distances beyond `within` are not distinguished.
         """
-        best, at = within, ""
-        for solid in self._solids:
-            T_tcp = pin.SE3(
-                solid.T_tcp_shape.rotation, solid.T_tcp_shape.translation + solid.travel * opening
-            )
-            T = T_part_tcp * T_tcp
-            centre = T_part_tcp.act(solid.centre + solid.travel * opening)
-            for shape, T_part_piece, middle, radius in self._pieces:
-                if np.linalg.norm(centre - middle) - solid.radius - radius >= best:
-                    continue
-                far = distance(solid.shape, T, shape, T_part_piece, best)
-                if far < best:
-                    best, at = far, solid.name
-        return best, at
+        shifts = self._travels * opening
+        best, at = group_distance(self._tool_group, T_part_tcp, shifts, self._part_group, within)
+        return best, self._names[at] if at >= 0 else ""
 
     def way_in(self, grasp: Grasp) -> tuple[float, float, str]:
         """The least distance on the straight way in, open.
@@ -259,11 +227,6 @@ class GraspChecker:
             text = f"the cup ends {_mm(-seal.height)} before the surface"
             found.append(GraspFinding("seal", text, -seal.height))
         return found
-
-
-def _ball(piece: Solid) -> tuple[Floats, float]:
-    centre, _, radius = extent(piece.shape)
-    return piece.T_owner_shape.act(centre), radius
 
 
 def _stroke_findings(grasp: Grasp, tool: Tool) -> list[GraspFinding]:

@@ -55,7 +55,7 @@ def frame_at(checker: GraspChecker, point: Floats, normal: Floats) -> pin.SE3:
     """`T_part_tcp` for a place on the surface: the tool comes against the normal.
 
     z points against the normal; x lies along the part's longer extent there, so that fingers close
-    across the shorter one.  Fingers have what they close on in their middle, and go in to a little
+    across the shorter one.  Fingers have what they close on in their middle; they go in to a little
     beyond the middle of what is under the point, no deeper than two thirds of their length.  A cup
     stands on the point.
 

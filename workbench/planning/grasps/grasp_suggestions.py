@@ -1,7 +1,7 @@
 """Grasps that a part's shape suggests: opposite faces for two fingers, even ones for a cup.
 
 Pairs of points with opposite normals are sampled on the surface, and hands put around them from
-all sides; the most promising are looked at closely (`grasp_check`), unless like better ones.
+all sides; the most promising are checked closely (`grasp_check`), unless like better ones.
 
 Source: V.-D. Nguyen, "Constructing force-closure grasps", International Journal of Robotics
 Research 7(3), 1988: two contacts hold when the line between them lies in both friction cones.
@@ -41,7 +41,7 @@ SIDES = 8
 """Directions from which the hand may come to two points."""
 
 LOOKS = 400
-"""Grasps that are looked at closely, at most."""
+"""Grasps that are checked closely, at most."""
 
 APART = 0.12
 """Share of the part's size: grasps nearer to each other, and turned by less, are alike."""
@@ -106,7 +106,7 @@ def suggest(
         seed: of the samples.
         name: of the grasps, followed by a number that makes it new in the library.
         acceleration: [m/s2] that grips have to hold against; see `GraspChecker`.
-        refused: is told of each that nothing but the part's weight speaks against.
+        refused: is called with each that nothing but the part's weight speaks against.
 
     Returns:
         At most `most`; none when the tool cannot take the part.

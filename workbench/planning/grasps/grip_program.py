@@ -50,7 +50,7 @@ class Contacts:
 class Program:
     """The linear program of a grip: the unknowns are six numbers a touch, and the load.
 
-    A touch has the pressure, even and along both sides [N], and the force of friction along both
+    A touch has the pressure, even and along both sides [N]; and the force of friction along both
     [N] and its torque about the normal, over the touch's radius [N].
     """
 

@@ -26,7 +26,7 @@ class Hold:
     `width` [m] is the part's, from where the first finger meets it to where the second does;
     `offset` [m] how far its middle lies towards the first.  For each finger: the area [m2] that it
     touches, the mean outward normal (3,) there, in the TCP frame, its angle [rad] to the
-    travel, and points (n, 3) [m] of where it touches, evenly spread, in the TCP frame, with the
+    travel; and points (n, 3) [m] of where it touches, evenly spread, in the TCP frame, with the
     share (n,) of the pressure: less where the part curves away.
     """
 
@@ -130,9 +130,11 @@ class Pads:
         """Triangles that a ray of the grid may meet."""
         low = np.array([self.grid.u, self.grid.v])
         high = low + self.grid.step * (np.array(self.grid.shape) - 1)
-        corners = points[triangles][:, :, :2]
-        meets = (corners.max(axis=1) >= low).all(axis=1) & (corners.min(axis=1) <= high).all(axis=1)
-        return np.ascontiguousarray(triangles[meets])
+        # A triangle lies beside the grid if all of its corners lie on the same side of it.
+        beside = np.column_stack([points[:, :2] < low, points[:, :2] > high])
+        sides = np.packbits(beside, axis=1)[:, 0]
+        a, b, c = triangles.T
+        return np.ascontiguousarray(triangles[(sides[a] & sides[b] & sides[c]) == 0])
 
     def _contact(self, points: Floats, triangles: Ints, met: Ints) -> tuple[float, Floats]:
         """Area and mean normal, in the view frame, where triangles were met."""

@@ -17,7 +17,7 @@ NOTHING = -1
 """The triangle that a ray without a hit met."""
 
 GROUP = 24
-"""Neighbouring triangles that one sphere stands for when the nearest point is looked for."""
+"""Neighbouring triangles that one sphere stands for when the nearest point is searched for."""
 
 ROUNDING = 1e-12
 """[m] By which distances from spheres may be rounded."""

@@ -20,7 +20,7 @@ EXACT = 0.1
 """Share of the tolerance: a fold that is no further off is exact, and one that is is doubted."""
 
 MOST_FOLD = 24
-"""A part that has more turns is round but for the facets of its mesh."""
+"""A part that has more turns is round except for the facets of its mesh."""
 
 ROUND = (0.21, 0.83, 1.47, 2.19, 2.71)
 """[rad] No fold contains all of these turns: a part that looks the same after each is round."""
@@ -35,7 +35,7 @@ SAME = np.deg2rad(3.0)
 """[rad] Axes closer than this are one."""
 
 FACES = 8
-"""The normals of so many of the largest faces are tried as axes."""
+"""The normals of this many of the largest faces are tried as axes."""
 
 STEPS = 36
 """Turns that stand for any angle."""

@@ -11,7 +11,7 @@ from workbench.model.symmetry import BALL, ROUND, SAME, Symmetry
 from workbench.planning.collision.legs import FREE_STEP, turn_steps
 
 ROUND_STEPS = 12
-"""A part that looks alike at any turn is put down at so many."""
+"""A part that looks alike at any turn is put down at this many."""
 
 ALIKE = 2e-4
 """[m, no unit] Poses whose numbers differ by less are one."""

@@ -89,7 +89,7 @@ def _stands(part: Part) -> list[tuple[Floats, float, float]]:
     """Each face of the hull on which a part stands.
 
     Returns:
-        Its outward normal (3,), how far along that it is from the part's origin [m], and how far
+        Its outward normal (3,), how far along that it is from the part's origin [m]; and how far
         the part may be tilted before it falls over [rad].
     """
     # Takes a while, and planning without stations asks for no hulls.

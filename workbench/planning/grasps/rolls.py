@@ -30,7 +30,7 @@ def at_every_turn(
     """The first verdict on a hand at a part that may be rolled, as far as that is not known.
 
     Args:
-        check: in which the hand was looked at.
+        check: in which the hand was checked.
         part: that is taken.
         detections: all of them.
         number: of that of the part.

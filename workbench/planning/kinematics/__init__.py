@@ -1,4 +1,4 @@
-"""Where links are for joint values, and joint values for a pose of the tool.
+"""Forward and inverse kinematics, timing.
 
 Imports nothing of planning.
 """

@@ -1,7 +1,7 @@
 """One arm as plain arrays, and the compiled loops over it: forward and inverse kinematics.
 
 Inverse kinematics is damped least squares (Nakamura and Hanafusa 1986) with the damping tied
-to the remaining error (Sugihara 2011), steps clipped to the joint limits, and many starting
+to the remaining error (Sugihara 2011); steps clipped to the joint limits, and many starting
 points: a seven-axis arm has a one-parameter family of answers, and which of them is taken is
 decided later, by clearance and travel.
 """

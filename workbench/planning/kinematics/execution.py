@@ -1,11 +1,11 @@
 """When the arm passes each waypoint: the fastest timing of a leg within speed and acceleration.
 
 Time-optimal path parameterization by reachability analysis (Pham and Pham, "A new approach to
-time-optimal path parameterization based on reachability analysis", IEEE T-RO 2018) over the curve
+time-optimal path parameterization based on reachability analysis", IEEE T-RO 2018); over the curve
 that the controller follows, from rest to rest.
 
 The curve q(s) is the polyline with corners rounded by parabolas.  Its grid has a point wherever a
-parabola begins or ends, so that between two grid points q'' is constant, q' linear, the
+parabola begins or ends: so between two grid points q'' is constant, q' linear, the
 acceleration of the parameter constant and its squared speed linear: the acceleration of a joint
 q' s'' + q'' (s')^2 is linear as well.  What holds at both ends of a piece, each seen from inside of
 it, holds everywhere: limits are kept along the whole curve, not only at the grid.
@@ -88,7 +88,7 @@ def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats, Ints]:
     """The rounded polyline of segments `steps` (m, n) in k pieces of constant q''.
 
     Returns:
-        q' at both ends of each piece (k, 2, n), q'' in it (k, n), its width in the parameter (k,),
+        q' at both ends of each piece (k, 2, n), q'' in it (k, n), its width in the parameter (k,);
         and the numbers (m,) of those that end at a waypoint.
     """
     count = len(steps)

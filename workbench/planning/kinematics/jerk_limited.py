@@ -3,7 +3,7 @@
 Nothing follows a corner that is rounded by a parabola with finite jerk, unless it stops: q'' jumps
 where the parabola begins.  So a corner is rounded in time: all joints go over from the velocity u
 of one way to the velocity w of the next by u + (w - u) S(t), an S-curve.  It leaves the one way and
-is on the other within the zone.  As S' is symmetric and greatest in the middle, the curve lies
+is on the other within the zone.  As S' is symmetric and greatest in the middle: the curve lies
 between the corner and the parabola of the same width, for which S' is constant: in what is known to
 be free.  Between two blends the arm goes straight, up to a speed and down again by S-curves.
 
@@ -32,7 +32,7 @@ UNLIMITED = 1e18
 """What the parameter may do where no joint moves that has a limit."""
 
 HALVINGS = 50
-"""Of an interval in which a share is looked for."""
+"""Of an interval in which a share is searched for."""
 
 
 @njit(cache=True)

@@ -21,13 +21,13 @@ from workbench.planning.picking.weave import interleave
 BOTH = (Strategy.ALTERNATED, Strategy.COORDINATED)
 
 ALIKE = 3
-"""Grasps of a part that are looked at for an arm, where both arms may work at once."""
+"""Grasps of a part that are checked for an arm, where both arms may work at once."""
 
 WOVEN = 2
 """Pairs of them that are planned, of which the quicker is taken."""
 
 TRIED = 4
-"""Of picks of the same parts by the same arms so many are tried until enough can be planned."""
+"""Of picks of the same parts by the same arms this many are tried until enough can be planned."""
 
 ENOUGH = 1.15
 """Times as long as its busier arm works: a plan that takes no longer is good enough."""
@@ -211,7 +211,7 @@ def _route(
 def _alike(request: _Request, assigned: Sequence[Pick], *, is_free: bool) -> list[Sequence[Pick]]:
     """Picks of the same parts by the same arms, those first that promise most.
 
-    In turns these are the given ones.  Where both arms may be in the bin they can work at once,
+    In turns these are the given ones.  Where both arms may be in the bin they can work at once;
     mostly, when they can stand side by side at the ends of their legs; if not, one has to wait.
     """
     world = request.world
@@ -255,7 +255,7 @@ def _assignments(
     they would drag may be gone by then.
 
     Of more arms any two may work, while the others stand at home.  For each arm and part the pick
-    that takes the least time stands, or all of them where the grasps of a part go by pairs;
+    that takes the least time stands; or all of them where the grasps of a part go by pairs;
     pairs are ordered by the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}

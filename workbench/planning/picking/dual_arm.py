@@ -278,7 +278,7 @@ def _one_after_the_other(world: World, pair: Pair) -> list[Step] | None:
 
 
 def passes(world: World, moving: Task, waiting: ArmPlan, done: int) -> bool:
-    """Whether one arm can go while the other stands where it is with so many of its legs done."""
+    """Whether one arm can go while the other stands where it is with this many of its legs done."""
     waits: list[Run] = []
     if done:
         last = waiting.legs[done - 1]

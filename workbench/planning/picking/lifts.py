@@ -1,8 +1,8 @@
 """Ways in which a part is taken out of the bin, by name, in the order of the policy.
 
-Where there are several, those that lead away from what the part lies against come before those on
-which it only rubs along that, and may drag it.  Last come those on which it is pushed into that:
-the arm may not go there, so they must not keep it from trying others.
+Where there are several, those that lead away from what the part lies against come first: before
+those on which it only rubs along that, and may drag it.  Last come those on which it is pushed into
+that: the arm may not go there, so they must not keep it from trying others.
 
 `leaning`: up, leaning to the middle of the bin, as the thesis does.  `up`: straight up.  `back`:
 out again as the hand came in.  `off-wall`: up, leaning away from the wall that is nearest;
@@ -90,7 +90,7 @@ def _unlike(directions: Floats) -> list[int]:
 
 
 def has_several(world: World, candidate: Candidate) -> bool:
-    """Whether there is a choice of lifts: then they are looked at without the arm first."""
+    """Whether there is a choice of lifts: then they are checked without the arm first."""
     return candidate.grasp.retreat is None and len(world.policy.lifts) > 1
 
 
@@ -123,7 +123,7 @@ def find_lifts_clear_for_part_and_hand(
         world: of the cell and the detections.
         candidate: part, arm and grasp.
         T_world_tcp: pose of the tool at the part.
-        most: so many are enough.
+        most: this many are enough.
 
     Returns:
         As `find_lifts_clear_for_part`: names with ways (3,) [m], and why there is none.

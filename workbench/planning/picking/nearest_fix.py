@@ -40,7 +40,7 @@ LEAST_AIR = 0.001
 """[m] That is left between each finger and the part, at least."""
 
 MOST_REFUSED = 8
-"""Candidates that are looked at, the best ones first."""
+"""Candidates that are checked, the best ones first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +82,7 @@ def nearest_fix(
     """The smallest change that was found to admit a refused candidate, the best one if possible.
 
     The best is the one that got furthest along the line, then that which lacks least distance;
-    the next ones are looked at when nothing admits it.
+    the next ones are checked when nothing admits it.
 
     Args:
         cell: that the candidates were judged in.

@@ -36,13 +36,13 @@ def propose(
 ) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
-    The order: admitted ones first, then priority, then the SE(3) index, which is the way of
+    The order: admitted ones first, then priority, then the SE(3) index: the way of
     the TCP from home to the grasp plus `TURN_WEIGHT` times its turn.
 
     Args:
         world: of the cell with the parts found.
-        priorities: of the grasps that are looked at; None for all of them.
-        looked: is told how far it is, and may end it by raising.
+        priorities: of the grasps that are checked; None for all of them.
+        looked: is called with the progress, and may end it by raising.
     """
     detections = world.detections
     grasps = grasps_of(world, priorities)
@@ -62,7 +62,7 @@ def propose(
 
 
 def grasps_of(world: World, priorities: Collection[int] | None) -> dict[str, tuple[Grasp, ...]]:
-    """The grasps that are looked at, by part; see `propose`."""
+    """The grasps that are checked, by part; see `propose`."""
     return {
         part.name: tuple(
             grasp for grasp in part.grasps if priorities is None or grasp.priority in priorities

@@ -53,10 +53,10 @@ def plan_straight_descents(
 ) -> Iterator[Floats | Verdict]:
     """The straight ways (m, n) to the places of an arm, in order; what speaks against others.
 
-    Those where the part shall lie in a certain way come first, those of the hand behind them.
+    Those where the part has to lie in a certain way come first, those of the hand behind them.
 
     Args:
-        world: is put into the phase whenever something is looked at in it.
+        world: is put into the phase whenever something is checked in it.
         arm: that brings a part.
         phase: of doing so.
         q_from: (n,) [rad] where the arm comes from.

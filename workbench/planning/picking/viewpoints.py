@@ -67,7 +67,7 @@ def sample_showing_configurations(
 
 
 def _draw_pose(cell: Cell, rng: np.random.Generator, aside: float) -> pin.SE3:
-    """A pose above the bin for what is shown, z downwards but for the tilt."""
+    """A pose above the bin for what is shown, z downwards except for the tilt."""
     T, axis = cell.bin.T_world_bin, cell.scanner.T_world_scanner
     height = float(cell.bin.size[2]) + rng.uniform(LOWEST, HIGHEST)
     above = T.act(np.array([0.0, 0.0, height]))

@@ -1,4 +1,4 @@
-"""How sure it is where a part comes to lie: what is not known of it, and what the grip takes out.
+"""Placing error, and what the grip removes from it.
 
-And which places of pallets are open to it.  Imports `grasps` and `collision`.
+Also: free places of pallets.  Imports `grasps` and `collision`.
 """

@@ -14,7 +14,7 @@ DRAWS = 20_000
 """Errors that stand for all."""
 
 SURE = 0.95
-"""Of so many picks the part lies within what is told."""
+"""Of this many picks the part lies within what is reported."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,7 +47,7 @@ class Counted:
 def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counted:
     """What makes a difference of a part that is to lie at a place, None: somewhere.
 
-    Turns about the axis of a part that is round do not, nor those about one about which its roll is
+    Turns about the axis of a part that is round do not; nor those about one about which its roll is
     not known, since such parts are put only where that does not matter; nor those about z of a
     place at which it may be turned all around.
     """
@@ -76,6 +76,6 @@ def draw_errors(covariance: Floats, count: int, seed: int) -> Floats:
 
 
 def within(off: tuple[Floats, Floats], place: PartPlace) -> float:
-    """The share of parts so far off (n,) [m] and (n,) [rad] that a place takes as right, 0..1."""
+    """The share of parts this far off (n,) [m] and (n,) [rad] that a place takes as right, 0..1."""
     shifts, turns = off
     return float(np.mean((shifts <= place.tolerance) & (turns <= place.turn_tolerance)))

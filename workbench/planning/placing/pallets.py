@@ -23,7 +23,7 @@ def open_places(
 ) -> tuple[PartPlace, ...]:
     """The places of an arm where a part found may be put now, in the order in which they are tried.
 
-    Of a pallet in layers those are the places without a part in the lowest layer that is not full,
+    Of a pallet in layers those are the places without a part in the lowest layer that is not full;
     unless a part lies in a layer above.
 
     Args:

@@ -1,4 +1,4 @@
-"""Ways between two configurations, by whatever planner; they know no robot.
+"""Path planners between configurations; they know no robot.
 
 Imports collision: its compiled check of edges.
 """

@@ -34,7 +34,7 @@ class CompiledCheck:
 
 
 def edges_in(is_clear: EdgeCheck, count: int) -> Edges:
-    """What compiled code can check of an edge check by itself, for so many joints."""
+    """What compiled code can check of an edge check by itself, for this many joints."""
     known = is_clear.edges if isinstance(is_clear, CompiledCheck) else None
     return no_edges(count) if known is None else known
 
@@ -48,7 +48,7 @@ def look_at_the_clock(is_clear: EdgeCheck) -> None:
 class Answers(NamedTuple):
     """What a function was answered so far: it begins anew with each answer, and gets as far again.
 
-    `known` (k,) are the answers in the order of its questions, `asked` (2,) how many questions it
+    `known` (k,) are the answers in the order of its questions; `asked` (2,) how many questions it
     has asked since it began, and how many answers there are; `edge` (2, n) [rad] is the open one.
     """
 

@@ -1,6 +1,6 @@
 """A path's corners moved to where it takes less time, which need not be where it is shorter.
 
-The joint with the longest way decides how long a segment takes, and a corner takes time where a
+The joint with the longest way decides how long a segment takes.  A corner takes time where a
 joint has to change its speed in it by more than it can while it is rounded.
 """
 

@@ -31,7 +31,7 @@ SHRINKINGS = 6
 """Neighbourhoods tried around a milestone, each smaller than the one before."""
 
 CELLS = 8
-"""A milestone is chosen from the cells of a grid with so many cells along each of two joints."""
+"""A milestone is chosen from the cells of a grid with this many cells along each of two joints."""
 
 LEVELS = 3
 """How often a segment is halved to look at states on it before it is checked as a whole."""

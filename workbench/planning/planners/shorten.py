@@ -21,8 +21,8 @@ ROUNDS = 2
 def shorten_path(path: Floats, is_clear: EdgeCheck, *, most: int) -> Floats:
     """The same path (m, n) [rad] with detours cut: waypoints skipped, then corners cut off.
 
-    From each kept waypoint it goes straight on to the furthest one that can be reached; then at
-    each corner the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
+    From each kept waypoint it goes straight on to the furthest one that can be reached; then, at
+    each corner, the widest of some straight cuts that is clear is taken, `ROUNDS` times or until
     there could be more than `most` waypoints.
     """
     count, joints = path.shape

@@ -1,4 +1,4 @@
-"""How hands take parts: grasps as authored, straight lines, and parts of unknown roll.
+"""Proof of grasps, straight legs and unknown rolls.
 
 Imports `model`, and of the proof bodies, kinematics and places.
 """

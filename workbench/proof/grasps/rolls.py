@@ -29,7 +29,7 @@ def roll_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> It
     """Whether all is right at every turn of the parts whose roll nobody knows.
 
     The walk keeps everything out of the room of all turns.  Here it is asked whether the hand holds
-    the part at each of them, whether the part comes off what it lies on, and whether the place may
+    the part at each of them; whether the part comes off what it lies on, and whether the place may
     have it.  Turns at which a part would lie deeper than `sink` in something are left out.
     """
     found = plan.detections[arm_plan.detection]

@@ -13,11 +13,11 @@ from workbench.proof.stages import in_hand, tcp
 from workbench.proof.tolerances import OFF_ARC, OFF_LINE, farthest, largest_turn
 
 OFTEN = 0.044
-"""[rad] The sum of all joints' turns after which a hand is looked at again: within 1.2 m of an axis
+"""[rad] The sum of all joints' turns after which a hand is checked again: within 1.2 m of an axis
 its chord is then less than 0.3 mm off, by L^2 / 8 times that."""
 
 STRETCH = 256
-"""Places of a hand that are looked at together."""
+"""Places of a hand that are checked together."""
 
 
 def straight_violations(
@@ -37,7 +37,7 @@ def straight_violations(
     `reach` [m] is how far its part extends from the TCP: a long part limits how the hand may turn.
 
     Joints between two waypoints (m, n) [rad] move in proportion, and the hand then on a curve: it
-    is looked at so often that it is less than 0.3 mm off the chord of two neighbours.
+    is checked so finely that it is less than 0.3 mm off the chord of two neighbours.
     """
     rows, at = _dense(path)
     start = tcp(tree, tree.rest, arm, rows[0])

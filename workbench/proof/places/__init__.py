@@ -1,4 +1,4 @@
-"""Where parts are put down: whether they lie as a place asks, or stand on a station.
+"""Proof of places, stations and pallets.
 
 Imports `model`, and of the proof bodies and kinematics.
 """

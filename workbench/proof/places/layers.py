@@ -23,7 +23,7 @@ FALL = 0.003
 """[m] So much more than the margin a part may fall when it is let go of onto a pallet."""
 
 FARTHEST = 0.05
-"""[m] Nothing that is farther beneath is looked for."""
+"""[m] Nothing that is farther beneath is searched for."""
 
 NEAR = 1e-5
 """[m] A part that has come so near to something lies on it."""
@@ -183,7 +183,7 @@ def kept_box(
 ) -> Obstacle:
     """The box around a part that was put down: later plans keep clear of it.
 
-    On a pallet in layers it is where it has fallen to, and counts as what others stand on, as long
+    On a pallet in layers it is where it has fallen to; it counts as what others stand on, as long
     as it `is_sure` that it is there.  Elsewhere it is where the hand has let go of it.
 
     Args:

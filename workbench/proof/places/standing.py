@@ -41,7 +41,7 @@ def standing_violations(
 ) -> Iterator[Violation]:
     """Whether a part that an arm lets go of over the station it names stands there from then on.
 
-    A part stands where it falls by little, straight down, onto something that the cell has, and the
+    A part stands where it falls by little, straight down, onto something that the cell has.  The
     points that it stands on are on the station and around its centre of mass, as if it were all
     of one material.
     """

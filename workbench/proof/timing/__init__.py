@@ -1,4 +1,4 @@
-"""Speeds, accelerations and jerk along whole legs: whether a motion can be as a plan says.
+"""Proof of speeds, accelerations and jerk along legs.
 
 Imports `model` alone.
 """

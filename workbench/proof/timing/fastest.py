@@ -20,7 +20,7 @@ SOONEST = 0.001
 """[s] From a waypoint to an equal one."""
 
 HALVINGS, FEWER = 45, 20
-"""Of an interval in which a limit is looked for, and in which a speed is."""
+"""Of an interval in which a limit is searched for, and in which a speed is."""
 
 NEAR = 1e-9
 """Share of a squared speed that rounding may decide."""
@@ -224,7 +224,7 @@ def find_infeasible_segment(
 ) -> int:  # pragma: no cover (compiled)
     """The segment at which the best attempt failed, or -1 if the planned times are feasible.
 
-    What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg,
+    What is found is a motion: as fast as can be at each waypoint, or at the pace of the whole leg;
     and slower where a segment takes longer than it could then; or by the speeds of `SHARES`, in any
     order.  A motion with other speeds may be missed.
 

@@ -38,7 +38,7 @@ class Limits(NamedTuple):
 def find_segment_over_jerk_limit(steps: Floats, times: Floats, limits: Limits, zone: float) -> int:
     """The segment at which the best attempt failed, or -1 if the planned times are feasible.
 
-    A motion of another kind than is looked for may be missed.
+    A motion of another kind than is searched for may be missed.
 
     Args:
         steps: the ways (m, n) [rad, m].

@@ -1,9 +1,9 @@
 """Compiled: a motion of S-curves along ways that passes each waypoint when it should.
 
 On each way it goes up from the share of the way's full speed at which the corner before is passed
-to a peak, steady, and on to the share of the corner after; in a corner over from the velocity of
+to a peak; steady, and on to the share of the corner after; in a corner over from the velocity of
 the one way to that of the other.  Corners are passed as fast as can be, or at some shares of that.
-Motions of other kinds are not looked for.
+Motions of other kinds are not searched for.
 """
 
 import numpy as np

@@ -1,1 +1,1 @@
-"""Localization measured as BOP does it: its errors of poses, its average precision."""
+"""Localization measured by BOP's metrics."""

@@ -21,7 +21,7 @@ from workbench.perception.localization.pose_error import FINE_STEPS
 from workbench.studies.bop.precision import THRESHOLDS, WIDTH
 
 PROBES = 12
-"""Vertices that tell which motions need not be looked at with all."""
+"""Vertices that tell which motions need not be checked with all."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -36,7 +36,7 @@ MARGIN = 0.02
 """[m] Room around all that is seen."""
 
 HIGHEST = 0.8
-"""Share of the way from what things lie on to the camera in which they are looked for."""
+"""Share of the way from what things lie on to the camera in which they are searched for."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ class DataSet:
     def searched(
         self, cell: Cell, seed: int, report: Report = silent, *, is_own_bin: bool = False
     ) -> list[PoseEstimate]:
-        """What the cell's localizer finds in all images; every object is looked for in each.
+        """What the cell's localizer finds in all images; every object is searched for in each.
 
         `is_own_bin`: the images are of the cell's bin, by its scanner; see `place_of` else.
         """
@@ -142,7 +142,7 @@ def _judge(shapes: Mapping[int, Shape], image: BopImage, found: Sequence[PoseEst
 def _find(cell: Cell, image: BopImage, seed: int, is_own_bin: bool) -> list[PoseEstimate]:
     """What is found in one image.
 
-    Nothing is taken from the truth: where to look is told by the image alone.
+    Nothing is taken from the truth: where to look is reported by the image alone.
     """
     depths = read_depth(image)
     rows, columns = np.nonzero(depths)

@@ -1,4 +1,4 @@
-"""The study of emptying: piles by their cell's name, kept in a folder, drawn.
+"""Study of emptying: stored piles, plots.
 
 Imports nothing of other studies.  How a pile is emptied stands in `app.emptying`.
 """

@@ -36,7 +36,7 @@ def emptied_all(
 
     Args:
         tasks: of the piles.
-        folder: where each pile is kept as soon as it is done, and looked for first; None for
+        folder: where each pile is kept as soon as it is done, and searched for first; None for
             nowhere.
         workers: see there.
         scheduler: see there.

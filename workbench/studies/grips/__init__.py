@@ -1,4 +1,4 @@
-"""The study of grips: whether what is said to hold a part's weight does.
+"""Study of grips under weight.
 
 Imports nothing of other studies but how cases are run.
 """

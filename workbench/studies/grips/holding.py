@@ -77,7 +77,7 @@ class Pulled:
 
 
 def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent) -> list[Pulled]:
-    """So many grips, the parts in turn; those where the hand pushes the part away are left out.
+    """This many grips, the parts in turn; those where the hand pushes the part away are left out.
 
     Args:
         case: the first one; its part may be several, joined by `TOGETHER`, or empty: all that the

@@ -1,4 +1,4 @@
-"""A first cell around a robot that nobody has used here: its arms, tools, bin, homes and places.
+"""First cell around a new robot: tools, bin, homes, places.
 
 Imports no other folder of `studies`, of its files `targets`.
 """

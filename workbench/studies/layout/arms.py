@@ -70,7 +70,7 @@ class _Tree:
         return sum(joint.kind != "fixed" for joint in self._robot.chain(link))
 
     def ends(self, link: str, before: int) -> list[str]:
-        """The last moving links of the arms beyond a link, `before` which so many joints move."""
+        """The last moving links of the arms beyond a link, `before` which this many joints move."""
         onward = list(self._onward(link))
         driven = [joint for joint in onward if self._longest(joint) > 0]
         arms = [joint for joint in driven if self._longest(joint) >= FEWEST_AXES]

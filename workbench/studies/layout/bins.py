@@ -1,7 +1,7 @@
 """Where the bin of a first cell could be, and how large, found by trying.
 
 It is a start for a person to change: the bin goes where the arms reach most of it with the tool
-pointing down, and where they also find homes and places, and a plan for a simulated pile; a
+pointing down; and where they also find homes and places, and a plan for a simulated pile; a
 smaller one where none of the usual size will do.
 """
 
@@ -39,7 +39,7 @@ DIRECTIONS = (0.0, np.pi / 2, -np.pi / 2, np.pi)
 SAMPLES = 400
 
 ENOUGH = 0.75
-"""Share of poses in a bin that an arm reaches: with less a smaller one is looked for."""
+"""Share of poses in a bin that an arm reaches: with less a smaller one is searched for."""
 
 PATIENCE = 40.0
 """[s] Processor time after which the best bin so far is taken; without one the search goes on."""
@@ -48,7 +48,7 @@ TURNS_TRIED = (0.0, np.pi / 2)
 """[rad] Of the tool about the vertical, at each place in a bin."""
 
 MOST_TRIED = 32
-"""Bins of one size for which homes and places are looked for, the best first."""
+"""Bins of one size for which homes and places are searched for, the best first."""
 
 MOST_WHOLE = 2
 """Bins of one size, with homes and places, from which parts are taken on trial."""
@@ -85,7 +85,7 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
         cell: with its arms and tools, and fixtures that are kept; a table is added when there
             are none.
         moves_bin: False leaves the bin where it is, and as large.
-        report: told the share done and what is tried.
+        report: called with the share done and what is tried.
 
     Raises:
         InputError: the arms reach no bin before, beside or behind the robot.
@@ -168,7 +168,7 @@ def _heights(cell: Cell) -> tuple[float, ...]:
 
 
 SCARA_AXES = 4
-"""With so many axes an arm keeps its tool upright."""
+"""With this many axes an arm keeps its tool upright."""
 
 
 def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:

@@ -22,7 +22,7 @@ ALONG = np.deg2rad(1.0)
 """[rad] So much z of a flange may be turned against the last axis."""
 
 BESIDE = 0.002
-"""[m] So far from that axis a flange may lie."""
+"""[m] This far from that axis a flange may lie."""
 
 CLEAR = 0.002
 """[m] A smaller distance does not tell to which side a link lies."""

@@ -14,7 +14,7 @@ from workbench.studies.layout.homes import TURNS, side_of
 from workbench.studies.targets import judged
 
 DROP = 0.02
-"""[m] A part is let go of so far above a tray."""
+"""[m] A part is let go of this far above a tray."""
 
 
 def with_places(cell: Cell) -> Cell:

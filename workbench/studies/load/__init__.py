@@ -1,4 +1,4 @@
-"""Browsers without a screen, many of them: they read all, one of them scrubs and types.
+"""Load test by many browsers without a screen.
 
 Imports nothing of studies.
 """

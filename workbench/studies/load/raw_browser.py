@@ -60,7 +60,7 @@ class RawBrowser:
         self.texts: dict[str, str] = {}
         """What stands in the page beside widgets, by id."""
         self.refused: list[str] = []
-        """Why something was not done, as notes have told it."""
+        """Why something was not done, as notes have reported it."""
 
     async def log_in(self, name: str, password: str) -> int:
         """Fill in the form; the status of the answer, 303 when it is right."""

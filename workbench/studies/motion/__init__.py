@@ -1,1 +1,1 @@
-"""Studies of motion: problems from files, and both arms as one, beside other planners."""
+"""Motion problems from files; both arms as one."""

@@ -85,7 +85,7 @@ class BothArms:
         """A start and a goal that touch nothing, the bin between them.
 
         Each arm by itself is drawn in all of its joints' range until its tool is beside or over the
-        bin, at the start on one side of the bin's middle, at the goal on the other.
+        bin: at the start on one side of the bin's middle, at the goal on the other.
         """
         rng = np.random.default_rng(seed)
         sides = rng.choice((-1.0, 1.0), len(self.arms))
@@ -121,7 +121,7 @@ class BothArms:
                 return q
 
     def attempt(self, planner: str, ends: Ends, seed: int, seconds: float) -> Attempt:
-        """Plan once, at most so many seconds of processor time, by `OURS` or `OMPL`."""
+        """Plan once, at most this many seconds of processor time, by `OURS` or `OMPL`."""
         world, rng = self.worlds[planner], np.random.default_rng(seed)
         began = processor_time()
         world.deadline = began + seconds

@@ -98,7 +98,7 @@ def compare_with_klampt(cases: Sequence[Case], *, seconds: float, report: Report
 
 
 def attempt(case: Case, planner: str, seed: int, seconds: float) -> Attempt:
-    """Plan once, at most so many seconds, by the policy's planner or by `OMPL`."""
+    """Plan once, at most this many seconds, by the policy's planner or by `OMPL`."""
     world, rng = case.world, np.random.default_rng([seed, case.number])
     used, began = time.process_time(), working_time()
     world.deadline = began + seconds

@@ -1,4 +1,4 @@
-"""What becomes of each part of a pile: directly, over a station, or from hand to hand.
+"""Outcome of each part of a pile: direct, station, handover.
 
 `picks` plans seeded piles and counts; `exchanges` searches for handovers in the air.
 """

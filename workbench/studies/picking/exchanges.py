@@ -1,7 +1,7 @@
 """Whether a part could go from one hand to the other in the air: a search, and no plan.
 
 Asked is less than a plan would have to be: one hand lifts the part out of the bin, both hold it at
-one pose without meeting anything, the second one comes and the first one leaves on a straight way,
+one pose without meeting anything; the second one comes and the first one leaves on a straight way,
 and the second one holds it so that it comes to its place.  The free ways between are not looked
 for.  So what is counted is the most that a handover could bring, by the poses that are tried.
 """

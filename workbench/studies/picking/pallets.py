@@ -18,10 +18,10 @@ from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.stacks import let_go
 
 SEEDS = 1000
-"""Piles of a pallet have seeds of their own, so many apart from those of the next."""
+"""Piles of a pallet have seeds of their own, this many apart from those of the next."""
 
 MOST_PILES = 3
-"""So many piles in a row without a plan end a pallet."""
+"""This many piles in a row without a plan end a pallet."""
 
 LEANS, LIES_OFF = np.deg2rad(2.0), 0.004
 """[rad, m] A part that leans more, or lies farther from where it was put and fallen to, is off."""
@@ -45,8 +45,8 @@ class Case:
 class Filled:
     """What came of a pallet.
 
-    Of its `places` so many were filled with `parts`; `ends` says why there are no more, empty
-    where it is full.  `piles` were looked at, of which `unplanned` brought no plan.  Of the parts
+    Of its `places` this many were filled with `parts`; `ends` says why there are no more, empty
+    where it is full.  `piles` were checked, of which `unplanned` brought no plan.  Of the parts
     `off` do not lie where they were put and have fallen to; `shift` [m] and `lean` [rad] are the
     most of all.
     """
@@ -117,7 +117,7 @@ def _off(cell: Cell, placed: Sequence[Detection], case: Case) -> tuple[int, floa
 
 
 def summary(results: Sequence[Filled]) -> dict[str, Any]:
-    """What is told of all pallets."""
+    """The report of all pallets."""
     return {
         "pallets": len(results),
         "full": sum(result.parts == result.places for result in results),

@@ -1,6 +1,6 @@
 """How long a pick takes, stage by stage, and how often it works: seeded piles, known poses.
 
-Localization is left out on purpose: its own study tells how good it is.
+Localization is left out on purpose: its own study states how good it is.
 """
 
 from collections import Counter

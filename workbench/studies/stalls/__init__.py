@@ -1,4 +1,4 @@
-"""What holds up the page's process: how long, and by which line.
+"""What blocks the page's process, by line of code.
 
 Imports nothing of studies but the browsers without a screen.
 """

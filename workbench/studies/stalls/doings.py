@@ -22,7 +22,7 @@ READS = (
 )  # fmt: skip
 
 SMALL = 2_000
-"""Triangles of a part that is made, not only looked at: that takes a worker minutes otherwise."""
+"""Triangles of a part that is made, not only checked: that takes a worker minutes otherwise."""
 
 POSES = 30
 """In a file; more are not taken."""

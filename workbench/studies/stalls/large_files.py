@@ -106,7 +106,7 @@ def cad_file(kind: str, triangles: int = TRIANGLES) -> bytes:
 
 
 def cloud(cell: Cell, count: int) -> bytes:
-    """A scan of the cell's bin with so many points, as a binary PLY file of its scanner's."""
+    """A scan of the cell's bin with this many points, as a binary PLY file of its scanner's."""
     length, width, height = cell.bin.size
     random = np.random.default_rng(0)
     around = [random.uniform(-side / 2, side / 2, count) for side in (length, width)]

@@ -70,7 +70,7 @@ class Visit:
         """The state once something holds for it.
 
         Raises:
-            LinkError: it never does, or the page has told of a refusal.
+            LinkError: it never does, or the page has reported of a refusal.
         """
         end = time.monotonic() + LONGEST
         while time.monotonic() < end:

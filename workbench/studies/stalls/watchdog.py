@@ -1,4 +1,4 @@
-"""A watchdog inside a process: it tells what holds up its other threads, and for how long.
+"""A watchdog inside a process: it states what holds up its other threads, and for how long.
 
 Python runs one thread at a time.  A call into C that keeps the interpreter to itself stops all the
 others, the robot link among them; so does a callback of an event loop for all that the loop serves.
@@ -26,7 +26,7 @@ EVERY = 0.01
 """[s] Between two looks."""
 
 DEEPEST = 16
-"""Frames of a stack that are told."""
+"""Frames of a stack that are reported."""
 
 RUN = "_run"
 """The method by which event loops of asyncio call each callback."""

@@ -1,4 +1,4 @@
-"""Who comes in: users, passwords, logins and tokens, and what is done against guessing.
+"""Users, passwords, logins, tokens, lockout.
 
 Imports `http`.
 """

@@ -35,7 +35,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class LockedOut:
-    """No login may be tried for so many seconds."""
+    """No login may be tried for this many seconds."""
 
     seconds: float
 

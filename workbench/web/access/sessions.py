@@ -43,7 +43,7 @@ class Sessions:
 
         Returns:
             The cookie.  It stands for no login when the user has been removed or disabled
-            since the password was tried, or the first user added since the link was opened.
+            since the password was tried; or the first user added since the link was opened.
         """
         cookie = secrets.token_urlsafe(32)
         now = self._now()

@@ -1,4 +1,4 @@
-"""The HTTP interface for programs, its description made from the same tables as its routes.
+"""HTTP interface and its OpenAPI description.
 
 Imports nothing of web.
 """

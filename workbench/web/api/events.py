@@ -34,7 +34,7 @@ class Events:
 
     Lifetime: as long as its routes.
 
-    Concurrency: the event loop, but for the bench's observers, which only wake it.
+    Concurrency: the event loop, except for the bench's observers, which only wake it.
     """
 
     def __init__(self, bench: Bench, *, heartbeat: float = HEARTBEAT):

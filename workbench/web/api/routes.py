@@ -54,10 +54,10 @@ CHUNK = 2**18
 """[bytes] Of a long answer that are sent at once."""
 
 READERS = 3
-"""So many answers are made at once: clouds take memory and time."""
+"""This many answers are made at once: clouds take memory and time."""
 
 COMMANDERS = 4
-"""So many commands are looked at at once."""
+"""This many commands are checked at once."""
 
 Answer = Callable[[web.Request, Person], Awaitable[web.StreamResponse]]
 
@@ -70,7 +70,7 @@ def api_routes(
     The description of the interface is for everybody, everything else for who has logged in.
 
     Args:
-        bench: whose state is told, and which takes the commands.
+        bench: whose state is reported, and which takes the commands.
         identify: says who asks.
         heartbeat: [s] after which an event stream shows that it lives.
     """

@@ -1,4 +1,4 @@
-"""What holds for every connection and every answer: how many, from where, with which headers.
+"""Rules of every connection and answer: limits, origins, headers.
 
 Imports nothing of web.
 """

@@ -1,6 +1,6 @@
 """How many connections there may be: all of them, those with a login apart from those without.
 
-A connection without a login holds a place that costs nothing to take, so it may not hold it for
+A connection without a login holds a place that costs nothing to take.  So it may not hold it for
 long, and gives way when others come.  There are never so many of them that those who have
 logged in find no room.
 """
@@ -103,7 +103,7 @@ class ConnectionLimits:
         """Nobody is there.
 
         Args:
-            is_login: tells who has logged in.
+            is_login: returns who has logged in.
             clock: [s], does not jump.
             room: for how many.
         """

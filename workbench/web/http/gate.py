@@ -28,14 +28,14 @@ SILENCE = 60.0
 """[s] In which it is said only once that nothing is left."""
 
 LOOK = 1.0
-"""How often [s] it is looked for those who have taken too long."""
+"""How often [s] it is searched for those who have taken too long."""
 
 
 class Gate:
     """Takes connections in.
 
     Our own instead of asyncio's: that one tells nobody of a connection before its TLS handshake
-    is done, and when file descriptors run out it tries 128 times in a row, writes to the log each
+    is done.  When file descriptors run out it tries 128 times in a row, writes to the log each
     time, and has each of them try again.
 
     Lifetime: `serve`, until it is cancelled.

@@ -1,4 +1,4 @@
-"""What each answer tells the browser to be strict about."""
+"""What each answer asks the browser to be strict about."""
 
 from collections.abc import Mapping
 
@@ -34,7 +34,7 @@ def scene_policy(sockets: str, pieces: str) -> Mapping[str, str]:
     """For viser's page, which talks to nobody else either.
 
     It consists of inline scripts, WebAssembly whose glue is compiled from strings, and a worker
-    made from a blob, and the HTML of our tables has handlers in it.
+    made from a blob; the HTML of our tables has handlers in it.
 
     Args:
         sockets: where websockets may be opened to.

@@ -1,7 +1,7 @@
 """Which pages are our own: what the headers Host and Origin may say.
 
 Any page of any site can have a browser send requests and open websockets to here, cookies
-included, and can make its own name lead to this machine (DNS rebinding).  Hence names other than
+included; it can make its own name lead to this machine (DNS rebinding).  Hence names other than
 those known are refused, and whatever changes something has to come from a page of ours.
 """
 

@@ -64,7 +64,7 @@ class Sparing(logging.Filter):
 
         Args:
             at_once: lines of a kind that may be written together.
-            clock: tells [s] and does not jump.
+            clock: returns [s] and does not jump.
         """
         super().__init__()
         self._at_once = at_once
@@ -108,7 +108,7 @@ def _is_told_already(record: logging.LogRecord) -> bool:
 
 
 def _shorten(record: logging.LogRecord) -> None:
-    """One line for what a stranger has sent: where in a library that was found tells nothing."""
+    """One line for what a stranger has sent: where in a library that was found shows nothing."""
     error = record.exc_info[1] if record.exc_info else None
     if isinstance(error, HttpProcessingError | web.RequestPayloadError):
         record.msg, record.args = "%s: %s", (record.getMessage(), " ".join(str(error).split()))

@@ -1,4 +1,4 @@
-"""The state and a few commands for a PLC.
+"""OPC UA server for PLCs.
 
 Imports `http`.
 """

@@ -1,7 +1,7 @@
 """The folder of certificates: the server's own, those of clients that are trusted, and others.
 
 `server.der` and `server_key.pem` are the server's; `trusted/` holds a file (DER or PEM) for each
-client that may open a channel, `rejected/` the last ones that came and were not among these.
+client that may open a channel; `rejected/` the last ones that came and were not among these.
 """
 
 import hashlib

@@ -71,7 +71,7 @@ class OpcUa:
         """Listen.
 
         Args:
-            bench: whose state is told, and which takes the commands.
+            bench: whose state is reported, and which takes the commands.
             options: where, and who calls.
 
         Raises:

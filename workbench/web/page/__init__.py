@@ -1,4 +1,4 @@
-"""The page around the scene, and what passes between a browser and viser.
+"""Page around the scene; relay between browser and viser.
 
 Imports `http` and `access`.
 """

@@ -1,4 +1,4 @@
-"""The websocket of the page around the scene: tells what the bar says, takes a stop.
+"""The websocket of the page around the scene: states what the bar says, takes a stop.
 
 A stop comes over HTTP and on this websocket at once.  On a line that loses packets, or that a new
 connection has to be opened over, one of them is late; this one is open all the time.
@@ -50,7 +50,7 @@ class Presence:
         self._stop = stop
 
     async def socket(self, request: web.Request) -> web.StreamResponse:
-        """A websocket that tells the bar, again and again; the browser may say `STOP` on it."""
+        """A websocket that feeds the bar, again and again; the browser may say `STOP` on it."""
         session = session_of(request)
         if session is None:
             raise web.HTTPUnauthorized(text="Log in first.\n")

@@ -24,7 +24,7 @@ class RateLimit:
     """Messages of one browser on their way to viser, in order.
 
     Nothing is lost: a press waits its turn, a value is overtaken only by a newer one of the same
-    widget, and never past a press, which would then see a value from after it.
+    widget; never past a press, which would then see a value from after it.
 
     Concurrency: one thread.
     """

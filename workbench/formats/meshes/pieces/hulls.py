@@ -7,7 +7,7 @@ from workbench.formats.meshes.reading import MOST_NEIGHBOURS, convex_hull, most_
 from workbench.model.geometry import Floats, Ints, Mesh
 
 MOST_CORNERS = 300
-"""Of a piece; one with more is replaced by one around it with about so many."""
+"""Of a piece; one with more is replaced by one around it with about this many."""
 
 FEW_CORNERS = 100
 """The same, of a hull that stands for a whole mesh."""
@@ -22,7 +22,7 @@ THICK = 5e-5
 """[m] Half the thickness of the hull of something flat."""
 
 FINE = 0.5
-"""Of a tolerance: so far apart, about, are points at which a hull is looked at."""
+"""Of a tolerance: this far apart, about, are points at which a hull is checked."""
 FEWEST, MOST = 50, 4_000
 """Such points, at least and at most."""
 
@@ -101,7 +101,7 @@ def area_of(triangles: Floats) -> float:
 
 
 def points_for(area: float, tolerance: float) -> int:
-    """How many points are looked at on so much surface [m2] for a tolerance [m]."""
+    """How many points are checked on so much surface [m2] for a tolerance [m]."""
     return int(np.clip(area / (FINE * tolerance) ** 2, FEWEST, MOST))
 
 

@@ -77,7 +77,7 @@ def clipped(soup: Floats, plane: Plane) -> tuple[Floats, Floats]:
 
 
 def cloud(soup: Floats, count: int) -> Floats:
-    """Points (m, 3) [m] on triangles (n, 3, 3) [m], so many, and about so many corners."""
+    """Points (m, 3) [m] on triangles (n, 3, 3) [m], this many, and about this many corners."""
     surface = trimesh.Trimesh(
         soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3), process=False
     )

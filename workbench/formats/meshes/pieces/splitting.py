@@ -40,7 +40,7 @@ THROUGH = 8
 ALONG = 8
 """Faces about the deepest hollow along which a plane may go, at most."""
 AROUND = 40
-"""Points of the surface at which they are looked for."""
+"""Points of the surface at which they are searched for."""
 
 GAINS = 0.05
 """Where no plane lowers the volume by this share of the cube of the depth of the hollow, one goes
@@ -59,7 +59,7 @@ THINNEST = 0.2
 """What is cut off is thicker than this share of the tolerance."""
 
 SEEN, MOST_SEEN = 0.0005, 100_000
-"""[m] The tolerance for which bodies that others have made are looked at; at so many points."""
+"""[m] The tolerance for which bodies that others have made are checked; at this many points."""
 
 KNOWN = 0.1
 """Share of the tolerance to which the excess is known in the end."""
@@ -115,7 +115,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
 
 
 def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -> tuple[Mesh, ...]:
-    """Convex meshes that go around pieces of a mesh, so that few bodies are looked at first.
+    """Convex meshes that go around pieces of a mesh, so that few bodies are checked first.
 
     Args:
         mesh: any triangles; they need not close.

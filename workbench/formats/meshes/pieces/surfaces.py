@@ -18,7 +18,7 @@ class Surface:
     """Triangles (n, 3, 3) [m] that enclose something, or nearly.
 
     Space is divided into cells; those that cannot be reached from outside, through cells without
-    a point of the surface, are inside, and so is a hollow to which nothing leads.
+    a point of the surface, are inside; so is a hollow to which nothing leads.
 
     Points of the surface, by which places on it are found, are `spacing` [m] apart, or more where
     they would be more than `MOST_POINTS`.
@@ -60,7 +60,7 @@ class Surface:
 
         Args:
             points: [m] within the box around the surface; of those about as far the first counts.
-            enough: [m] what surely is no farther is not looked at closer.
+            enough: [m] what surely is no farther is not checked closer.
             too_far: [m] the search ends at a point that is farther.
         """
         is_at_surface = self._are(self._is_taken, points, elsewhere=False)

@@ -12,7 +12,7 @@ HARD_ENDS = frozenset(
     END endproc endfunc endtrap endmodule proc func trap local task record alias
     """.split()  # noqa: SIM905
 )
-"""What ends every block; what only a declaration begins with tells that an end is missing."""
+"""What ends every block; what only a declaration begins with states that an end is missing."""
 
 SOFT_ENDS = frozenset(
     "endif endfor endwhile endtest else elseif case default error undo backward".split()  # noqa: SIM905

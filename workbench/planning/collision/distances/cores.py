@@ -38,7 +38,7 @@ class Cores(NamedTuple):
 
     After the bodies' own cores come those of their pieces, which are seen from the body's centre
     as well: `pieces[g]` of body g from `first[g]` on.  Around each core n are a box, `middle`
-    (n, 3) and `halves` (n, 3) [m] in the body's frame, and a ball of radius `ball` (n,) [m].
+    (n, 3) and `halves` (n, 3) [m] in the body's frame; and a ball of radius `ball` (n,) [m].
     """
 
     corners: Floats

@@ -5,7 +5,7 @@ objects in three-dimensional space" (1988), on the difference of two bodies.  Ev
 bound of the distance from below (a plane between the bodies) and from above (two points of
 them); the search ends as soon as these tell on which side of the two limits it lies.
 
-Where two bodies are not clear that only go around pieces, these are looked at.
+Where two bodies are not clear that only go around pieces, these are checked.
 """
 
 import numpy as np

@@ -1,5 +1,6 @@
 """The distance of two shapes, measured by Coal; where a shape has pieces, between these."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -32,14 +33,14 @@ def _pieces(shape: Shape) -> _Pieces:
 
 
 def has_pieces(shape: Shape) -> bool:
-    """Whether a shape goes around pieces that have to be looked at."""
+    """Whether a shape goes around pieces that have to be checked."""
     return isinstance(shape, Mesh) and bool(shape.pieces)
 
 
 def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float = np.inf) -> float:
     """The distance [m] of two shapes at poses in a common frame, negative where they overlap.
 
-    Distances beyond `within` are not told apart.
+    Distances beyond `within` are not distinguished.
     """
     a, b = _pieces(shape), _pieces(other)
     at, bt = (
@@ -65,6 +66,79 @@ def distance(shape: Shape, T: pin.SE3, other: Shape, U: pin.SE3, within: float =
             break
         best = min(best, _measure(a.geometries[i], at, b.geometries[j], bt))
     return best
+
+
+class Group:
+    """Shapes that move together, each at a place of its own, with all of their pieces in a row.
+
+    Lifetime: as long as the shapes.
+    """
+
+    def __init__(self, placed: Sequence[tuple[Shape, pin.SE3]]):
+        """The shapes, and where each is in the frame of the group."""
+        pieces = [_pieces(shape) for shape, _ in placed]
+        counts = [len(shape_pieces.radii) for shape_pieces in pieces]
+        self.owners = np.repeat(np.arange(len(placed)), np.array(counts, int))
+        """The shape that each piece (n,) belongs to, no unit."""
+        self.geometries = [piece for some in pieces for piece in some.geometries]
+        none = np.zeros((0, 3))
+        self.centres = np.concatenate([none, *(some.centres for some in pieces)])
+        self.halves = np.concatenate([none, *(some.halves for some in pieces)])
+        self.radii = np.concatenate([none[:, 0], *(some.radii for some in pieces)])
+        R = np.array([T.rotation for _, T in placed]).reshape(-1, 3, 3)
+        p = np.array([T.translation for _, T in placed]).reshape(-1, 3)
+        self.R, self.p = R[self.owners], p[self.owners]
+        self.balls = np.einsum("nij,nj->ni", self.R, self.centres) + self.p
+        """Where the balls around the pieces are in the frame of the group (n, 3) [m]."""
+
+
+def group_distance(
+    one: Group, T: pin.SE3, shifts: Floats, other: Group, within: float = np.inf
+) -> tuple[float, int]:
+    """The least distance [m] between the shapes of two groups, below 0 where they overlap.
+
+    Args:
+        one: a group.
+        T: where it is, seen from the other one.
+        shifts: (s, 3) [m] by which each of its shapes is moved in its frame before.
+        other: the group that stays.
+        within: distances beyond it are not told apart.
+
+    Returns:
+        The distance, and which shape of `one` it is of; -1 where none is within.
+    """
+    moved = shifts[one.owners]
+    R, p = T.rotation @ one.R, (one.p + moved) @ T.rotation.T + T.translation
+    balls = (one.balls + moved) @ T.rotation.T + T.translation
+    # Of each box of the one how far the balls of the other are, and the other way round.
+    apart = other.balls[None] - p[:, None]
+    there = np.abs(apart @ R - one.centres[:, None]) - one.halves[:, None]
+    back = np.einsum("mji,nmj->nmi", other.R, balls[:, None] - other.p[None])
+    here = np.abs(back - other.centres[None]) - other.halves[None]
+    least = np.maximum(_to_box(there) - other.radii, _to_box(here) - one.radii[:, None])
+    best, at = within, -1
+    for k in np.argsort(least, axis=None, kind="stable").tolist():
+        i, j = divmod(k, len(other.radii))
+        if least[i, j] >= best:
+            break
+        far = _measure(
+            one.geometries[i],
+            coal.Transform3s(R[i], p[i]),
+            other.geometries[j],
+            coal.Transform3s(other.R[j], other.p[j]),
+        )
+        if far < best:
+            best, at = far, int(one.owners[i])
+    return best, at
+
+
+def _to_box(beyond: Floats) -> Floats:
+    """Distances (...) [m] to a box, below 0 within, of points `beyond` (..., 3) its faces by it."""
+    x, y, z = beyond[..., 0], beyond[..., 1], beyond[..., 2]
+    # Written out: numpy reduces an axis of three slowly.
+    out_x, out_y, out_z = np.maximum(x, 0.0), np.maximum(y, 0.0), np.maximum(z, 0.0)
+    outside = np.sqrt(out_x * out_x + out_y * out_y + out_z * out_z)
+    return outside + np.minimum(np.maximum(np.maximum(x, y), z), 0.0)
 
 
 def _measure(

@@ -28,7 +28,7 @@ class Edges(NamedTuple):
 
     `margins` (p,) [m] and `commons` (p,) are of all pairs of the model, and `columns` and `commons`
     are numbers, without a unit; `resolution` is in m.  `is_all` is False where there are pairs
-    beside those in `groups`.  What is looked at first changes from edge to edge, in `groups`; what
+    beside those in `groups`.  What is checked first changes from edge to edge, in `groups`; what
     is answered does not depend on it.
     """
 
@@ -74,10 +74,10 @@ def edges_of(
         columns: places of the joints in the whole configuration.
         base: whole configuration (nq,).
         resolution: [m] see `motion`.
-        among: pairs (k,) that compiled code can tell apart.
+        among: pairs (k,) that compiled code can distinguish.
         margins: [m] of all pairs (p,).
         commons: per pair (p,) the deepest joint that carries both bodies.
-        is_all: whether there are no other pairs to be looked at.
+        is_all: whether there are no other pairs to be checked.
     """
     scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
@@ -86,7 +86,7 @@ def edges_of(
 
 @cache
 def no_edges(count: int) -> Edges:
-    """Edges of so many joints of which compiled code knows nothing: every answer is `ASK`."""
+    """Edges of this many joints of which compiled code knows nothing: every answer is `ASK`."""
     whole, none = np.zeros(0, np.int64), np.zeros((0, 3))
     point, flat = np.zeros((1, 3)), np.zeros(0)
     tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), point, point, np.zeros(1))

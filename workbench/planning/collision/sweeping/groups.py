@@ -15,7 +15,7 @@ class Groups(NamedTuple):
     """Pairs sorted into groups.
 
     `pairs` (k,) are those of group g from `begins[g]` to `begins[g + 1]`; `margins` (g,) [m] is the
-    largest of each; `order` (g,) is that in which groups are looked at, `group` (p,) that of every
+    largest of each; `order` (g,) is that in which groups are checked, `group` (p,) that of every
     pair of the model.
     """
 

@@ -18,8 +18,8 @@ LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
 
 WIDE = 0.5
-"""Where links move by more than this share of the radii around them, none of their bodies is
-looked at for how far it moves, only for what touches; only a matter of speed."""
+"""Where links move by more than this share of the radii around them: none of their bodies is
+checked for how far it moves, only for what touches; only a matter of speed."""
 
 IS_CLEAR, TOO_LONG = -1, -2
 
@@ -51,7 +51,7 @@ def look_at(
 ) -> tuple[int, int, float]:
     """Look at pairs at the state `scratch.q` for a motion of up to `scratch.d` around it.
 
-    Those numbered from `begin` on, `asked` of the open ones, are looked at; what the motion may
+    Those numbered from `begin` on, `asked` of the open ones, are checked; what the motion may
     bring closer than its margin is written behind the first `used`.  A group among them stands as
     its number below zero, counted from -1 down.  `margins` (p,) [m] and `commons` (p,) are those of
     all pairs.

@@ -1,4 +1,4 @@
-"""Scratch for one sweep: where joints and bodies are at the state looked at.
+"""Scratch for one sweep: where joints and bodies are at the state checked.
 
 What does not move along the curves is placed once; of what moves, a body is placed only in a look
 that has an open pair of it.
@@ -15,7 +15,7 @@ from workbench.planning.collision.distances.cores import BALL, Cores
 from workbench.planning.kinematics.robot import Tree
 
 MOST_PENDING = 512
-"""Halves of curves waiting to be looked at."""
+"""Halves of curves waiting to be checked."""
 
 MOST_OPEN = 1 << 14
 """Pairs left open by all looks of a curve."""
@@ -27,19 +27,19 @@ ALWAYS = 1 << 62
 class Scratch(NamedTuple):
     """All that a sweep writes to.
 
-    `q` and `d` (nq,) [rad, m] are the state looked at and how far each joint may move from it:
+    `q` and `d` (nq,) [rad, m] are the state checked and how far each joint may move from it:
     by `ahead` to either side, and by up to `bent` beside that; `middle` (n,) is the same state of
     the joints that move, `moving` (m,) these and what they carry.
     `R_j` (j, 3, 3), `p_j` (j, 3) [m] and `z_j` (j, 3) place joints, `R` (b, 3, 3) and `c` (b, 3)
     [m] bodies; `twist` (j, 6) [m, rad] is how links move by `ahead`, at the world's origin, and
     turn.  `most` (j, j) [m] says how far anything on a joint can move relative to each joint before
-    it, `rest` (j, j) [m] by how much more than its `twist` says.  `hub` (j, 4) [m] is a ball in the
-    joint's frame around all bodies on it, of radius zero for the world, `hub_c` (j, 3) [m] its
+    it; `rest` (j, j) [m] by how much more than its `twist` says.  `hub` (j, 4) [m] is a ball in the
+    joint's frame around all bodies on it, of radius zero for the world; `hub_c` (j, 3) [m] its
     centre in the world, `hub_most` and `hub_rest` (j, j) [m] are those of the centre alone.
     `normal` (3,) is a direction in which something was found to be apart.
     `placed` (b,) are the numbers of the last looks in which a body was placed, `look` (1,) that of
     the last one.  `pending` (p, 3, n) are curves to be
-    looked at, with `begins` and `sizes` (p,) of their pairs in `open_pairs` (o,); `W` (5, 3) is
+    checked, with `begins` and `sizes` (p,) of their pairs in `open_pairs` (o,); `W` (5, 3) is
     scratch of `gjk`.
     """
 

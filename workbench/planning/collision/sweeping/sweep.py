@@ -12,7 +12,7 @@ from workbench.planning.collision.sweeping.look import IS_CLEAR, TOO_LONG, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 
 NARROW = 0.03
-"""[rad] Curves one after the other, as corners are made of, are looked at together up to here."""
+"""[rad] Curves one after the other, as corners are made of, are checked together up to here."""
 
 
 @njit(cache=True)
@@ -33,16 +33,16 @@ def sweep_chain(
         columns: places of the n joints in the whole configuration.
         base: whole configuration (nq,) of the others.
         resolution: [m] see `motion`.
-        among: pairs that are looked at; see `bounds.close_pairs`, as the next two.
+        among: pairs that are checked; see `bounds.close_pairs`, as the next two.
         margins: see there.
         commons: see there.
         model: of what moves.
 
     Returns:
         How many curves are clear; on the next one, of the pairs that touch at the first state where
-        one does, that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
+        one does: that with the lowest number, and the configuration (n,) there; or `IS_CLEAR` when
         there is no next one, or `TOO_LONG` when that takes more room than there is; and how many
-        states were looked at.
+        states were checked.
     """
     scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
@@ -95,7 +95,7 @@ def _is_box_clear(
     model: Model,
     scratch: Scratch,
 ) -> bool:
-    """Whether one look tells that the curves from `first` up to `last` are clear, all at once.
+    """Whether one look states that the curves from `first` up to `last` are clear, all at once.
 
     It is at the middle of the box around them, which need not be on any: if anything is near there
     nothing is said.
@@ -133,13 +133,13 @@ def curve_swept(
 
     Arguments as those of `sweep_chain`: `margins` (p,) [m]; `columns` (n,) and `commons` (p,) are
     numbers, without a unit.  The scratch must be that of these `columns`
-    and of this model, the `groups` those of the pairs to be looked at.  Which pair of several
+    and of this model, the `groups` those of the pairs to be checked.  Which pair of several
     touches is the one with the lowest number if it `names` it, or else any: what touched moves to
-    the front, where it is looked at first the next time.
+    the front, where it is checked first the next time.
 
     Returns:
         The pair that touches at `scratch.middle`, `IS_CLEAR` or `TOO_LONG`; how many states were
-        looked at.
+        checked.
     """
     n, count = len(columns), len(groups.order)
     pending, begins, sizes, open_pairs = (

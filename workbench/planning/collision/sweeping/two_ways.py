@@ -1,4 +1,4 @@
-"""Two arms, each on a way of its own at any speed: looked at in one compiled piece.
+"""Two arms, each on a way of its own at any speed: checked in one compiled piece.
 
 The same halving as of one curve in `sweep`, over two parameters: how far each arm has come.
 """
@@ -18,12 +18,12 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
     Args:
         first: control points (k, 3, n) [rad] of the curves of one arm.
         second: those (l, 3, m) of the other.
-        most: after so many looks that have not told it gives up.
+        most: after so many looks that have not reported it gives up.
         edges: of the joints of the first arm, then of the second (n + m,), and what may touch.
 
     Returns:
         A pair that touches at `edges.scratch.q`, `IS_CLEAR` when there surely is none, or
-        `TOO_LONG` where it gave up; the curves (2,) there; how many states were looked at.
+        `TOO_LONG` where it gave up; the curves (2,) there; how many states were checked.
     """
     ways, n = (first, second), first.shape[2]
     scratch, count, curves = edges.scratch, len(edges.groups.order), np.zeros(2, np.int64)

@@ -1,6 +1,6 @@
 """What is known of the robot, for the variables of OPC UA for Robotics; what is not stays unknown.
 
-Nothing is made up: a variable without a reading here is told with a status that says so.
+Nothing is made up: a variable without a reading here is reported with a status that says so.
 """
 
 import math
@@ -19,7 +19,7 @@ NEVER = StatusCodes.BadNotConnected
 """Nothing that the workbench listens to tells this."""
 
 NOT_NOW = StatusCodes.BadNoCommunication
-"""It is told at times, and not at this moment."""
+"""It is reported at times, and not at this moment."""
 
 OURS = StatusCodes.Uncertain
 """It is what the workbench has asked for: the controller does not say what it does itself."""

@@ -1,0 +1,57 @@
+"""Distances of groups of shapes: those of their pairs, measured one by one."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.parts.reading import read_part
+from workbench.model.geometry import Box, Cylinder, pieces_of
+from workbench.planning.collision.distances.measuring import Group, distance, group_distance
+
+
+def poses(count):
+    rng = np.random.default_rng(4)
+    for _ in range(count):
+        turn = pin.exp3(rng.normal(size=3))
+        yield pin.SE3(turn, rng.uniform(-0.06, 0.06, size=3))
+
+
+@pytest.mark.parametrize("name", ["keyed_cylinder", "bracket"])
+def test_groups_are_as_far_apart_as_their_nearest_shapes(name):
+    tool, part = read_cell("yumi").arms[0].tool, read_part(f"parts/{name}")
+    solids = [*tool.body, *(finger.solid for finger in tool.fingers)]
+    one = Group([(solid.shape, solid.T_owner_shape) for solid in solids])
+    other = Group([(piece.shape, piece.T_owner_shape) for piece in part.pieces])
+    shifts = np.random.default_rng(5).uniform(-0.01, 0.01, size=(len(solids), 3))
+    for T in poses(25):
+        each = [
+            min(
+                distance(
+                    shape,
+                    T * pin.SE3(np.eye(3), shift) * solid.T_owner_shape,
+                    piece.shape,
+                    piece.T_owner_shape,
+                )
+                for piece in part.pieces
+                for shape in pieces_of(solid.shape)
+            )
+            for solid, shift in zip(solids, shifts, strict=True)
+        ]
+        far, at = group_distance(one, T, shifts, other)
+        assert far == pytest.approx(min(each), abs=1e-9) and each[at] == pytest.approx(far)
+
+
+def test_nothing_is_named_beyond_what_is_asked_for():
+    one = Group([(Box(np.full(3, 0.02)), pin.SE3.Identity())])
+    other = Group([(Cylinder(0.01, 0.02), pin.SE3.Identity())])
+    away, still = pin.SE3(np.eye(3), np.array([0.05, 0.0, 0.0])), np.zeros((1, 3))
+    assert group_distance(one, away, still, other, within=0.01) == (0.01, -1)
+    far, at = group_distance(one, away, still, other)
+    assert far == pytest.approx(0.03, abs=1e-6) and at == 0
+
+
+def test_a_group_of_nothing_meets_nothing():
+    other = Group([(Cylinder(0.01, 0.02), pin.SE3.Identity())])
+    nothing = group_distance(Group([]), pin.SE3.Identity(), np.zeros((0, 3)), other)
+    assert nothing == (np.inf, -1)
