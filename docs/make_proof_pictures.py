@@ -28,7 +28,7 @@ from workbench.proof.bodies import bodies_of
 from workbench.proof.motion import sweep_path
 from workbench.proof.robot import tree_of
 from workbench.proof.space import Space
-from workbench.proof.stages import STRAIGHT, carried, situation_of, steps_of
+from workbench.proof.stages import NEAR_MARGIN_LEGS, carried, situation_of, steps_of
 from workbench.proof.table import Table
 from workbench.proof.timing.fastest import fastest
 from workbench.proof.timing.pace import marks_of
@@ -327,7 +327,7 @@ def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list
     space = Space(tree, bodies, table)
     found: list[Floats] = []
     for step in steps_of(cell, tree, plan):
-        if any(one.leg.name in STRAIGHT for one in step.moving):
+        if any(one.leg.name in NEAR_MARGIN_LEGS for one in step.moving):
             continue
         space.put_parts(plan, carried(cell, tree, step))
         pairs = table.pairs(situation_of(tree, step, *step.moving), space.joints)

@@ -159,8 +159,8 @@ class Pick:
 
     `approach` (m, n) [rad] runs from pre-grasp to grasp, `extract` (m, n) from grasp to the
     end of the extraction; `place` (m, n) runs straight down to the release.  `T_tcp_part` is the
-    part in the hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that leads away
-    from what the part lies against (`PartWays.gain`), told where there are several lifts.
+    part in the hand, `lift` the name of the way in which it is taken out, `gain` [m] how much that
+    leads away from what the part lies against (`PartWays.gain`), where there are several lifts.
     `clearance` [m] is the distance beyond the margin at the grasp, at most 0.01; `seconds` what
     its legs take at least, each straight from rest to rest.
     """
