@@ -36,7 +36,7 @@ class PartSearch:
     """The state of the search for one kind of part: depth maps, tolerances, accepted poses.
 
     `depth_map` is the scan as an image for this part, `coarse_map` the same with fewer pixels;
-    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which of
+    `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which
     poses (k, 4, 4) may be at all, (k,).  `least_ends` see `outline.has_visible_boundary`,
     `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
     `scene_model.SceneModel`.
