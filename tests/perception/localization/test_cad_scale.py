@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import pytest
-from workbench.perception.matching.depth_map import make_map
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.model.scan import ScaleCheck
 from workbench.perception.localization.cad_scale import scale_check
+from workbench.perception.matching.maps import make_map
 from workbench.perception.parts.part_surface import prepare
 from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.noise_models import NOISE_MODELS

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import numpy as np
-from workbench.perception.matching.depth_map import make_map
 
+from workbench.perception.matching.maps import make_map
 from workbench.perception.scene.scene_model import scene_model
 
 

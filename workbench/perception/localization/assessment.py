@@ -8,7 +8,7 @@ from workbench.model.geometry import Floats, frozen, put
 from workbench.perception.localization.certainty import count_shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
     EXPLAINED,

@@ -16,7 +16,7 @@ from scipy.ndimage import binary_erosion
 
 from workbench.model.geometry import Floats
 from workbench.model.scan import ScaleCheck
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
 from workbench.perception.matching.sightings import AGREEING, Drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from workbench.model.geometry import Floats
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.registration import move, transformed
 from workbench.perception.matching.sightings import Sighting, closeness, pull, tally
 from workbench.perception.parts.part_surface import PartSurface

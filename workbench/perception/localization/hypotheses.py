@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats
 from workbench.perception.localization.settling import refine_poses
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.registration import quick_scores, refine
 from workbench.perception.matching.sightings import closeness, tally

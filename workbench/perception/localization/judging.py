@@ -17,7 +17,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
 from workbench.perception.localization.likelihood import MOST, log_likelihood_ratio, looked_through
 from workbench.perception.localization.outline import LEAST_ENDS, has_visible_boundary
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
 

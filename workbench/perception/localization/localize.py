@@ -36,11 +36,11 @@ from workbench.perception.localization.hypotheses import (
     EFFORTS,
     SAME_ANGLE,
     SAME_DISTANCE,
-    hypotheses,
+    find_hypotheses,
 )
 from workbench.perception.localization.judging import Judged, PartSearch, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
-from workbench.perception.matching.depth_map import DepthMap, make_map
+from workbench.perception.matching.maps import DepthMap, make_map
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
@@ -181,7 +181,7 @@ def proposals(
     free = _without(search.depth_map, (search.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
         return []
-    poses, outside = hypotheses(
+    poses, outside = find_hypotheses(
         free,
         _coarser(free, search.surface),
         search.surface,

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats
-from workbench.perception.matching.depth_map import DepthMap
+from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import Drawing, drawing, predicted
 from workbench.perception.parts.part_surface import PartSurface
 

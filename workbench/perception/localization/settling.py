@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit, prange
 
 from workbench.model.geometry import Floats, Ints
-from workbench.perception.matching.depth_map import DepthMap, Seen
+from workbench.perception.matching.maps import DepthMap, Seen
 from workbench.perception.matching.registration import move, solved, transformed
 from workbench.perception.matching.sightings import (
     AGAINST,

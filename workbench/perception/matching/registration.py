@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.perception.matching.depth_map import DepthMap, Seen
+from workbench.perception.matching.maps import DepthMap, Seen
 from workbench.perception.parts.oriented import OrientedPoints
 
 Triple = tuple[float, float, float]

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
-from workbench.perception.matching.depth_map import DepthMap, Seen
+from workbench.perception.matching.maps import DepthMap, Seen
 from workbench.perception.matching.registration import Triple, transformed
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.views.rendering import rendered
