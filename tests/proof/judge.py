@@ -17,7 +17,7 @@ from judged_motion import (
     CLEAR,
     ROOM,
     SLACK,
-    PairQuery,
+    Asked,
     Refusal,
     Sampler,
     Way,
@@ -217,7 +217,7 @@ class _Run:
         both = zip(self.scene.group, self.scene.carrier, strict=True)
         return [(group, holders.get(group, carrier)) for group, carrier in both]
 
-    def _asked(self, moving, need) -> PairQuery:
+    def _asked(self, moving, need) -> Asked:
         """Pairs of which one is moved by some values (nq,), with what `need` says they keep.
 
         It is asked for two kinds, each (group, carrier).
@@ -248,7 +248,7 @@ class _Run:
         counts = ~np.isnan(least)
         chosen, pairs = chosen[counts], pairs[counts]
         both = np.where(moves, levers, 0.0)[pairs].sum(axis=1)
-        return PairQuery(pairs, least[counts], np.where(differ[chosen], both, 0.0))
+        return Asked(pairs, least[counts], np.where(differ[chosen], both, 0.0))
 
     def _alone(self, way: Way, others) -> Refusal | None:
         scene, name, arm = self.scene, way.leg.name, way.arm
@@ -308,7 +308,7 @@ class _Run:
         ends = [onto(base, values, columns) for values in way.fingers]
         return self._sampler.along([tuple(ends)], self._asked(moving, other), way)
 
-    def _from_touch(self, chords, asked: PairQuery, way: Way) -> Refusal | None:
+    def _from_touch(self, chords, asked: Asked, way: Way) -> Refusal | None:
         """Pairs that may begin nearer than they keep later: a bed, or a part just put down."""
         near, extract = self.files.policy("near_margin_mm"), way.leg.name == "extract"
         self.scene.at(chords[0][0])

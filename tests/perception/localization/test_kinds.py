@@ -62,7 +62,7 @@ def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch
         left[surface.diameter, seed[1]] = np.count_nonzero(depth_map.foreground)
         return find_hypotheses(depth_map, coarse_map, surface, *rest, seed=seed)
 
-    monkeypatch.setattr(localize, "hypotheses", counted)
+    monkeypatch.setattr(localize, "find_hypotheses", counted)
     truth = drop_parts(KINDS * 2, mixed.bin, seed=3)
     found = find_parts(synthesize(mixed, truth, seed=3), mixed, seed=0).detections
     assert len(found) == 6
@@ -79,7 +79,7 @@ def test_of_many_kinds_those_that_lie_there_are_looked_for_first(mixed, monkeypa
         left.setdefault(surface.diameter, np.count_nonzero(depth_map.foreground))
         return find_hypotheses(depth_map, coarse_map, surface, *rest, seed=seed)
 
-    monkeypatch.setattr(localize, "hypotheses", counted)
+    monkeypatch.setattr(localize, "find_hypotheses", counted)
     others = (drawn("cross", cross()), drawn("ell", ell()), drawn("nut", hex_nut()))
     truth = drop_parts(KINDS * 2, mixed.bin, seed=3)
     many = replace(mixed, parts=(*others, *KINDS))

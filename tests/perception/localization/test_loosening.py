@@ -52,7 +52,7 @@ def test_parts_larger_than_their_cad_file_are_found(cell, part, noise, monkeypat
     scan = synthesize(cell, truth, seed=1, noise=NOISE_MODELS[noise])
     small = sized(part, SMALLER)
     result = found(cell, small, scan)
-    monkeypatch.setattr(kinds, "loosen", lambda found, _: found)
+    monkeypatch.setattr(kinds, "relax_tolerance", lambda found, _: found)
     strict = found(cell, small, scan)
     assert right(result, truth, part) >= 4
     assert right(strict, truth, part) <= 2

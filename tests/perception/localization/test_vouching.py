@@ -57,7 +57,7 @@ def judge(monkeypatch):
                 return False
             return beside == number or bool(is_other[beside * AREA])
 
-        monkeypatch.setattr(judging, "ends_there", has_visible_boundary)
+        monkeypatch.setattr(judging, "has_visible_boundary", has_visible_boundary)
         claimed = np.repeat(np.arange(len(parts)), AREA)
         depth_map = SimpleNamespace(depth=np.zeros((len(parts), AREA)))
         choice = Choice(claimed, parts, rejected or [])

@@ -118,8 +118,14 @@ def test_looking_at_the_hand_alone_refuses_nothing_that_works(cell, heap, monkey
         ]
 
     quick = good()
-    monkeypatch.setattr(resolve, "clear_lifts", lambda *args, most=99: (list(lifts(*args)), None))
-    monkeypatch.setattr(resolve, "free_lifts", lambda *args: (list(lifts(*args)), None))
+    monkeypatch.setattr(
+        resolve,
+        "find_lifts_clear_for_part_and_hand",
+        lambda *args, most=99: (list(lifts(*args)), None),
+    )
+    monkeypatch.setattr(
+        resolve, "find_lifts_clear_for_part", lambda *args: (list(lifts(*args)), None)
+    )
     assert quick and quick == good()
 
 
