@@ -17,8 +17,9 @@ TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
 """[rad] About the vertical, of a tool at home and at its places."""
 
 STARTS = 60
-AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1)
-"""Half widths to the arm's side of the bin's middle, and [m] above its rim."""
+AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1, 0.07)
+"""Half widths to the arm's side of the bin's middle, and [m] above its rim; an arm whose only way
+up is an axis of 150 mm gets no higher than the last."""
 
 SAME_HEIGHT = 0.01
 """[m] Elbows that differ by less are as high."""
