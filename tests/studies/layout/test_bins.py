@@ -9,6 +9,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.studies.layout import bins
+from workbench.studies.layout.homes import side_of
 from workbench.studies.layout.trial import takes_parts
 
 
@@ -85,3 +86,10 @@ def test_parts_are_taken_on_trial_where_arms_reach_them_alone(cell):
     assert not takes_parts(moved(cell, 3.0))
     small = replace(cell, bin=replace(cell.bin, size=cell.bin.size / 20))
     assert not takes_parts(small)
+
+
+def test_arms_on_one_column_work_at_two_sides(cell):
+    assert [side_of(cell, arm) for arm in cell.arms] == [-1.0, 1.0]
+    lower = cell.arms[0]
+    column = replace(cell, arms=(lower, replace(lower, name="upper", controller_id="U")))
+    assert [side_of(column, arm) for arm in column.arms] == [-1.0, 1.0]

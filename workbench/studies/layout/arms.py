@@ -88,7 +88,7 @@ class _Tree:
         ]
 
     def _is_hand(self, onward: Sequence[Joint]) -> bool:
-        # The last axis of an arm turns the whole hand, and the link that it turns is named after it.
+        # The last axis of an arm turns a whole hand, and the link that it turns is named so.
         names = " ".join(
             joint.name if any(self._onward(joint.child)) else f"{joint.name} {joint.child}"
             for joint in onward

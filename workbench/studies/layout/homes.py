@@ -21,6 +21,9 @@ AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1, 0.07)
 """Half widths to the arm's side of the bin's middle, and [m] above its rim; an arm whose only way
 up is an axis of 150 mm gets no higher than the last."""
 
+SAME_SIDE = 0.02
+"""[m] Arms whose feet differ by less stand on one column."""
+
 SAME_HEIGHT = 0.01
 """[m] Elbows that differ by less are as high."""
 
@@ -39,11 +42,11 @@ def side_of(cell: Cell, arm: Arm) -> float:
     """-1 or 1: on which side of the bin's middle, along its y, an arm works."""
     if len(cell.arms) == 1:
         return -1.0
-    feet = {other.name: chain_of(cell, other).p[0] for other in cell.arms}
     T_bin_world = cell.bin.T_world_bin.inverse()
-    mine = T_bin_world.act(feet[arm.name])[1]
-    others = [T_bin_world.act(p)[1] for name, p in feet.items() if name != arm.name]
-    return -1.0 if mine <= min(others) else 1.0
+    feet = {o.name: float(T_bin_world.act(chain_of(cell, o).p[0])[1]) for o in cell.arms}
+    # Of arms on one column the first works at the first side, so that they part.
+    first = min(feet, key=lambda name: round(feet[name] / SAME_SIDE))
+    return -1.0 if arm.name == first else 1.0
 
 
 def nearest_to_zero(q: Floats, lower: Floats, upper: Floats, slides: Floats) -> Floats:
