@@ -42,13 +42,13 @@ ENOUGH = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is searched for."""
 
 PATIENCE, LONGEST = 40.0, 60.0
-"""[s] Processor time after which the best bin so far is taken, and the search ends without one."""
+"""[s] Processor time after which the best bin found is taken, and the search ends without one."""
 
 PATIENCE_OF_SIZE = 12.0
 """[s] Processor time after which a smaller bin is tried where no bin of a size has homes."""
 
 SCARA_AXES = 4
-"""With so many axes, one of which slides, an arm keeps its tool upright."""
+"""An arm with this many axes, one of which slides, keeps its tool upright."""
 
 TURNS_TRIED = (0.0, np.pi / 2)
 """[rad] Of the tool about the vertical, at each place in a bin."""
