@@ -78,7 +78,7 @@ def test_a_pose_that_is_wrong_is_said_to_be_wrong(say, tmp_path):
     ("content", "sentence"),
     [
         (None, "bolt.ply: there is no such mesh file"),
-        (b"no mesh", "bolt.ply: cannot be read as a mesh"),
+        (b"no mesh", "bolt.ply: is cut off, or no PLY file"),
         (b"ply\nformat ascii 1.0\nelement vertex 0\nend_header\n", "bolt.ply"),
     ],
     ids=["no model", "no mesh", "an empty one"],

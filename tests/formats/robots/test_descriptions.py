@@ -173,7 +173,7 @@ def test_a_plane_without_thickness_is_thin(tmp_path):
         read_urdf(tmp_path / "urdf" / "arm.urdf")
 
 
-@pytest.mark.parametrize("speed", ["velocity='0'", "", "velocity='1e6'"])
+@pytest.mark.parametrize("speed", ["velocity='0'", "", "velocity='100'", "velocity='1e6'"])
 def test_a_speed_that_is_not_given_is_assumed_and_told(tmp_path, speed):
     text = made_arm.arm().replace(LIMIT, f'lower="-2.97" upper="2.97" {speed}')
     found = described(tmp_path, text)

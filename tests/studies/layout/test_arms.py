@@ -65,6 +65,14 @@ def test_the_arm_ends_before_its_hand(described, hand):
     assert ends_of(found.robot, found.followers) == ("s6",)
 
 
+def test_the_last_axis_belongs_to_the_arm_though_it_turns_a_link_named_gripper(described):
+    fingers = "".join(
+        FINGER.format(name) + made_arm.turning(f"j_{name}", "s6", name) for name in ("up", "down")
+    )
+    text = made_arm.arm(more=fingers).replace('"s6"', '"gripper_link"')
+    assert ends_of(described(text).robot) == ("gripper_link",)
+
+
 @pytest.mark.parametrize(
     ("flanges", "ordered"),
     [

@@ -62,7 +62,7 @@ def propose_apart(
         cell: with its parts as they are now.
         name: of a kind of part.
         left: parts that stayed in the bin.
-        report: told from another thread how far it is.
+        report: takes the progress, from another thread.
         given_up: set by who does not want to wait any longer.
 
     Raises:

@@ -1,4 +1,4 @@
-"""One tool at one part: the grips of the raster, and the families chosen so far."""
+"""One tool at one part: the grips of the raster, and the families chosen."""
 
 from dataclasses import dataclass, field
 

@@ -182,7 +182,8 @@ def _scene(path: Path, scale: float | None) -> tuple[list[Body], float]:
     except zipfile.BadZipFile:
         raise FileError(path, f"is cut off, or no {kind.upper()} file") from None
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
+        problem = f"is cut off, or no {kind.upper()} file: {shown(str(error))}"
+        raise FileError(path, problem) from None
     if not bodies:
         raise FileError(path, "holds no triangles")
     count = sum(len(body.mesh.triangles) for body in bodies)

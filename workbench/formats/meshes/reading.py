@@ -99,7 +99,8 @@ def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mes
     except MemoryError:
         raise
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        raise FileError(path, f"cannot be read as a mesh: {shown(str(error))}") from None
+        problem = f"is cut off, or no {kind.upper()} file: {shown(str(error))}"
+        raise FileError(path, problem) from None
     triangles = np.asarray(loaded.faces)
     if len(triangles) == 0:
         raise EmptyMesh(path, "holds no triangles")

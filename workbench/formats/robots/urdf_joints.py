@@ -157,10 +157,10 @@ def _velocity(limit: Element, turns: bool, remarks: Remarks) -> float:
             f"velocity={velocity:g}: must be positive; give its speed, or make the joint fixed"
         )
         return _assume_speed(error, turns, remarks)
+    if velocity >= (FASTEST_TURN if turns else NO_LIMIT) and not remarks.is_strict:
+        return _assume_speed(limit.error(f"velocity={velocity:g}: is no limit"), turns, remarks)
     if turns and FASTEST_TURN < velocity < NO_LIMIT:
         raise limit.error(f"velocity={velocity:g}: rad/s are expected, this looks like degrees")
-    if velocity >= NO_LIMIT and not remarks.is_strict:
-        return _assume_speed(limit.error(f"velocity={velocity:g}: is no limit"), turns, remarks)
     return velocity
 
 

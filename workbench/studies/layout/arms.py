@@ -88,7 +88,11 @@ class _Tree:
         ]
 
     def _is_hand(self, onward: Sequence[Joint]) -> bool:
-        names = " ".join(f"{joint.name} {joint.child}".lower() for joint in onward)
+        # The last axis of an arm turns a whole hand, and the link that it turns is named so.
+        names = " ".join(
+            joint.name if any(self._onward(joint.child)) else f"{joint.name} {joint.child}"
+            for joint in onward
+        ).lower()
         leads = any(joint.name in self._leading for joint in onward)
         return len(onward) > 1 or leads or bool(re.search(FINGERS, names))
 

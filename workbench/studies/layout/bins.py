@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from workbench.model.cell import Cell, Fixture, ScannerMount
+from workbench.model.cell import Arm, Cell, Fixture, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
 from workbench.planning.collision.pairing import Phase
@@ -41,8 +41,14 @@ SAMPLES = 400
 ENOUGH = 0.75
 """Share of poses in a bin that an arm reaches: with less a smaller one is searched for."""
 
-PATIENCE = 40.0
-"""[s] Processor time after which the best bin so far is taken; without one the search goes on."""
+PATIENCE, LONGEST = 40.0, 60.0
+"""[s] Processor time after which the best bin found is taken, and the search ends without one."""
+
+PATIENCE_OF_SIZE = 12.0
+"""[s] Processor time after which a smaller bin is tried where no bin of a size has homes."""
+
+SCARA_AXES = 4
+"""An arm with this many axes, one of which slides, keeps its tool upright."""
 
 TURNS_TRIED = (0.0, np.pi / 2)
 """[rad] Of the tool about the vertical, at each place in a bin."""
@@ -96,10 +102,10 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
             raise InputError(f"robot {cell.robot.name}: {_no_home(cell)}")
         return LaidOut(with_places(found), ())
     best: _Spot | None = None
-    until = processor_time() + PATIENCE
+    start = processor_time()
 
     def is_late() -> bool:
-        return best is not None and processor_time() > until
+        return processor_time() - start > (LONGEST if best is None else PATIENCE)
 
     for number, share in enumerate(SIZES):
         size = np.round(share * np.asarray(cell.bin.size), 2)
@@ -120,9 +126,11 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
 
 def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterator[_Spot]:
     """Whole cells with bins of one size, the best first, `MOST_WHOLE` of them."""
-    spots, whole = sorted(_spots(cell), key=lambda spot: -spot.worth), 0
+    spots, whole = sorted(_spots(cell, is_late), key=lambda spot: -spot.worth), 0
+    start = processor_time()
     for number, spot in enumerate(spots[:MOST_TRIED]):
-        if is_late():
+        is_hopeless = not whole and processor_time() - start > PATIENCE_OF_SIZE
+        if is_late() or is_hopeless:
             return
         report(0.5, f"homes and places around bin {number + 1} of {_mm(cell.bin.size)} mm")
         found = with_homes(_with_scanner(spot.cell))
@@ -135,10 +143,12 @@ def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterat
             return
 
 
-def _spots(cell: Cell) -> Iterator[_Spot]:
-    """Bins of which the arms reach something, with a table under each."""
+def _spots(cell: Cell, is_late: Callable[[], bool]) -> Iterator[_Spot]:
+    """Bins of which the arms reach something, with a table under each; those found in time."""
     reach, feet = _reach(cell), _feet(cell)
     for direction, share, height in product(DIRECTIONS, DISTANCES, _heights(cell)):
+        if is_late():
+            return
         out = np.array([np.cos(direction), np.sin(direction), 0.0])
         p = np.round(feet + share * reach * out + [0, 0, height * reach], 2)
         T = pose_from_rpy(p, (0, 0, direction))
@@ -153,8 +163,8 @@ def _spots(cell: Cell) -> Iterator[_Spot]:
 
 
 def _heights(cell: Cell) -> tuple[float, ...]:
-    """Of the bin, as shares of the reach; of an arm that only goes up and down also its own."""
-    if all(len(arm.joints) > SCARA_AXES for arm in cell.arms):
+    """Of the bin, as shares of the reach; where an arm goes up and down by one axis, its own."""
+    if not any(_is_scara(cell, arm) for arm in cell.arms):
         return HEIGHTS
     reach, feet = _reach(cell), _feet(cell)
     rng = np.random.default_rng(0)
@@ -163,12 +173,14 @@ def _heights(cell: Cell) -> tuple[float, ...]:
         chain = chain_of(cell, arm)
         for q in rng.uniform(chain.lower, chain.upper, (SAMPLES, len(arm.joints))):
             heights.append(float(chain.pose(q).translation[2] - feet[2]) / reach)
-    own = np.quantile(heights, (0.1, 0.3, 0.5)) - float(cell.bin.size[2]) / 2 / reach
-    return (*HEIGHTS, *(float(height) for height in own))
+    # Low in the arm's stroke, since above the bin it needs the rest to lift a part over the rim.
+    own = np.quantile(heights, (0.1, 0.2, 0.3)) - float(cell.bin.size[2]) / 2 / reach
+    return tuple(float(height) for height in own)
 
 
-SCARA_AXES = 4
-"""With this many axes an arm keeps its tool upright."""
+def _is_scara(cell: Cell, arm: Arm) -> bool:
+    """Whether an arm has few axes, one of which slides: it keeps its tool upright."""
+    return len(arm.joints) <= SCARA_AXES and bool(np.any(chain_of(cell, arm).slides))
 
 
 def _describe(usual: Cell, spot: _Spot) -> Iterator[str]:

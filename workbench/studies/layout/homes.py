@@ -1,6 +1,6 @@
 """Where the arms of a first cell stand between plans: above the bin, and to the arm's side."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -17,8 +17,15 @@ TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
 """[rad] About the vertical, of a tool at home and at its places."""
 
 STARTS = 60
-AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1)
-"""Half widths to the arm's side of the bin's middle, and [m] above its rim."""
+AWAY, UP = (0.6, 0.9, 0.3, 0.0), (0.25, 0.15, 0.35, 0.1, 0.07)
+"""Half widths to the arm's side of the bin's middle, and [m] above its rim; an arm whose only way
+up is an axis of 150 mm gets no higher than the last."""
+
+MOST_ELBOWS = 24
+"""Configurations of an arm that are tried where the next arm finds none that is clear of it."""
+
+SAME_SIDE = 0.02
+"""[m] Arms whose feet differ by less stand on one column."""
 
 SAME_HEIGHT = 0.01
 """[m] Elbows that differ by less are as high."""
@@ -38,11 +45,11 @@ def side_of(cell: Cell, arm: Arm) -> float:
     """-1 or 1: on which side of the bin's middle, along its y, an arm works."""
     if len(cell.arms) == 1:
         return -1.0
-    feet = {other.name: chain_of(cell, other).p[0] for other in cell.arms}
     T_bin_world = cell.bin.T_world_bin.inverse()
-    mine = T_bin_world.act(feet[arm.name])[1]
-    others = [T_bin_world.act(p)[1] for name, p in feet.items() if name != arm.name]
-    return -1.0 if mine <= min(others) else 1.0
+    feet = {o.name: float(T_bin_world.act(chain_of(cell, o).p[0])[1]) for o in cell.arms}
+    # Of arms on one column the first works at the first side, so that they part.
+    first = min(feet, key=lambda name: round(feet[name] / SAME_SIDE))
+    return -1.0 if arm.name == first else 1.0
 
 
 def nearest_to_zero(q: Floats, lower: Floats, upper: Floats, slides: Floats) -> Floats:
@@ -64,25 +71,38 @@ def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
     """One clear configuration for each arm, the least awkward one."""
     world = World(cell, ())
     world.enter(Phase(frozenset(arm.name for arm in cell.arms)))
-    homes: dict[str, Floats] = {}
-    for arm in cell.arms:
-        chain = world.chains[arm.name]
-        p = np.array([0.0, side_of(cell, arm) * away * cell.bin.size[1] / 2, cell.bin.size[2] + up])
-        rng = np.random.default_rng(0)
-        starts = rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.joints)))
-        answers: list[Floats] = []
-        for turn in TURNS:
-            T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
-            answers += list(configurations(chain, T, starts).q)
-        among = world.pairs.alone(arm.name) if len(homes) + 1 < len(cell.arms) else None
-        for q in map(world.motion.rounded, _order(chain, answers)):
-            whole = world.configuration({**homes, arm.name: q})
-            if world.contact(whole, among) is None:
-                homes[arm.name] = q
-                break
-        else:
-            return None
-    return [homes[arm.name] for arm in cell.arms]
+    answers = [_answers(cell, arm, world.chains[arm.name], away, up) for arm in cell.arms]
+    return _clear_together(world, cell.arms, answers, {})
+
+
+def _clear_together(
+    world: World, arms: Sequence[Arm], answers: Sequence[list[Floats]], homes: Mapping[str, Floats]
+) -> list[Floats] | None:
+    """The first configurations of `arms` with which they are clear of all, and of `homes`."""
+    if not arms:
+        return list(homes.values())
+    arm, is_last, tried = arms[0], len(arms) == 1, 0
+    among = None if is_last else world.pairs.alone(arm.name)
+    for q in map(world.motion.rounded, answers[0]):
+        if world.contact(world.configuration({**homes, arm.name: q}), among) is not None:
+            continue
+        found = _clear_together(world, arms[1:], answers[1:], {**homes, arm.name: q})
+        tried += 1
+        if found is not None or tried == MOST_ELBOWS:
+            return found
+    return None
+
+
+def _answers(cell: Cell, arm: Arm, chain: Chain, away: float, up: float) -> list[Floats]:
+    """Configurations (n,) with the tool down above the bin, the least awkward first."""
+    p = np.array([0.0, side_of(cell, arm) * away * cell.bin.size[1] / 2, cell.bin.size[2] + up])
+    rng = np.random.default_rng(0)
+    starts = rng.uniform(chain.lower, chain.upper, (STARTS, len(arm.joints)))
+    answers: list[Floats] = []
+    for turn in TURNS:
+        T = cell.bin.T_world_bin * pose_from_rpy(p, (np.pi, 0, turn))
+        answers += list(configurations(chain, T, starts).q)
+    return _order(chain, answers)
 
 
 def _order(chain: Chain, answers: Iterable[Floats]) -> list[Floats]:

@@ -102,7 +102,7 @@ def group_distance(
         T: where it is, seen from the other one.
         shifts: (s, 3) [m] by which each of its shapes is moved in its frame before.
         other: the group that stays.
-        within: distances beyond it are not told apart.
+        within: distances beyond it are not measured.
 
     Returns:
         The distance, and which shape of `one` it is of; -1 where none is within.
