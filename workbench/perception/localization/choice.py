@@ -62,7 +62,7 @@ class Rejection:
 
 @dataclass(slots=True)
 class Choice:
-    """What was accepted so far, in that order, and what was rejected; grows while it is made.
+    """Accepted parts in that order, and rejected hypotheses; grows while it is made.
 
     `claimed` (pixels,): index of the last accepted part that explains a pixel, or -1.
     """
@@ -164,7 +164,7 @@ def gain(sighting: Sighting, claimed: np.ndarray) -> float:
 
 
 def enough(seen: Sighting) -> float:
-    """Pixels of a picture that must be explained, or it tells too little."""
+    """Pixels of a picture that must be explained, or it shows too little."""
     return max(LEAST_PIXELS, LEAST_VISIBLE * seen.shown)
 
 

@@ -52,7 +52,7 @@ def has_enough_picks(
 
     Args:
         world: of the cell and the detections that the picks were made from.
-        picks: found so far.
+        picks: found until now.
         strategy: as that of `plan_first_feasible`.
         threshold: [m] as that of `plan_first_feasible`.
         avoided: indices of parts that nobody takes for now.

@@ -41,14 +41,14 @@ CARRYING = LEG_NAMES.index("return")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """An arm with its plan so far, and the leg that is to run."""
+    """An arm with its plan, and the leg that is to run."""
 
     plan: ArmPlan
     name: LegName
 
     @property
     def leg(self) -> Leg:
-        """The leg as planned so far."""
+        """The leg as planned until now."""
         return self.plan.leg(self.name)
 
     def with_leg(self, leg: Leg) -> "Task":

@@ -32,7 +32,7 @@ PLACE_LIFT = 0.05
 """[m] The last straight way to the place."""
 
 DRAWN = 4
-"""So many configurations at a place, the soonest, are moved in their null space to come sooner."""
+"""The soonest configurations at a place that are moved in their null space to come sooner."""
 
 LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
