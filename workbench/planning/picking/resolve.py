@@ -246,10 +246,7 @@ def _complete(
     room: float,
     near: Floats | None,
 ) -> Pick | Verdict:
-    """Approach, extraction and place for one grasp configuration.
-
-    `near` is as in `plan_straight_descents`.
-    """
+    """Approach, extraction and place for one grasp; `near` as in `plan_straight_descents`."""
     q_grasp = world.motion.rounded(q_grasp)
     approach = _approach(world, candidate, arm, q_grasp, T_world_tcp)
     if isinstance(approach, Verdict):
