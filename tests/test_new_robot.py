@@ -11,7 +11,7 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "new_robot.md"
 
 def test_the_page_leads_from_a_urdf_to_a_proven_plan(tmp_path):
     blocks = re.findall(r"```sh\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) == 5
+    assert len(blocks) == 6
     (tmp_path / ".venv").symlink_to(sys.prefix)
     ran = subprocess.run(
         ["bash", "-euxo", "pipefail", "-c", "".join(blocks)],

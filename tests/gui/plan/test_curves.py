@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.gui.plan.curves import (
-    STRAIGHT,
+    NEAR_MARGIN_LEGS,
     clearance_curves,
     doing,
     joint_curves,
@@ -66,7 +66,7 @@ def test_the_lowest_point_of_the_clearance_curve_is_the_smallest_clearance(resul
     assert np.all(np.diff(times) > 0)
     assert np.all(np.isfinite(free) | np.isfinite(straight)), "something moves all the time"
     assert np.nanmin(free) == pytest.approx(proof.clearance * 1000, abs=1e-9)
-    near = min(d.min() for _, leg, d in proof.clearances if leg in STRAIGHT)
+    near = min(d.min() for _, leg, d in proof.clearances if leg in NEAR_MARGIN_LEGS)
     assert np.nanmin(straight) == pytest.approx(near * 1000)
 
 
