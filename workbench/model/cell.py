@@ -126,7 +126,7 @@ class Arm:
         )
 
     def places_for(self, part: str) -> tuple[PartPlace, ...]:
-        """The places where parts of that kind has to lie, in the order in which they are tried."""
+        """The places where parts of that kind have to lie, in the order in which they are tried."""
         return tuple(place for place in self.part_places if place.is_for(part))
 
     def to_axes(self, q: Floats) -> Floats:

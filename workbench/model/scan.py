@@ -147,7 +147,7 @@ class Detection(Told):
 
 
 class Objection(enum.StrEnum):
-    """Why a pose that was a hypothesis is not among the parts found."""
+    """Why a hypothesis is not among the parts found."""
 
     OUTSIDE = "outside the bin"
     TOO_LITTLE = "explains too little of the visible surface"
@@ -165,7 +165,7 @@ class Objection(enum.StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RejectedHypothesis:
-    """A pose that was a hypothesis, and why it is not among the detections.
+    """A hypothesis, and why it is not among the detections.
 
     `score` as that of a detection; `rival` counts the detections from 0: the one that it lost to.
     """

@@ -56,7 +56,7 @@ class Reach:
 
     `at_home` is what it touches at home, None when it is clear; `bin` are tool poses in the bin,
     pointing straight down, `places` those where it may release a part.  `part_places` are those
-    where parts has to lie, each with every kind that may lie there.
+    where parts have to lie, each with every kind that may lie there.
     """
 
     arm: str

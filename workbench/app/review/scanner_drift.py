@@ -34,7 +34,7 @@ from workbench.planning.placing.budget import kept_by_grip
 from workbench.planning.placing.sources import calibration_error
 
 APART = 3600.0
-"""[s] Scans that show no new part are viewed so rarely: days count, not scans."""
+"""[s] Scans that show no new part are checked so rarely: days count, not scans."""
 
 Told = Callable[[float, str], None]
 """Told of progress 0..1, and of what; it may raise to give up."""

@@ -40,7 +40,7 @@ UNITS = {1: "ROB1", 2: "ROB2", 3: "ROBL", 4: "ROBR"}
 """Mechanical units by the numbers that the prelude gives them."""
 
 MOST_ID = 4
-"""This many identities has a task."""
+"""A task has this many identities."""
 
 
 class Guidance:

@@ -89,7 +89,7 @@ class ToolUpload:
         self.show(self._visitor.bench.state)
 
     def _on_chosen(self) -> None:
-        """A body was chosen, or viewed: it says where it ends, and may say a name."""
+        """A body was chosen, or read: it says where it ends, and may say a name."""
         if self._body.look is not None:
             self._begins.value = round(float(self._body.look.high[2]) * 1000, 2)
         if not self._name.value:

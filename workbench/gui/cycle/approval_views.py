@@ -177,7 +177,7 @@ def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
 
 
 def _coverage_words(cell: Cell, plans: Sequence[Plan]) -> str:
-    """What the proofs have viewed, as somebody says it who sets up robots."""
+    """What the proofs cover, in the words of people who set up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]
     waypoints = sum(len(leg.q) for leg in legs)

@@ -27,7 +27,7 @@ NOT_BELIEVED = (
     "Drag it again",
     "This browser drew too slowly and sent another place than the one seen; nothing was moved.",
 )
-"""What a person is reported."""
+"""What a person reads."""
 
 
 class GizmoDrag:

@@ -46,7 +46,7 @@ class LiveVerdicts:
         visitor.on_end(self.end)
 
     def prepare(self) -> None:
-        """A drag may begin soon: have viewed once for what takes the first answer a second."""
+        """A drag may begin soon: work out once what takes the first answer a second."""
         with self._lock:
             self.begin()
             self.ask({}, pin.SE3.Identity())
@@ -62,7 +62,7 @@ class LiveVerdicts:
                 self._avoided = avoided_parts(state, time.time())
 
     def ask(self, otherwise: Mapping[str, Any], T_world_words: pin.SE3) -> None:
-        """Somebody drags: have reported what that would come to.
+        """Somebody drags: report what that would come to.
 
         Returns at once.  What was asked before and nobody has begun with is not answered any more.
 

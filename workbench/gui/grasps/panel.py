@@ -221,7 +221,7 @@ class GraspsPanel:
         self._stage.show_tool(self._editing.tool, grasp.T_part_tcp, grasp.opening, is_ok)
 
     def _look_at_all(self, part: Part) -> None:
-        """Have all grasps of the part viewed, once for each library and tool."""
+        """Have all grasps of the part checked, once for each library and tool."""
         key = digest_of((part.digest, self._editing.tool.name))
         if key != self._checked:
             self._checked = key

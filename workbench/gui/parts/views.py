@@ -74,7 +74,7 @@ def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
 
 
 def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
-    """A fold that lists poses which were hypotheses, and why they are no parts."""
+    """A fold that lists the rejected hypotheses, and why they are no parts."""
     rows = "".join(
         f"<li>{hypothesis.score:.2f} {escape(hypothesis.part)}: {escape(hypothesis.words)}</li>"
         for hypothesis in rejected

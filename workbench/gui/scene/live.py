@@ -153,7 +153,7 @@ def kinds_in(glance: Glance) -> list[Reason]:
 
 
 def live_words(glance: Glance) -> str:
-    """How many would work, and how far that was viewed, in one sentence."""
+    """How many would work, and how far that was checked, in one sentence."""
     count, whole = int(glance.working.sum()), len(glance.reasons)
     return f"while you drag: {count} of {whole} work, as far as hand, reach and place say"
 

@@ -172,7 +172,7 @@ def show_frames(
 ) -> None:
     """Show or hide the frames that poses in the cell file are about.
 
-    Where parts has to lie there is one, the first kind that may.
+    Where parts have to lie there is one, the first kind that may.
     """
     scene.remove_by_name("/frames")
     if not is_shown:

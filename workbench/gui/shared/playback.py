@@ -177,7 +177,7 @@ def arm_path(arm: Arm, runs: tuple[Run, ...], times: Floats) -> Floats:
 def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], since: float) -> float:
     """How far the robot has come: when on the plan's clock all arms stand as `joints` say.
 
-    The robot may be slower or faster than planned but keeps to the path.  So the answer is the
+    The robot may be slower or faster than planned, but keeps to the path.  So the answer is the
     first time after `since` from which on the path leads away from where the robot is; where
     that is not close, the best within reach.
 

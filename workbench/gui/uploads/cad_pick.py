@@ -53,7 +53,7 @@ class CadPick:
         Args:
             visitor: whose browser.
             label: of the button.
-            changed: called when another file is there, and when it was viewed.
+            changed: called when another file is there, and when it was read.
             has_solids: one of several solids may be chosen; otherwise all are taken.
         """
         self._visitor, self._changed = visitor, changed

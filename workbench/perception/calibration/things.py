@@ -178,7 +178,7 @@ def motion_of(step: Floats, point: Floats) -> pin.SE3:
 
 
 def moved_to(by: Floats) -> Floats:
-    """Motions told at a point, as motions stated at one that is `by` (3,) [m] from it, (6, 6)."""
+    """Motions at a point, as motions at one that is `by` (3,) [m] from it, (6, 6)."""
     found = np.eye(6)
     found[:3, 3:] = -crosses(by[None])[0]
     return found

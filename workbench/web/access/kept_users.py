@@ -39,7 +39,7 @@ def kept_users(store: Store) -> Mapping[str, Any]:
 
 
 def checked_users(form: Any) -> Sequence[Mapping[str, Any]]:
-    """The users of a backup, each viewed.
+    """The users of a backup, each checked.
 
     Raises:
         InputError: it holds something else.
