@@ -109,7 +109,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     screen.press("Left failed")
     wait(lambda: any(not one.is_picked for one in bench.state.outcomes), "the word on a part")
     assert sorted(one.is_picked for one in bench.state.outcomes) == [False, True]
-    screen.wait_for("failed, says operator: slipped")
+    screen.wait_for("failed: slipped")
     screen.shoot("7b-outcomes")
     screen.tab("Parts")
     screen.wait_for("for 3 more scans")

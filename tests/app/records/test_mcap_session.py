@@ -69,7 +69,7 @@ def test_the_log_is_that_of_the_session(session, messages):
     log = [content for _, _, content in messages["/log"]]
     assert [one["line"] for one in log] == [entry.number for entry, _ in entries]
     assert [one["name"] for one in log] == [entry.actor for entry, _ in entries]
-    assert log[-1]["message"] == "ReportPick: part-1 was picked, says Ada"
+    assert log[-1]["message"] == "ReportPick: Ada reports: part-1 was picked"
     for (at, schema, content), (entry, _) in zip(messages["/log"], entries, strict=True):
         assert schema == "foxglove.Log" and content["level"] == 2
         assert at == content["timestamp"]["sec"] * 10**9 + content["timestamp"]["nsec"]
