@@ -51,7 +51,7 @@ LONGEST = (
     "perception/scene/test_seen_obstacles.py",
     "browser",
     "testing",
-    "cli/authoring/test_calibrate.py",
+    "cli/calibrating/test_calibrate.py",
     "gui/drawing/test_watching.py",
     "robots/test_third_party.py",
     "cli/test_line.py",
