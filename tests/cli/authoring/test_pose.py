@@ -73,6 +73,14 @@ def test_another_base_is_named_first_where_one_number_explains_it(say, robot):
     assert np.allclose(form["causes"][0]["pose"], [0, 0, 478, 0, 0, 0], atol=0.01)
 
 
+def test_a_base_that_is_turned_is_named_beside_the_first_joint(say, robot):
+    half = pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, np.pi))
+    form = json.loads(compared(say, half * at(robot)["tcp"], "--json").out)
+    kinds = {(cause["kind"], cause["frame"]) for cause in form["causes"]}
+    assert kinds == {("joint", "tcp"), ("base", "tcp")}
+    assert abs(abs(form["causes"][0]["offset"]) - np.pi) < 1e-3
+
+
 def test_another_tool_is_named_first_where_one_number_explains_it(say, robot):
     longer = at(robot)["tcp"] * pose_from_rpy((0.0, 0.0, 0.03))
     said = compared(say, longer)

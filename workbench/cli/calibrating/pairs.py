@@ -46,7 +46,7 @@ def calibrate_by_pairs(typed: Calibrate, cell: Cell) -> Calibration:
         print_json(form | {"pairs": len(pairs)})
         return calibration
     if used < len(pairs):
-        print(f"{used} of {len(pairs)} pairs, evenly spread, are looked at")
+        print(f"{used} of {len(pairs)} pairs, evenly spread, are used")
     if typed.in_hand:
         print("the robot holds the scanner: its pose below is that in the flange")
     print_poses(calibration)

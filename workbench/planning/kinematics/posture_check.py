@@ -43,7 +43,8 @@ def base_poses(kinematics: Kinematics, arm: Arm, q: Floats) -> dict[Frame, pin.S
 def causes_of(kinematics: Kinematics, arm: Arm, q: Floats, T_shown: pin.SE3) -> tuple[Cause, ...]:
     """What would explain that the pendant shows a pose, the likeliest first.
 
-    One posture cannot tell a base from a tool: the one that needs fewer numbers comes first.
+    One posture cannot distinguish a base from a tool, nor a turned base from the zero of the first
+    joint: all that explain it are named, those first that need fewer numbers.
 
     Args:
         kinematics: of the cell.
@@ -52,20 +53,21 @@ def causes_of(kinematics: Kinematics, arm: Arm, q: Floats, T_shown: pin.SE3) -> 
         T_shown: the pose on the pendant.
 
     Returns:
-        Only agreement, or a joint, where that explains all of it; otherwise base and tool.
+        Agreement alone where the poses agree; beside a joint only what needs one number as well.
     """
     here = base_poses(kinematics, arm, q)
     for frame, T in here.items():
         if _is_same(T, T_shown):
             return (Cause("none", frame),)
-    joints = [
-        Cause("joint", frame, arm.joints[number], offset)
-        for frame in here
-        for number in range(len(arm.joints))
-        if (offset := _joint_offset(kinematics, arm, q, number, frame, T_shown)) is not None
-    ]
-    if joints:
-        return tuple(sorted(joints, key=lambda cause: abs(cause.offset)))
+    joints = sorted(
+        (
+            Cause("joint", frame, arm.joints[number], offset)
+            for frame in here
+            for number in range(len(arm.joints))
+            if (offset := _joint_offset(kinematics, arm, q, number, frame, T_shown)) is not None
+        ),
+        key=lambda cause: abs(cause.offset),
+    )
     # A tool may be given anew, or be the cell's a little off: whichever needs fewer numbers.
     T_flange_shown, T_tcp_shown = (T.actInv(T_shown) for T in here.values())
     tool = Cause("tool", "tcp", T=T_flange_shown)
@@ -73,7 +75,8 @@ def causes_of(kinematics: Kinematics, arm: Arm, q: Floats, T_shown: pin.SE3) -> 
     for frame, T in here.items():
         T_shown_base = T_shown * T.inverse()
         found.append((_numbers(T_shown_base), Cause("base", frame, T=T_shown_base)))
-    return tuple(cause for _, cause in sorted(found, key=lambda entry: entry[0]))
+    found.sort(key=lambda entry: entry[0])
+    return (*joints, *(cause for count, cause in found if count == 1 or not joints))
 
 
 def _is_same(T: pin.SE3, other: pin.SE3) -> bool:
