@@ -68,7 +68,7 @@ class LearningControls:
             found = propose_apart(cell, name, left, self._report, self._cancelled)
             says = [said(message, self._visitor.words) for message in proposal_words(name, found)]
             if found.entries:
-                says_edit = f"{name} has new grasps for parts that were left"
+                says_edit = f"new grasps for parts of {name} that were left"
                 edit = EditPart(name, (), found.entries, says=says_edit)
                 says = says if self._visitor.ask(lambda: edit) else []
         except JobCancelled:
