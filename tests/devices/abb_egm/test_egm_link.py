@@ -98,8 +98,6 @@ def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, mo
 def test_the_twin_reports_to_no_port_of_its_own(planned, monkeypatch):
     make = abb_twin._socket
     port, states = (abb_twin.free_ports("127.0.0.1", 2) for _ in range(2))
-    if abs(port - states) < 2:
-        states = port + 2
     wanted = [states, port + 1]
     monkeypatch.setattr(abb_twin, "_socket", lambda host: make(host, wanted.pop() if wanted else 0))
     twin = SimulatedEgm(planned[0], "127.0.0.1", port, states)
@@ -108,6 +106,11 @@ def test_the_twin_reports_to_no_port_of_its_own(planned, monkeypatch):
         one.close()
     assert wanted == [] and len(own) == 2
     assert not own & {port, port + 1, states, states + 1}
+
+
+def test_ports_are_given_out_once_though_nobody_listens_on_them_yet():
+    given = [abb_twin.free_ports("127.0.0.1", 2) for _ in range(500)]
+    assert len({first + k for first in given for k in range(2)}) == 1000
 
 
 def test_a_plan_with_limits_of_jerk_is_streamed_to_its_end():

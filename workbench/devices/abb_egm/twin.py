@@ -7,6 +7,7 @@ Where nothing is answered it stays there, and after `COMM_TIMEOUT` EGM stops, as
 Faster than in real time it waits a little for each answer, so that nobody has to be as fast.
 """
 
+import itertools
 import json
 import math
 import secrets
@@ -42,6 +43,8 @@ STATES = 25
 
 FREE_PORTS = range(20_000, 32_000)
 """Ports that no system gives to a socket by itself, and few programs listen on."""
+
+_offsets = itertools.count(secrets.randbelow(len(FREE_PORTS)))
 
 INTO = 10
 """[reports] A fault comes so long after its leg began."""
@@ -229,13 +232,14 @@ def free_ports(host: str, count: int) -> int:
     """A UDP port that is free, and so are the next ones, `count` in all.
 
     They lie below the ports that systems give to sockets without a number (RFC 6335: from 49152,
-    Linux: from 32768), so that no socket that is opened meanwhile takes one of them.
+    Linux: from 32768), so that no socket that is opened meanwhile takes one of them.  Nobody may
+    listen yet where a twin sends to, so ports that were given out before are not free either.
 
     Raises:
         InputError: there are none.
     """
     for _ in range(1000):
-        port = FREE_PORTS.start + secrets.randbelow(len(FREE_PORTS))
+        port = FREE_PORTS.start + next(_offsets) * count % (len(FREE_PORTS) - count)
         with suppress(InputError):
             for k in range(count):
                 _socket(host, port + k).close()
