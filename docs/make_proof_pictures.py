@@ -23,15 +23,15 @@ from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan, Proof
 from workbench.model.scan import Detection
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.proof import prove as layer
-from workbench.proof.bodies import bodies_of
-from workbench.proof.motion import sweep_path
-from workbench.proof.robot import tree_of
-from workbench.proof.space import Space
-from workbench.proof.stages import NEAR_MARGIN_LEGS, carried, situation_of, steps_of
-from workbench.proof.table import Table
-from workbench.proof.timing.fastest import fastest
-from workbench.proof.timing.pace import marks_of
+from workbench.proof.claims import prove as layer
+from workbench.proof.claims.motion import sweep_path
+from workbench.proof.claims.scene import bodies_of
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, carried, situation_of, steps_of
+from workbench.proof.claims.table import Table
+from workbench.proof.claims.timing.fastest import fastest
+from workbench.proof.claims.timing.pace import marks_of
+from workbench.proof.engine.robot import tree_of
+from workbench.proof.engine.space import Space
 
 PICTURES = Path(__file__).with_name("pictures")
 WIDTH, HEIGHT, LEFT, BOTTOM = 560.0, 210.0, 46.0, 34.0
@@ -329,7 +329,8 @@ def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list
     for step in steps_of(cell, tree, plan):
         if any(one.leg.name in NEAR_MARGIN_LEGS for one in step.moving):
             continue
-        space.put_parts(plan, carried(cell, tree, step))
+        places = [part.T_world_part for part in plan.detections]
+        space.put_parts(places, carried(cell, tree, plan, step))
         pairs = table.pairs(situation_of(tree, step, *step.moving), space.joints)
         rows = pairs.rows[pairs.shown & ~pairs.left]
         named = {(one.arm.name, one.leg) for one in step.moving}

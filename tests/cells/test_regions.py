@@ -27,7 +27,7 @@ from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
 from workbench.plugins.progress import never, silent
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 SHIPPED = find("robots", "yumi")
 PAGE = SHIPPED.parents[1] / "docs" / "new_robot.md"

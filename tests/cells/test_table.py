@@ -18,7 +18,7 @@ from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.progress import never, silent
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 from workbench.studies.localization import compare
 
 SHIPPED = find("robots", "yumi")

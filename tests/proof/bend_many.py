@@ -26,8 +26,8 @@ from judge import Judge
 from judged_motion import ALIKE
 
 from workbench.model.messages.proofs import ProofText
-from workbench.proof.prove import prove
-from workbench.proof.timing.pace import pace_violations
+from workbench.proof.claims.prove import prove
+from workbench.proof.claims.timing.pace import pace_violations
 
 A_PLAN = 25
 """So many bends of each plan."""

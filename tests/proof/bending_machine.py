@@ -33,7 +33,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection, Scene
-from workbench.proof.prove import prove, scene_after
+from workbench.proof.claims.prove import prove, scene_after
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -11,7 +11,7 @@ from changed_cells import CHANGES
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import ArmPlan, Guarantee, Leg, Step, Strategy
 from workbench.model.scan import Detection, Obstacle
-from workbench.proof.places.layers import kept_box
+from workbench.proof.claims.places.layers import kept_box
 
 Bend = Callable[[Case, Draw], Case]
 

@@ -25,7 +25,7 @@ from workbench.model.cell import Cell
 from workbench.model.plan import Plan
 from workbench.model.prediction import PileTask
 from workbench.perception.simulation.piles import drop_parts
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 ROOT = Path(__file__).resolve().parents[2]
 FULL_BINS = ("yumi", "tx2_90")

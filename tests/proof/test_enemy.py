@@ -12,7 +12,7 @@ from bending import with_leg
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import UNSIGNED, Guarantee, Plan, Step, Strategy
 from workbench.model.scan import Obstacle, Scene
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 Change = Callable[[Plan], Plan]
 

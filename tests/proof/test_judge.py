@@ -17,8 +17,8 @@ from judged_symmetry import turns
 from workbench.app.picking.pipeline import plan_pick
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
-from workbench.proof.places.layers import kept_box
-from workbench.proof.prove import prove
+from workbench.proof.claims.places.layers import kept_box
+from workbench.proof.claims.prove import prove
 
 
 @pytest.mark.parametrize(

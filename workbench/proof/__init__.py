@@ -4,11 +4,6 @@ Imports `model` alone: its own kinematics (Pinocchio) and distances (Coal), its 
 pairs count, and its own bounds, so that an error of the planner is not an error here.  Both share
 `model`: an error in `Bin.gives`, `GraspLibrary.allows` or `Symmetry.motions` escapes the proof.
 
-To read it, begin with `prove`, then what is asked: `form` (cell, scene, joints), `timing` (speeds
-and accelerations), `grasps` (how hands take parts), `places`, `tolerances` (in metres of any
-point), `stages` and `motion` (what moves, and every way it may be done), `table` (which pairs keep
-what distance), `walk`.  How it is answered: `search` halves
-sets of configurations, over `space` (where bodies are, measured) and what is compiled, `batch`,
-`frames`, `sieve` and `plane`.
-`spot` is for people: where a place is that a proof names.
+`claims` says what is promised and asked: begin there, with `claims.prove`.  `engine` answers how
+near bodies come along motions; it knows no plan, no rule and no margin.
 """

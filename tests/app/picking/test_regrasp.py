@@ -23,7 +23,7 @@ from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection, Scene
-from workbench.proof.prove import prove, scene_after
+from workbench.proof.claims.prove import prove, scene_after
 
 
 def lying(cell, x, y, yaw):

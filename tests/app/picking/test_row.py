@@ -28,7 +28,7 @@ from workbench.model.plan import PlanResult, parts_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.proof.prove import may_have_moved, prove, scene_after
+from workbench.proof.claims.prove import may_have_moved, prove, scene_after
 
 GAP = 0.01
 

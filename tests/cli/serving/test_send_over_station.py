@@ -16,7 +16,7 @@ from workbench.formats.plans.plan_files import read_plan
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 CELL = find("robots", "yumi") / "regrasp.toml"
 

@@ -16,7 +16,7 @@ from workbench.formats.meshes.solids import read_solid
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 from workbench.planning.collision.bodies import coal_shape
-from workbench.proof.bodies import coal_shape as coal_shape_of_proof
+from workbench.proof.engine.shapes import coal_shape as coal_shape_of_proof
 
 
 def prism(sides: int, *, flat: bool) -> str:

@@ -7,7 +7,7 @@ from workbench.gui.plan.views import outlines_html
 from workbench.gui.shared import views
 from workbench.model.messages.states import StateText
 from workbench.model.plan import at_least
-from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 
 def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):

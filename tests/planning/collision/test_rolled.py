@@ -23,7 +23,7 @@ from workbench.model.symmetry import Symmetry
 from workbench.planning.collision.rolled import BETWEEN, placed, room_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import outline
-from workbench.proof.bodies import room_of as room_of_proof
+from workbench.proof.claims.scene import room_of as room_of_proof
 
 NOWHERE = pin.SE3.Identity()
 UP = np.array([0.0, 0.0, 0.1])

@@ -17,7 +17,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking import resolve
 from workbench.planning.picking.lifts import AUTHORED, lifts
 from workbench.planning.picking.propose import propose
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 
 @pytest.fixture(scope="module")

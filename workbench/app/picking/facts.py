@@ -24,9 +24,9 @@ from workbench.model.scan import Detection, Scan
 from workbench.perception.scene.bin_check import check_bin
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.plugins.planner import planner_named
-from workbench.proof.places.standing import standing_after
-from workbench.proof.robot import tree_of
-from workbench.proof.spot import Spot, spot_of
+from workbench.proof.claims.places.standing import standing_after
+from workbench.proof.claims.spot import Spot, spot_of
+from workbench.proof.engine.robot import tree_of
 
 
 def bin_check_of(state: State) -> BinCheck | None:

@@ -12,8 +12,16 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Box
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection, Obstacle
-from workbench.proof.bodies import gap_of, turned_pieces
-from workbench.proof.places.layers import FALL, FARTHEST, fall, kept_box, place_at, standing_problem
+from workbench.proof.claims.places.layers import (
+    FALL,
+    FARTHEST,
+    fall,
+    kept_box,
+    place_at,
+    standing_problem,
+)
+from workbench.proof.claims.scene import turned_pieces
+from workbench.proof.engine.shapes import gap_of
 
 
 def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...]:

@@ -23,7 +23,7 @@ from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
 from workbench.plugins.robot_link import misfit
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 

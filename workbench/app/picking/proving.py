@@ -9,7 +9,7 @@ from workbench.model.digest import digest_of
 from workbench.model.load import loads_of
 from workbench.model.plan import ArmPlan, Plan, Proof
 from workbench.model.scan import Detection, Scan, Scene
-from workbench.proof import prove as layer
+from workbench.proof.claims import prove as layer
 
 
 def prove(

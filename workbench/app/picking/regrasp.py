@@ -16,7 +16,7 @@ from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
-from workbench.proof.prove import prove, scene_after
+from workbench.proof.claims.prove import prove, scene_after
 
 MOST_PARTS = 4
 """Parts that are tried, in the order of their candidates."""

@@ -20,8 +20,8 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.progress import Report, rising, silent, within
-from workbench.proof.prove import may_have_moved, scene_after
-from workbench.proof.prove import prove as prove_in
+from workbench.proof.claims.prove import may_have_moved, scene_after
+from workbench.proof.claims.prove import prove as prove_in
 
 USUALLY = 2 / 3
 """Share of the progress for a look that usually brings a plan, before one that is made else."""

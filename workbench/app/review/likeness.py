@@ -18,7 +18,7 @@ from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.model.scan import Detection, Scan
 from workbench.perception.localization.pose_error import pose_error
-from workbench.proof.prove import prove
+from workbench.proof.claims.prove import prove
 
 OTHER_STEP = float(np.deg2rad(0.015))
 """[rad] A value between two hundredths of a degree, as controllers take them, may be rounded to

@@ -36,7 +36,7 @@ from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import never, silent
-from workbench.proof.timing.jerk import Limits, find_segment_over_jerk_limit
+from workbench.proof.claims.timing.jerk import Limits, find_segment_over_jerk_limit
 
 
 def main(use: Use) -> int:

@@ -17,7 +17,7 @@ from workbench.model.plan import Plan
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import stretches
 from workbench.planning.kinematics.chain import chain_of
-from workbench.proof.form import form_violations
+from workbench.proof.claims.form import form_violations
 
 
 def export_world(typed: arguments.ExportWorld) -> int:

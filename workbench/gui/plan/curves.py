@@ -20,7 +20,7 @@ from workbench.gui.shared.plots import Curve, Plot
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import Proof
-from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 LEGS: Mapping[str, str] = {
     "reach": "#4dabf7",

@@ -20,8 +20,8 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message
 from workbench.model.plan import Plan, Proof, Proven, at_least
-from workbench.proof.spot import Spot
-from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.spot import Spot
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 NEAR_BY = 0.45
 """[m] From this far off two bodies are viewed."""

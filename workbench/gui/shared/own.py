@@ -12,7 +12,7 @@ from workbench.app.emptying.film import Film
 from workbench.app.picking.glance import Glance
 from workbench.model.geometry import Floats
 from workbench.model.plan import Plan
-from workbench.proof.spot import Spot
+from workbench.proof.claims.spot import Spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)

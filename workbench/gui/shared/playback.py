@@ -12,7 +12,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 from workbench.model.plan import ArmPlan, Leg, Plan, parts_taken
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 AHEAD = 2.0
 """How far ahead on the plan's clock the robot is searched for [s]."""

@@ -24,7 +24,7 @@ from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import Proof, cycle_words, floored
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
-from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 from workbench.words.words import IN_ENGLISH, Words
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")

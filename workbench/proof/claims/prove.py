@@ -1,0 +1,166 @@
+"""The proof: everything about a plan is checked anew, in the scene as it is known, or refused."""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart
+from workbench.model.messages.proofs import ProofText
+from workbench.model.plan import Plan, Proof, Violation
+from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.proof.claims.form import (
+    form_violations,
+    joint_limit_violations,
+    opening_and_time_violations,
+)
+from workbench.proof.claims.grasps.loads import load_violations
+from workbench.proof.claims.grasps.rolls import roll_violations
+from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
+from workbench.proof.claims.places.layers import kept_box, pallet_violations
+from workbench.proof.claims.places.standing import standing_after
+from workbench.proof.claims.scene import turned_pieces
+from workbench.proof.claims.stages import put_at
+from workbench.proof.claims.timing.pace import pace_violations
+from workbench.proof.claims.walk import Walk
+from workbench.proof.engine.robot import tree_of
+from workbench.proof.engine.search import SIGHT
+from workbench.proof.engine.shapes import gap_of
+
+RESOLUTION = 0.0005
+"""[m] By so much a distance may fall short of its margin; see `search`."""
+
+
+def prove(
+    cell: Cell,
+    scene: Scene,
+    plan: Plan,
+    *,
+    resolution: float = RESOLUTION,
+    stated: Proof | None = None,
+) -> Proof:
+    """Check a plan, whoever has made it.
+
+    Structure and joint limits come first.  If one is violated, all other checks are left out, and
+    the proof states no clearance.
+
+    Args:
+        cell: as it is now.
+        scene: what is known to be in the bin; what the plan says of it is compared.
+        plan: as planned, or as read from a file.
+        resolution: [m] see `search`; smaller is slower and never admits more.
+        stated: a proof of the same plan.  That a leg comes nearer than it states is a violation;
+            how near it comes is not searched for, which takes less time.  The result repeats
+            `clearance` and `nearest` of this proof, and leaves `apart` empty.
+
+    Returns:
+        A proof; `holds` is True when there is no violation.
+    """
+    violations = list(form_violations(cell, scene, plan))
+    walked = None
+    arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
+    legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
+    # Joints that turn a hundred times would be followed for hours.
+    violations += [f for arm, leg in legs for f in joint_limit_violations(cell, arm, leg)]
+    if not violations:
+        tree = tree_of(cell)
+        violations += [f for arm, leg in legs for f in opening_and_time_violations(cell, arm, leg)]
+        violations += pace_violations(cell, plan)
+        violations += [
+            f for _, arm_plan in arms for f in grasp_violations(cell, tree, plan, arm_plan)
+        ]
+        violations += [f for _, arm_plan in arms for f in load_violations(cell, plan, arm_plan)]
+        violations += [
+            f for _, arm_plan in arms for f in roll_violations(cell, tree, plan, arm_plan)
+        ]
+        violations += pair_violations(cell, plan)
+        violations += [
+            f for _, arm_plan in arms for f in pallet_violations(cell, tree, scene, plan, arm_plan)
+        ]
+        walked = Walk(cell, tree, plan, resolution, stated).result()
+        violations += walked.violations
+    return Proof(
+        plan_digest=plan.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        checks=0 if walked is None else walked.looks,
+        resolution=resolution,
+        zone=cell.zone,
+        clearance=SIGHT if walked is None else walked.clearance,
+        nearest=None if walked is None else walked.nearest,
+        violations=tuple(violations),
+        clearances=() if walked is None else walked.clearances,
+        apart=() if walked is None else walked.apart,
+    )
+
+
+def scene_after(cell: Cell, plan: Plan) -> Scene:
+    """What is in the bin and at the places once a proven plan was carried out.
+
+    The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
+    unless the arm passes parts on.  One that is put on a station is a part, which stands there.
+    A plan onto a station replaces all parts of the bin by one box if any of them may have moved
+    (`may_have_moved`).  Any other plan keeps the remaining detections unchanged.
+
+    Args:
+        cell: as it is now.
+        plan: in whose scene it holds that nothing moves but what is taken, or that puts a part on
+            a station.
+    """
+    tree, taken = tree_of(cell), {arm_plan.detection for arm_plan in plan.arms}
+    boxes: list[Obstacle] = []
+    stand: list[Detection] = []
+    for arm_plan in plan.arms:
+        arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
+        if arm_plan.station:
+            stand.append(standing_after(cell, tree, plan, arm_plan))
+        elif not arm.passes_parts_on:
+            known = (*plan.obstacles, *boxes)
+            boxes.append(kept_box(cell, known, found, put_at(cell, tree, plan, arm_plan)))
+    rest = tuple(
+        detection for number, detection in enumerate(plan.detections) if number not in taken
+    )
+    is_sure = cell.policy.pair_gap > 0 and may_have_moved(cell, plan) is None
+    if stand and rest and not is_sure:
+        boxes.append(_full_bin(cell, plan.detections))
+        rest = tuple(arm_plan for arm_plan in rest if arm_plan.T_world_found is not None)
+    return Scene(plan.scan_digest, (*rest, *stand), (*plan.obstacles, *boxes))
+
+
+def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
+    """A part that stays, and may lie otherwise once the plan was carried out; None for none.
+
+    Those are parts nearer to a taken one than the policy's `pair_gap`: from then on the scan does
+    not say where they are.
+    """
+    taken = {arm.detection: arm.arm for arm in plan.arms}
+    pieces = [turned_pieces(cell.part(detection.part), detection) for detection in plan.detections]
+    for number, stays in product(taken, range(len(plan.detections))):
+        if stays in taken:
+            continue
+        for moved, standing in product(pieces[number], pieces[stays]):
+            gap = min(gap_of(a, b, cell.policy.pair_gap) for a, b in product(moved, standing))
+            if gap < cell.policy.pair_gap:
+                pair = (f"part-{number + 1}", f"part-{stays + 1}")
+                problem = ProofText.MAY_MOVE(stays=FoundPart(stays), taken=FoundPart(number))
+                return Violation(problem, taken[number], "extract", None, pair, gap)
+    return None
+
+
+def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
+    """A box that holds parts of the bin however they come to lie: one more on all, and upright.
+
+    Without walls they may lie over the side, by a part's length; what rolls further is not in it.
+    """
+    T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
+    for part in parts:
+        points, T = cell.part(part.part).mesh.points, T_bin_world * part.T_world_part
+        longest = max(longest, float(np.linalg.norm(np.ptp(points, axis=0))))
+        if part.T_world_found is None:
+            high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
+    T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
+    beside = 0.0 if cell.bin.has_walls else 2 * longest
+    size = np.array([*(cell.bin.size[:2] + beside), high + longest])
+    return Obstacle(cell.bin.T_world_bin * T_bin_box, size)

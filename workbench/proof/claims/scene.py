@@ -1,0 +1,154 @@
+"""Everything in a cell that has a shape, and where it is while a plan runs."""
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
+from workbench.model.part import Part
+from workbench.model.scan import Detection, Scene
+from workbench.proof.claims.tolerances import turns_for
+from workbench.proof.engine.bodies import Body
+from workbench.proof.engine.robot import Tree
+from workbench.proof.engine.shapes import hull
+
+ALIKE = 3e-4
+"""[m] A cylinder about the axis fills the same room at every turn where it needs no more than this
+around it."""
+
+
+def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[Body, ...]:
+    """Links, tools, fixtures, the bin, the parts of the scene, and what else the scan shows."""
+    return (*_links(cell, tree), *_tools(cell, tree), *still_of(cell, scene), *_parts(cell, scene))
+
+
+def _links(cell: Cell, tree: Tree) -> Iterator[Body]:
+    arm_of = {tree.model.getJointId(joint): arm.name for arm in cell.arms for joint in arm.joints}
+    tools = {_tool(arm): arm for arm in cell.arms}
+    for link in cell.robot.links:
+        joint, T_joint_link = tree.frames[link.name]
+        # A link that has the name of a tool is that tool, as another program writes it.
+        name = f"tool {link.name}" if link.name in tools else f"link {link.name}"
+        for solid in link.collision:
+            T = T_joint_link * solid.T_owner_shape
+            yield Body("link", link.name, name, arm_of.get(joint, ""), -1, joint, T, solid.shape)
+
+
+def _tools(cell: Cell, tree: Tree) -> Iterator[Body]:
+    for arm in cell.arms:
+        joint, T_joint_flange = tree.flange(arm)
+        name = f"tool {_tool(arm)}"
+        for solid in arm.tool.body:
+            label, T = f"{arm.name} {solid.name}", T_joint_flange * solid.T_owner_shape
+            yield Body("tool", label, name, arm.name, -1, joint, T, solid.shape)
+        for finger, slide in zip(arm.tool.fingers, tree.fingers[arm.name], strict=True):
+            label, T = f"{arm.name} {finger.solid.name}", finger.solid.T_owner_shape
+            yield Body("tool", label, name, arm.name, -1, slide, T, finger.solid.shape, True)
+
+
+def _tool(arm: Arm) -> str:
+    """What a list of disabled pairs calls an arm's tool."""
+    return f"{arm.name}_tool"
+
+
+def still_of(cell: Cell, scene: Scene) -> Iterator[Body]:
+    """Fixtures, the bin, and what the scan shows beside the parts."""
+
+    def still(label: str, T: pin.SE3, solid: Solid) -> Body:
+        return Body("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)
+
+    for fixture in cell.fixtures:
+        for solid in fixture.solids:
+            yield still(solid.name, fixture.T_world_fixture, solid)
+    for solid in cell.bin.solids:
+        yield still(solid.name, cell.bin.T_world_bin, solid)
+    for number, seen in enumerate(scene.obstacles):
+        shape = Box(seen.size)
+        yield Body("still", f"seen-{number + 1}", "still", "", -1, 0, seen.T_world_box, shape)
+
+
+def _parts(cell: Cell, scene: Scene) -> Iterator[Body]:
+    for number, detection in enumerate(scene.detections):
+        label, part = f"part-{number + 1}", cell.part(detection.part)
+        for piece in part.pieces:
+            shape, T = piece.shape, detection.T_world_part * piece.T_owner_shape
+            if not detection.roll_known:
+                room, T_part_room = room_of(piece, roll_axis(part, detection))
+                shape, T = room, detection.T_world_part * T_part_room
+            yield Body(
+                "part", label, label, "", number, 0, T, shape, is_rolled=not detection.roll_known
+            )
+
+
+def roll_axis(part: Part, found: Detection) -> Floats:
+    """The axis (2, 3) of a part about which its roll is not known: a point [m] and a direction.
+
+    It is the detection's own; where that says none, the one that the part's symmetry is about.
+    """
+    axis = found.roll_axis
+    return np.vstack([part.symmetry.point, part.symmetry.axis]) if axis is None else axis
+
+
+def room_of(piece: Solid, axis: Floats) -> tuple[Cylinder, pin.SE3]:
+    """The cylinder about an axis (2, 3) [m] that holds a piece however it is turned about it.
+
+    Returns:
+        It, and where it is in the frame of the part.
+    """
+    point, direction = axis
+    shape, T = hull(piece.shape), piece.T_owner_shape
+    points, box = shape.centre + shape.points, shape.box
+    if isinstance(piece.shape, Mesh):
+        points, box = np.asarray(piece.shape.points), np.zeros(3)
+    corners = np.array(list(product((-1.0, 1.0), repeat=3))) * box
+    points = (points[:, None] + corners).reshape(-1, 3) @ T.rotation.T + T.translation
+    high = (points - point) @ direction
+    away = np.linalg.norm(points - point - np.outer(high, direction), axis=1)
+    lean = np.linalg.norm(np.cross(T.rotation[:, 2], direction))
+    rise = shape.disc * lean + shape.ball
+    low, top = float(high.min() - rise), float(high.max() + rise)
+    radius = float(away.max()) + shape.disc + shape.ball
+    R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(direction)).matrix()
+    return Cylinder(radius, top - low), pin.SE3(R, point + direction * (low + top) / 2)
+
+
+def roll_turns(part: Part, found: Detection) -> int:
+    """At how many turns about its axis a part is checked: one where its roll is known."""
+    if found.roll_known:
+        return 1
+    axis = roll_axis(part, found)
+    uneven = [room.radius for piece, room in _rooms(part, axis) if not _fills(piece, room)]
+    return turns_for(max(uneven, default=0.0))
+
+
+def _rooms(part: Part, axis: Floats) -> list[tuple[Solid, Cylinder]]:
+    return [(piece, room_of(piece, axis)[0]) for piece in part.pieces]
+
+
+def _fills(piece: Solid, room: Cylinder) -> bool:
+    """Whether a piece fills the same room at every turn."""
+    shape = piece.shape
+    return isinstance(shape, Cylinder) and (
+        max(room.radius - shape.radius, room.length - shape.length) < ALIKE
+    )
+
+
+def turned_pieces(part: Part, found: Detection) -> list[list[tuple[Shape, pin.SE3]]]:
+    """Each piece of a part as it may lie in the world: once, or at each of `roll_turns` turns.
+
+    These are of a part whose roll is not known, and whose piece is not the same at all of them.
+    """
+    axis, count = roll_axis(part, found), roll_turns(part, found)
+    angles = np.arange(count) * (2 * np.pi / count)
+    every: list[list[tuple[Shape, pin.SE3]]] = []
+    for piece, room in _rooms(part, axis):
+        places: list[tuple[Shape, pin.SE3]] = []
+        for angle in angles[: 1 if _fills(piece, room) else count]:
+            R = pin.exp3(axis[1] * angle)
+            turn = pin.SE3(R, axis[0] - R @ axis[0])
+            places.append((piece.shape, found.T_world_part * turn * piece.T_owner_shape))
+        every.append(places)
+    return every

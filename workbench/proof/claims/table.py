@@ -1,0 +1,175 @@
+"""Which two bodies are compared while something moves, and what distance they have to keep.
+
+| pair | has to keep |
+|---|---|
+| two bodies that nothing that moves moves against each other | is not compared |
+| links that the robot's description says need no check | is not compared |
+| link or tool and another link or tool of the same arm | `self_margin` |
+| held part and a link of the arm that holds it | `margin`, on straight legs `near_margin` |
+| tool or held part, on a straight leg, and what no arm carries | `near_margin` |
+| tool and the part it takes, as it arrives | 0; a cup may press into it by `press` |
+| closing or opening fingers and the part they take or let go | is not compared |
+| lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
+| the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
+| hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
+| everything else | `margin` |
+
+`least_distance_allowed` says what that is for bodies that do not touch at the start; it is
+`near_margin` where there is more room.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Bools, Ints
+from workbench.proof.engine.bodies import Body, is_round
+from workbench.proof.engine.pairs import BodyPairs, Pairs
+from workbench.proof.engine.robot import Tree
+
+SLACK = 0.0005
+"""[m] A lift that leans, and rounding, bring a part this much nearer to what it lies on."""
+
+TOUCH = 1e-6
+"""[m] What touches may seem this far apart by rounding."""
+
+
+def least_distance_allowed(begins: float) -> float:
+    """The distance [m] below which two bodies may not come that begin a leg so far apart [m].
+
+    Bodies that touch at the start may approach by `SLACK`.  Separated bodies may approach by
+    `SLACK` or half their distance, whichever is less.
+    """
+    return begins - SLACK if begins <= TOUCH else max(begins - SLACK, begins / 2)
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What is true during a stage of a leg.
+
+    `moves` (nq,): which values of the configuration change.  `held`: detection -> name of the arm
+    that holds it; `placed`: detection -> arm that has put it where it lies.  `straight`: the arm
+    on a straight leg, empty for none.  `target`: the detection that its tool is about to take.
+    `lets_go`: the detection around which fingers close or open now; contacts with it are not
+    compared then.
+    """
+
+    moves: Bools
+    held: Mapping[int, str] = field(default_factory=dict[int, str])
+    placed: Mapping[int, str] = field(default_factory=dict[int, str])
+    straight: str = ""
+    target: int = -1
+    lets_go: int = -1
+
+
+class Table(BodyPairs):
+    """All pairs of bodies that can ever be compared, and which of them count in a situation."""
+
+    def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:
+        self._cell, self._tree, self._bodies = cell, tree, bodies
+        names = {name: k for k, name in enumerate(dict.fromkeys(b.name for b in bodies))}
+        name = np.array([names[b.name] for b in bodies])
+        meet = ~np.eye(len(names), dtype=bool)
+        for pair in cell.robot.disabled_pairs:
+            first, second = (
+                [k for k in map(names.get, _parse_name(n)) if k is not None] for n in pair
+            )
+            for i, j in product(first, second):
+                meet[i, j] = meet[j, i] = False
+        self.counts = np.triu(meet[np.ix_(name, name)], 1)
+        self.first, self.second = np.nonzero(self.counts)
+        self._part = np.array([b.part for b in bodies])
+        self._tool = np.array([b.kind == "tool" for b in bodies])
+        self._finger = np.array([b.is_finger for b in bodies])
+        self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
+        self.rounds = np.array([is_round(body, tree) for body in bodies])
+        self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
+
+    def pairs(self, now: Situation, joints: Ints) -> Pairs:
+        """The pairs of a situation, in which these joints (b,), by index, carry the bodies."""
+        policy = self._cell.policy
+        carrier, holder = self._carrier.copy(), np.full(len(self._carrier), -1)
+        for number, arm in now.held.items():
+            holder[self._part == number] = self._arm_numbers[arm]
+        carrier = np.where(holder >= 0, holder, carrier)
+        placer = np.full(len(carrier), -1)
+        for number, arm in now.placed.items():
+            placer[self._part == number] = self._arm_numbers[arm]
+        a, b = self.first, self.second
+        above = self._tree.ancestors[:, now.moves].astype(float)
+        # What moves a body with its joint; after these, what moves one that is round about that.
+        moved = np.vstack([above, self._tree.ancestors[self._tree.before][:, now.moves]])
+        against = moved @ (1.0 - above).T > 0.0
+        of = joints + len(above) * self.rounds
+        counts = against[of[a], joints[b]] | against[of[b], joints[a]]
+        if now.lets_go >= 0:
+            part = self._part == now.lets_go
+            counts &= ~((part[a] & self._finger[b]) | (part[b] & self._finger[a]))
+        rows = np.flatnonzero(counts)
+        a, b = a[rows], b[rows]
+        commons = self._tree.commons[joints[a], joints[b]]
+
+        is_held, still = holder >= 0, carrier < 0
+        own = (carrier[a] == carrier[b]) & (carrier[a] >= 0)
+        margins = np.full(len(rows), policy.margin)
+        margins[own & ~is_held[a] & ~is_held[b]] = policy.self_margin
+        beds = np.zeros(len(rows), bool)
+        if now.straight:
+            number = self._arm_numbers[now.straight]
+            works = (self._tool | is_held) & (carrier == number)
+            near = (works[a] & still[b]) | (works[b] & still[a]) | (own & (is_held[a] | is_held[b]))
+            margins[near] = policy.near_margin
+            tool, target = self._tool & (carrier == number), self._part == now.target
+            if now.target >= 0:
+                arrives = (tool[a] & target[b]) | (tool[b] & target[a])
+                margins[arrives] = -_press(self._cell.arm(now.straight))
+            lifted = is_held & (holder == number)
+            beds = (lifted[a] & still[b]) | (lifted[b] & still[a])
+        left = (placer[a] >= 0) & (placer[a] == carrier[b])
+        left |= (placer[b] >= 0) & (placer[b] == carrier[a])
+        arms = np.stack([carrier[a], carrier[b]], axis=1)
+        shown = ~own & ~beds
+        if now.target >= 0:
+            shown &= (self._part[a] != now.target) & (self._part[b] != now.target)
+        return Pairs(rows, margins, commons, beds, left, arms, shown)
+
+    def between_hands(self, pairs: Pairs, joints: Ints) -> Bools:
+        """Which pairs (p,) are of two arms, True, except for two shoulders: these stay near.
+
+        A shoulder is what the first two joints of an arm carry; `joints` (b,) carry the bodies now.
+        """
+        model = self._tree.model
+        low = [model.getJointId(j) for arm in self._cell.arms for j in arm.joints[:2]]
+        is_low = np.isin(joints, low)
+        both_low = is_low[self.first[pairs.rows]] & is_low[self.second[pairs.rows]]
+        first_arm, second_arm = pairs.arms.T
+        return (first_arm >= 0) & (second_arm >= 0) & (first_arm != second_arm) & ~both_low
+
+    def are_fingers(self, rows: Ints) -> Bools:
+        """True (r,) where one of the two of a pair is a finger; `rows` (r,) are indices."""
+        return self._finger[self.first[rows]] | self._finger[self.second[rows]]
+
+    def is_rolled(self, row: int) -> bool:
+        """Whether one of a pair is the room of all turns: how deep it is says nothing of the part.
+
+        `grasps.rolls` asks that.
+        """
+        return any(self._bodies[int(k[row])].is_rolled for k in (self.first, self.second))
+
+    def labels(self, row: int) -> tuple[str, str]:
+        """What people call the two bodies of a pair."""
+        first, second = int(self.first[row]), int(self.second[row])
+        return self._bodies[first].label, self._bodies[second].label
+
+
+def _parse_name(name: str) -> tuple[str, str]:
+    """What may be called so in a list of pairs that need no check."""
+    return f"link {name}", f"tool {name}"
+
+
+def _press(arm: Arm) -> float:
+    """[m] How deep a tool may be in the part it takes: a cup's lip gives way, fingers do not."""
+    return 0.0 if arm.tool.fingers else arm.tool.press

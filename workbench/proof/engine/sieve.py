@@ -1,0 +1,362 @@
+"""Compiled: which pairs of bodies are distinguished without measuring them."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from workbench.model.geometry import Bools, Floats, Ints
+from workbench.proof.engine.frames import Bodies, BodyPoses, JointTree, SetExtents, bound_motion
+from workbench.proof.engine.plane import ROUNDING, apart
+
+PARALLEL = 1e-3
+"""Sine of an angle below which two edges count as parallel: their normal is badly known."""
+
+
+class PairQuery(NamedTuple):
+    """Pairs (p,) of bodies `first` and `second`, and what is asked of them.
+
+    `commons` is the joint next to both that moves both, `margins` [m] what they have to keep;
+    `shown`: how near they come is reported, too.
+    """
+
+    first: Ints
+    second: Ints
+    commons: Ints
+    margins: Floats
+    shown: Bools
+
+
+class OpenPairs(NamedTuple):
+    """Pairs whose lower bound is not yet large enough: `items` (n, 3) as `Batch` says.
+
+    `lower` [m] is a bound in the middles of the sets; `moves` [m] how much nearer they may come in
+    them, `told` [m] a bound for the whole of them.
+    """
+
+    items: Ints
+    lower: Floats
+    moves: Floats
+    told: Floats
+
+
+@njit(cache=True)
+def select_pairs_in_sight(
+    asked: PairQuery, sight: float, sides: Ints, split: int, bodies: Bodies, world: BodyPoses
+) -> Ints:  # pragma: no cover (compiled)
+    """The pairs in sets (n, 3), without those whose swept boxes stay out of sight of each other.
+
+    Around all that a body passes in all sets there is a box along the axes of the world.  What is
+    no number is not far apart: such pairs are checked.
+
+    Args:
+        asked: the pairs.
+        sight: [m] up to here distances are reported.
+        sides: (b,) 1 where a second arm carries a body.
+        split: this many sets are the first arm's, all others the second's.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
+    """
+    count = len(world.moves)
+    low, high = np.full((len(bodies.joints), 3), np.inf), np.full((len(bodies.joints), 3), -np.inf)
+    needed = np.zeros(len(bodies.joints), np.bool_)
+    for pair in range(len(asked.first)):
+        needed[asked.first[pair]] = needed[asked.second[pair]] = True
+    for b in np.flatnonzero(needed):
+        for k in range(split if sides[b] else 0, count if sides[b] else split):
+            far = world.moves[k, b] + bodies.radii[b]
+            for i in range(3):
+                # These pass on what is no number; `min` and `max` may lose it.
+                low[b, i] = np.minimum(low[b, i], world.centres[k, b, i] - far)
+                high[b, i] = np.maximum(high[b, i], world.centres[k, b, i] + far)
+    chosen, found = np.empty(len(asked.first), np.int64), 0
+    for pair in range(len(asked.first)):
+        a, b, square = asked.first[pair], asked.second[pair], 0.0
+        for i in range(3):
+            off = np.maximum(np.maximum(low[a, i] - high[b, i], low[b, i] - high[a, i]), 0.0)
+            square += off * off
+        need = asked.margins[pair]
+        if asked.shown[pair]:
+            need = np.maximum(need, sight)
+        # Boxes that overlap say nothing of bodies, which may be in each other as deep as `need`.
+        if not (square > 0.0 and np.sqrt(square) - ROUNDING >= need):
+            chosen[found] = pair
+            found += 1
+    others = max(count - split, 1)
+    items, n = np.empty((split * others * found, 3), np.int64), 0
+    for index in range(split):
+        for other in range(others):
+            for pair in chosen[:found]:
+                second = index if count == split else split + other
+                items[n, 0] = second if sides[asked.first[pair]] else index
+                items[n, 1] = second if sides[asked.second[pair]] else index
+                items[n, 2] = pair
+                n += 1
+    return items
+
+
+@njit(cache=True)
+def select_nearest_pairs(
+    items: Ints, asked: PairQuery, at: Ints, waypoints: int, bodies: Bodies, world: BodyPoses
+) -> Ints:  # pragma: no cover (compiled)
+    """The pair that seems nearest after each waypoint (n,), of those shown, by index.
+
+    Args:
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        asked: the pairs.
+        at: (k,) the waypoint before each set, see `Batch`.
+        waypoints: how many there are.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
+    """
+    lowest, best = np.full(waypoints, np.inf), np.full(waypoints, -1)
+    axis, scratch = np.empty(3), np.empty((4, 3))
+    for n in range(len(items)):
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b, place = int(asked.first[pair]), int(asked.second[pair]), max(at[ka], at[kb])
+        if not asked.shown[pair]:
+            continue
+        square = 0.0
+        for i in range(3):
+            off = world.centres[ka, a, i] - world.centres[kb, b, i]
+            square += off * off
+        low = np.sqrt(square) - bodies.radii[a] - bodies.radii[b]
+        if low < lowest[place]:
+            low = max(low, gap(ka, a, kb, b, bodies, world, float(lowest[place]), axis, scratch))
+            if low < lowest[place]:
+                lowest[place], best[place] = low, n
+    return best[best >= 0]
+
+
+@njit(cache=True)
+def sieve(
+    items: Ints,
+    asked: PairQuery,
+    goals: Floats,
+    at: Ints,
+    bounds: Floats,
+    normals: Floats,
+    chain: JointTree,
+    bodies: Bodies,
+    world: BodyPoses,
+    spread: SetExtents,
+) -> OpenPairs:  # pragma: no cover (compiled)
+    """The pairs whose lower bound is not large enough without measuring them.
+
+    Args:
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        asked: the pairs.
+        goals: (w,) [m] how far apart is far enough after each waypoint, where that is shown.
+        at: (k,) the waypoint before each set, see `Batch`.
+        bounds: (w,) [m] after each waypoint; lowered to those of pairs that are distinguished.
+        normals: (b, b, 2, 3) directions from the one to the other that were good before, as the
+            one and as the other sees them; zero where none is known.
+        chain: the joints.
+        bodies: all bodies.
+        world: where those of the pairs are at the middles of the sets.
+        spread: the sets.
+    """
+    lower, moves, told = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
+    left, count = np.empty(len(items), np.int64), 0
+    most, normal, scratch = world.moves, np.empty(3), np.empty((4, 3))
+    for n in range(len(items)):
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b = int(asked.first[pair]), int(asked.second[pair])
+        common, need = int(asked.commons[pair]), float(asked.margins[pair])
+        place = max(at[ka], at[kb])
+        if asked.shown[pair]:
+            need = max(need, float(goals[place]))
+        square = 0.0
+        for i in range(3):
+            off = world.centres[ka, a, i] - world.centres[kb, b, i]
+            square += off * off
+        low, far = (
+            np.sqrt(square) - bodies.radii[a] - bodies.radii[b] - ROUNDING,
+            most[ka, a] + most[kb, b],
+        )
+        bound = low - far
+        if bound < need:
+            off = max(_off(ka, a, kb, b, bodies, world), _off(kb, b, ka, a, bodies, world))
+            low = max(low, off - ROUNDING)
+            bound = low - far
+        if bound < need:
+            if common != 0:
+                far = bound_motion(ka, a, common, chain, bodies, world, spread.spans)
+                far += bound_motion(kb, b, common, chain, bodies, world, spread.spans)
+            wide = gap(ka, a, kb, b, bodies, world, need + far, normal, scratch)
+            low = max(low, wide - ROUNDING)
+            bound = low - far
+            if bound < need and low > 0.0 and not normals[a, b].any():
+                _note(normals[a, b], normal, ka, a, kb, b, world)
+        for side in range(2):
+            if bound < need and normals[a, b, side].any():
+                seen, R = normals[a, b, side], world.turns[ka, a]
+                if side == 1:
+                    R = world.turns[kb, b]
+                for i in range(3):
+                    normal[i] = R[i, 0] * seen[0] + R[i, 1] * seen[1] + R[i, 2] * seen[2]
+                along = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+                bound = max(bound, along)
+        if not bound >= need:
+            left[count], lower[count], moves[count], told[count] = n, low, far, bound
+            count += 1
+        elif asked.shown[pair]:
+            bounds[place] = min(bounds[place], bound)
+    return OpenPairs(items[left[:count]], lower[:count], moves[:count], told[:count])
+
+
+@njit(cache=True)
+def _note(
+    known: Floats, normal: Floats, ka: int, a: int, kb: int, b: int, world: BodyPoses
+) -> None:  # pragma: no cover (compiled)
+    """Note a direction (3,) as both bodies see it (2, 3)."""
+    for i in range(3):
+        known[0, i], known[1, i] = 0.0, 0.0
+        for j in range(3):
+            known[0, i] += world.turns[ka, a, j, i] * normal[j]
+            known[1, i] += world.turns[kb, b, j, i] * normal[j]
+
+
+@njit(cache=True)
+def planes(
+    items: Ints,
+    ways: Floats,
+    asked: PairQuery,
+    normals: Floats,
+    chain: JointTree,
+    bodies: Bodies,
+    world: BodyPoses,
+    spread: SetExtents,
+) -> Floats:  # pragma: no cover (compiled)
+    """How far pairs are apart at least (n,) [m] in whole sets, seen along directions.
+
+    Args:
+        items: (n, 3) in which two of the sets, and which of the pairs, see `Batch`.
+        ways: (n, 3) [m] from the nearest point of the one to that of the other, at the middle.
+        asked: the pairs.
+        normals: see `sieve`; the directions are noted in it.
+        chain: the joints.
+        bodies: all bodies.
+        world: where everything is at the middles of the sets.
+        spread: the sets.
+    """
+    bounds = np.full(len(items), -np.inf)
+    for n in range(len(items)):
+        ka, kb, pair = int(items[n, 0]), int(items[n, 1]), int(items[n, 2])
+        a, b = int(asked.first[pair]), int(asked.second[pair])
+        length = np.sqrt((ways[n] ** 2).sum())
+        # Of bodies that just touch, Coal may not know it.
+        if not 0.0 < length < np.inf:
+            continue
+        normal = ways[n] / length
+        _note(normals[a, b], normal, ka, a, kb, b, world)
+        common = int(asked.commons[pair])
+        bounds[n] = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
+    return bounds
+
+
+@njit(cache=True)
+def _off(
+    ka: int, a: int, kb: int, b: int, bodies: Bodies, world: BodyPoses
+) -> float:  # pragma: no cover (compiled)
+    """How far [m] the ball around a body is from the box around another one, or how deep in it."""
+    R, square, deep = world.turns[kb, b], 0.0, np.inf
+    for i in range(3):
+        along = 0.0
+        for m in range(3):
+            along += R[m, i] * (world.centres[ka, a, m] - world.centres[kb, b, m])
+        beyond = abs(along) - bodies.halves[b, i]
+        square += max(beyond, 0.0) ** 2
+        deep = min(deep, -beyond)
+    return float((np.sqrt(square) if square > 0.0 else -deep) - bodies.radii[a])
+
+
+@njit(cache=True)
+def gap(
+    ka: int,
+    a: int,
+    kb: int,
+    b: int,
+    bodies: Bodies,
+    world: BodyPoses,
+    enough: float,
+    axis: Floats,
+    scratch: Floats,
+) -> float:  # pragma: no cover (compiled)
+    """A lower bound [m] of the distance of the boxes around two bodies; negative: may overlap.
+
+    It is the largest gap along the axes of both and the nine normals to two of them: boxes that
+    are apart are apart along one of these.
+
+    Args:
+        ka: at which configuration the one is, an index.
+        a: the one body.
+        kb: at which configuration the other is.
+        b: the other body.
+        bodies: all bodies.
+        world: where they are.
+        enough: [m] nothing larger is searched for.
+        axis: (3,) becomes the direction of the gap in the world, from the one to the other.
+        scratch: (4, 3) is written to: the axes of the other and the way to it, as the one sees
+            them.
+    """
+    Ra, Rb = world.turns[ka, a], world.turns[kb, b]
+    ha, hb = bodies.halves[a], bodies.halves[b]
+    best, first, second = -np.inf, 0, 0
+    for i in range(3):
+        for j in range(3):
+            scratch[j, i] = Ra[0, i] * Rb[0, j] + Ra[1, i] * Rb[1, j] + Ra[2, i] * Rb[2, j]
+        scratch[3, i] = 0.0
+        for m in range(3):
+            scratch[3, i] += Ra[m, i] * (world.centres[kb, b, m] - world.centres[ka, a, m])
+    way = scratch[3]
+    for i in range(3):
+        far = abs(way[i]) - ha[i]
+        for j in range(3):
+            far -= hb[j] * abs(scratch[j, i])
+        if far > best:
+            best, first, second = far, i, 3
+    for j in range(3):
+        other, along = scratch[j], 0.0
+        far = -hb[j]
+        for i in range(3):
+            along += way[i] * other[i]
+            far -= ha[i] * abs(other[i])
+        far += abs(along)
+        if far > best:
+            best, first, second = far, 3, j
+    for i in range(3 if best < enough else 0):
+        u, v = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            other = scratch[j]
+            norm = np.sqrt(other[u] * other[u] + other[v] * other[v])
+            if norm > PARALLEL:
+                far = abs(way[v] * other[u] - way[u] * other[v])
+                far -= ha[u] * abs(other[v]) + ha[v] * abs(other[u])
+                far -= hb[(j + 1) % 3] * abs(scratch[(j + 2) % 3, i])
+                far -= hb[(j + 2) % 3] * abs(scratch[(j + 1) % 3, i])
+                if far / norm > best:
+                    best, first, second = far / norm, i, j
+    _towards(Ra, Rb, first, second, way, axis)
+    return float(best)
+
+
+@njit(cache=True)
+def _towards(
+    Ra: Floats, Rb: Floats, first: int, second: int, way: Floats, axis: Floats
+) -> None:  # pragma: no cover (compiled)
+    """Write the unit vector along one axis of both, or across two, from the one to the other."""
+    if second == 3:
+        axis[:] = Ra[:, first]
+    elif first == 3:
+        axis[:] = Rb[:, second]
+    else:
+        for i in range(3):
+            u, v = (i + 1) % 3, (i + 2) % 3
+            axis[i] = Ra[u, first] * Rb[v, second] - Ra[v, first] * Rb[u, second]
+    along, square = 0.0, 0.0
+    for i in range(3):
+        square += axis[i] * axis[i]
+        for m in range(3):
+            along += axis[m] * Ra[m, i] * way[i]
+    axis *= (1.0 if along > 0.0 else -1.0) / np.sqrt(square)

@@ -1,4 +1,0 @@
-"""Proof of places, stations and pallets.
-
-Imports `model`, and of the proof bodies and kinematics.
-"""
