@@ -1,6 +1,7 @@
-// The tour: leads through one pick on a simulated cell.  It points at what is to be pressed, presses
-// nothing itself, and goes on when the server says that the thing was done; what is only looked at,
-// the scene's page knows.  Whoever has ended or left it once is not asked again in this browser.
+// The tour: leads through one pick on a simulated cell.  It points at what is to be pressed, opens
+// tabs, presses nothing else, and goes on when the server says that the thing was done; what is only
+// looked at, the scene's page knows.  Whoever has ended or left it once is not asked again in this
+// browser.
 
 const KEPT = "workbench-tour";
 
@@ -10,6 +11,8 @@ const GAP = 16;       // pixels between the card and what it stands beside
 
 const EDGE = 8;       // and to the edge of the window
 
+const LEGEND = 96;    // below the legend, where the card hides nothing that moves
+
 // Buttons that say a number or a name beside: known by what stands before it.
 const RUN = beginning("Run step {waits} of {steps}: {words}");
 const APPROVE = beginning("Approve as {name}{how}");
@@ -18,25 +21,25 @@ const STEPS = [
   { name: "scan", title: word("Scan"), on: word("Cycle"), press: [word("Scan")],
     says: word("Parts fall into the simulated bin, and the scanner looks at them from above. Press Scan.") },
   { name: "find", title: word("Find the parts"), on: word("Cycle"), press: [word("Find parts")],
-    says: word("The shape of the part is searched for in the scan. Press Find parts. If none is found, choose "
+    says: word("The workbench searches the scan for the part's shape. Press Find parts. If none is found, choose "
       + "another seed and scan again.") },
   { name: "grasps", title: word("Look at the grasps"), on: word("Grasps"), press: [word("Back to cell"), word("Open part")],
-    isLook: true, says: word("A grasp says where on the part a hand closes. In the tab Grasps press Open part to "
-      + "see them, then Back to cell.") },
+    isLook: true, says: word("A grasp is where a hand closes on the part. In the tab Grasps press Open part to see "
+      + "the grasps, then Back to cell.") },
   { name: "plan", title: word("Plan"), on: word("Cycle"), press: [word("Plan")],
-    says: word("Every grasp of every part is judged with each arm; from those that can be taken a motion is "
-      + "planned, and proven anew by other code. Press Plan. If none comes out, scan with another seed.") },
-  { name: "judge", title: word("See how grasps were judged"), on: word("Candidates"), isLook: true,
-    row: ".wb-rows .wb-table tbody tr", says: word("The tab Candidates has each grasp with its verdict. Click a "
-      + "row: the scene shows the hand there, and in red what it would meet.") },
+    says: word("Open the tab Cycle and press the button Plan in group 3. Every grasp is tested with each arm, the "
+      + "motion is planned, and a second, independent program checks it. If no plan comes out, scan another seed.") },
+  { name: "judge", title: word("See why grasps fail"), on: word("Candidates"), isLook: true, isAside: true,
+    row: ".wb-rows .wb-table tbody tr", says: word("The tab Candidates lists each grasp with its verdict. Click a row: "
+      + "the scene shows the hand there. What a refused hand would hit is red.") },
   { name: "preview", title: word("Watch the preview"), on: word("Cycle"), press: [word("Pause"), word("Play")],
-    says: word("Press Play, and watch the see-through robot to the end. Nothing is sent. What you have not seen "
-      + "you cannot approve.") },
+    isAside: true, says: word("Open the tab Cycle, press Play, and watch the see-through robot to the end. Nothing "
+      + "is sent. You can approve only what you have watched.") },
   { name: "approve", title: word("Approve"), on: word("Cycle"), press: [word("Approve")], dialog: APPROVE,
-    says: word("Press Approve, read the facts of the plan, type your name where it is asked for, and press the "
-      + "button with your name. It holds for this plan, and for one sending.") },
-  { name: "send", title: word("Send"), on: word("Cycle"), press: [RUN, word("Send")],
-    says: word("Press Send, and the simulated robot moves. Stop is at the right end of the bar, all the time.") },
+    says: word("Press Approve, read the figures of the plan, type your name, and press the button with your name. "
+      + "The approval holds for this plan and for one sending.") },
+  { name: "send", title: word("Send"), on: word("Cycle"), press: [RUN, word("Send")], isAside: true,
+    says: word("Press Send, and the simulated robot moves. Stop, at the right end of the bar, works at any time.") },
 ];
 
 const FAULT = { title: word("A fault came up"), press: [word("Acknowledge")],
@@ -48,8 +51,8 @@ const ASKED = { title: word("Is this your first visit?"),
     + "everything yourself, and leave when you like. The key T brings the keyboard here.") };
 
 const OVER = { title: word("That was a pick"),
-  says: word("Say below the steps what became of the parts, or begin the next one with a new scan. "
-    + "Tour, in the bar above, begins this again.") };
+  says: word("If a pick failed, scroll down in the tab Cycle and press Failed. Scan begins the next pick. "
+    + "Tour, in the bar above, shows these steps again.") };
 
 const at = (id) => document.getElementById(id);
 const [card, ring, call, go, leave, scene] = ["card", "ring", "tour", "go", "leave", "scene"].map(at);
@@ -116,9 +119,9 @@ function dialog() {
 
 function control(step) {
   // The tab, while what is in it is not shown.
-  const starts = dialog() && step.dialog && step.dialog;
+  const within = dialog() && step.dialog;
   const pressed = (step.press ?? []).map((one) => button(one)).find(Boolean);
-  return (starts && button(starts, '[role="dialog"] button'))
+  return (within && (button(step.dialog, '[role="dialog"] button') || all('[role="dialog"] input')[0]))
     || (step.row && all(step.row)[0]) || pressed || button(step.on, '[role="tab"]') || null;
 }
 
@@ -176,17 +179,17 @@ function draw() {
   put("title", step.title);
   put("says", step.says);
   const target = step.press || step.row ? control(step) : null;
-  put("go", step === ASKED ? word("Begin") : word("Go to it"));
+  put("go", step === ASKED ? word("Begin") : word("Show me"));
   put("leave", step === ASKED ? word("Not now") : step === OVER ? word("Close") : word("Leave the tour"));
   go.hidden = step === OVER;
   // What is greyed out takes no focus: its time has not come yet.
   go.disabled = step !== ASKED && (!target || target.disabled === true);
   if (target !== shown) target?.scrollIntoView({ block: "nearest" });
   shown = target;
-  place(target);
+  place(target, step.isAside);
 }
 
-function place(target) {
+function place(target, isAside) {
   const frame = scene.getBoundingClientRect();
   const box = target?.getBoundingClientRect();
   const ringed = box && box.bottom > 0 && box.top < frame.height;
@@ -200,13 +203,13 @@ function place(target) {
     .map((one) => one.getBoundingClientRect());
   const left = frame.left + Math.min(...beside.map((one) => one.left)) - GAP - card.offsetWidth;
   const right = frame.left + Math.max(...beside.map((one) => one.right)) + GAP;
-  const fits = left >= EDGE ? "left" : right + card.offsetWidth <= frame.right - EDGE ? "right" : "none";
+  const fits = isAside && !dialog() ? "none" : left >= EDGE ? "left" : right + card.offsetWidth <= frame.right - EDGE ? "right" : "none";
   card.dataset.side = ringed ? fits : "none";
   const middle = frame.top + (box ? box.top + box.height / 2 : card.offsetHeight / 2 + 4 * GAP);
   const lowest = frame.bottom - EDGE - card.offsetHeight;
   const top = Math.max(frame.top + EDGE, Math.min(middle - card.offsetHeight / 2, lowest));
-  set(card, { left: fits === "left" ? left : fits === "right" ? right : EDGE,
-    top: fits === "none" ? frame.top + EDGE : top });
+  set(card, { left: fits === "left" ? left : fits === "right" ? right : frame.left + EDGE,
+    top: fits === "none" ? frame.top + LEGEND : top });
   card.style.setProperty("--at", `${middle - top - 2}px`);
 }
 
@@ -233,7 +236,9 @@ go.addEventListener("click", () => {
     // What was pointed at last may have been made anew since.
     draw();
     scene.contentWindow.focus();
+    if (shown?.getAttribute("role") === "tab") shown.click();
     shown?.focus();
+    ring.animate({ transform: ["scale(1)", "scale(1.15)", "scale(1)"] }, { duration: 300, iterations: 2 });
   }
   draw();
 });

@@ -48,15 +48,16 @@ def progress(title: str) -> Generator[Report]:
 
 @contextmanager
 def _lines(title: str) -> Generator[Report]:
-    status, ended, began = [""], threading.Event(), time.monotonic()
+    status, ended, began = [(0.0, "")], threading.Event(), time.monotonic()
 
     def tell() -> None:
         while not ended.wait(PATIENCE):
-            so_far = f"{time.monotonic() - began:.0f} s"
-            print(f"{title}: {status[0] or 'at work'} ({so_far})", file=sys.stderr, flush=True)
+            done, note = status[0]
+            so_far = f"{done:.0%} after {time.monotonic() - began:.0f} s"
+            print(f"{title}: {note or 'at work'} ({so_far})", file=sys.stderr, flush=True)
 
     def report(done: float, note: str) -> None:
-        status[0] = note
+        status[0] = done, note
 
     teller = threading.Thread(target=tell, name="progress", daemon=True)
     teller.start()
