@@ -141,7 +141,11 @@ def start_lines(content: bytes) -> list[int]:
     """
     lines: list[int] = []
     parser = expat.ParserCreate()
-    parser.StartElementHandler = lambda *_: lines.append(parser.CurrentLineNumber)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        lines.append(parser.CurrentLineNumber)
+
+    parser.StartElementHandler = start
     parser.Parse(content, True)
     return lines
 

@@ -28,7 +28,7 @@ def marking_meshes(path: Path) -> Generator[None]:
     parse = xacro.parse
 
     def parse_marked(inp: Any, filename: Any = None) -> Any:
-        document = parse(inp, filename)
+        document: Any = parse(inp, filename)
         file = Path(filename)
         where = "" if file.resolve() == path.resolve() else f", in {file.name}"
         elements = document.getElementsByTagName("*")
