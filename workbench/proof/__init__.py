@@ -1,8 +1,8 @@
 """The proof of a plan, by code that imports nothing of planning.
 
-Imports `model` alone: its own kinematics (Pinocchio) and distances (Coal), its own table of which
-pairs count, and its own bounds, so that an error of the planner is not an error here.  Both share
-`model`: an error in `Bin.gives`, `GraspLibrary.allows` or `Symmetry.motions` escapes the proof.
+Imports `model` alone.  Kinematics (Pinocchio), distances (Coal), the table of pairs and the bounds
+are its own, so that an error of the planner is not an error here.  Both share `model`: an error in
+`Bin.gives`, `GraspLibrary.allows` or `Symmetry.motions` escapes the proof.
 
 `claims` says what is promised and asked: begin there, with `claims.prove`.  `engine` answers how
 near bodies come along motions; it knows no plan, no rule and no margin.

@@ -38,7 +38,7 @@ TOUCH = 1e-6
 
 
 def least_distance_allowed(begins: float) -> float:
-    """The distance [m] below which two bodies may not come that begin a leg so far apart [m].
+    """The distance [m] that two bodies keep which begin a leg at a distance [m].
 
     Bodies that touch at the start may approach by `SLACK`.  Separated bodies may approach by
     `SLACK` or half their distance, whichever is less.

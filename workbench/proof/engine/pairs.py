@@ -8,7 +8,7 @@ from workbench.model.geometry import Bools, Floats, Ints
 
 
 class BodyPairs:
-    """All pairs of bodies that can ever be compared, as `first` and `second` (r,).
+    """All pairs of bodies that can ever be compared: indices `first` and `second` (r,).
 
     `rounds` (b,) states that a body fills the same space however its own joint is turned.
     """

@@ -60,7 +60,7 @@ class Space:
         """Have every part lie where it was found, or hang where it was taken to.
 
         Args:
-            found: `T_world_part` of each detection.
+            found: each detection's `T_world_part` (SE3).
             where: detection -> joint, and `T_joint_part`; all others lie.
         """
         for number, body in enumerate(self.bodies):

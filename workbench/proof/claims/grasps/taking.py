@@ -112,7 +112,7 @@ def _opening(leg: Leg, wanted: float) -> Message:
 
 
 def _fits(opening: float, grasp: Grasp, arm: Arm, cell: Cell) -> bool:
-    """Whether fingers may be so far open [m]: as the grasp says, or less by the policy."""
+    """Whether fingers may have this opening [m]: that of the grasp, or less by the policy."""
     air, least = cell.policy.least_air, grasp.opening
     if air is not None and arm.tool.fingers:
         least = min(grasp.opening, grasp.grip + 2 * air)

@@ -19,7 +19,7 @@ from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.shapes import gap_of
 
 STEADY = np.deg2rad(10.0)
-"""[rad] So far a part has to be tilted before it falls over."""
+"""[rad] The tilt that a part has to bear before it falls over."""
 
 DROP = 0.002
 """[m] So much more than the margin a part may fall when it is let go of."""
