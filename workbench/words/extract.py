@@ -91,10 +91,10 @@ ALONE = frozenset(
     acknowledging all alternated and approach approve approved at auto axis both busy
     cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
-    none nothing off ok one-at-a-time operator pair pairs part parts picked pile pitch
+    none nothing off ok one-at-a-time operator part parts picked pile pitch
     place placed planning proof reach reading recorded regrasp rejected remaining
     resolve return roll route scan scanned scanning scans sending simulated stands stopped
-    stopping streamed symmetry synchronised thickness time-independent to touches touching
+    stopping streamed symmetry synchronised thickness time-independent to touches
     turned unknown viewer vote waiting width yaw
     """.split()  # noqa: SIM905
 )

@@ -162,7 +162,7 @@ def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
         raise JobCancelled("the first")
 
     monkeypatch.setattr(cad_pick, "cad_look", read)
-    monkeypatch.setattr(cad_pick, "look_words", str)
+    monkeypatch.setattr(cad_pick, "look_message", str)
     pick._chosen(sent(pick._pick, "first.stl", b"1"))
     wait_until(began.is_set)
     pick._chosen(sent(pick._pick, "second.stl", b"2"))
