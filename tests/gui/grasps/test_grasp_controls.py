@@ -343,7 +343,7 @@ def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench,
     first = part.library.entries[0].name
     write_draft(tmp_path, replace(part.library, pairs=(GraspPair(first, first),)))
     library.show(saved, part, problem="")
-    assert "a draft with 1 change that nobody saved" in library._draft.content
+    assert "a draft with 1 change not saved" in library._draft.content
     assert library._take.visible and library._drop.visible
 
 

@@ -74,7 +74,7 @@ def sent(button, name, content):
 
 def refusals(panel):
     """What was told, but that a file is being read, as it is on slow machines."""
-    return [one for one in panel._visitor.client.told if "being read" not in one]
+    return [one for one in panel._visitor.client.told if "reading" not in one]
 
 
 @pytest.mark.parametrize("kind", [".stl", ".obj", ".ply", ".glb"])
@@ -119,7 +119,7 @@ def test_what_a_backup_would_change_is_told(restoring, tmp_path, monkeypatch, no
     content = (tmp_path / "kept.zip").read_bytes()
     nothing_is_read_here()
     restoring._uploaded(sent(restoring._pick, "kept.zip", content))
-    wait_until(lambda: "being read" not in restoring._told.content)
+    wait_until(lambda: "reading" not in restoring._told.content)
     assert "stays the same" in restoring._told.content
 
 

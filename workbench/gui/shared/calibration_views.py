@@ -128,7 +128,7 @@ def _pose_row(
     distance = angle = predicted = ""
     says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
-        distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
+        distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f} deg"
         predicted = "open" if residual.predicted is None else words.render(_off(residual.predicted))
         colour = LIGHTS[residual.light]
         says = words.render(residual.left_out) or "yes"
