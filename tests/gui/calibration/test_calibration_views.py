@@ -84,7 +84,7 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     assert "0.42 mm" in html and "2.86 deg" in html and "12.0 mm &lt;off&gt;" in html
     answer = answer_html(cell, found, 2)
     assert "5.0 mm and 2.00 deg" in answer and "8 poses are better than 1" in answer
-    assert "the worst is pose 1: 0.61 mm, 0.07 deg" in answer
+    assert "worst: pose 1, 0.61 mm, 0.07 deg" in answer
     assert "Front left" in answer and answer.count("<tr><td>") == 4
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""

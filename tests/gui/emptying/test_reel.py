@@ -55,7 +55,7 @@ def test_a_part_goes_with_the_hand_and_stays_where_that_lets_go_of_it(cell, kine
     put = kinematics.tcp_pose(cell.arm(pick.arm), runs["place"].leg.q[-1]) * pick.T_tcp_part
     last = moment(cell, film, stretch.end - 1e-3)
     np.testing.assert_allclose(places(last)[pick.number], put.translation, atol=1e-9)
-    assert "2 of 4 taken" in last.says
+    assert "2 of 4 taken" in str(last.says)
 
 
 def test_what_lies_beside_moves_only_while_a_part_is_lifted(cell, film):
@@ -96,7 +96,7 @@ def test_a_pick_that_misses_moves_no_part_and_says_so(cell, film):
     found = moment(cell, other, end_of(reel_of(other)) - 1e-3)
     for number, one in film.fallen:
         np.testing.assert_allclose(places(found)[number], one.T_world_part.translation)
-    assert "closes on nothing: missed" in found.says and "0 of 4 taken" in found.says
+    assert "closes on nothing: missed" in str(found.says) and "0 of 4 taken" in str(found.says)
 
 
 def test_it_plays_as_fast_as_wanted_and_stops_at_its_end(film):

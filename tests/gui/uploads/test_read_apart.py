@@ -74,7 +74,7 @@ def sent(button, name, content):
 
 def refusals(panel):
     """What was told, but that a file is being read, as it is on slow machines."""
-    return [one for one in panel._visitor.client.told if "reading" not in one]
+    return [one for one in panel._visitor.client.told if "being read" not in one]
 
 
 @pytest.mark.parametrize("kind", [".stl", ".obj", ".ply", ".glb"])
