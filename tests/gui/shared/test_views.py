@@ -234,7 +234,7 @@ def test_joints_are_told_in_degrees_in_the_order_of_the_controller(cell):
     arm = cell.arms[0]
     joints = dict(zip(arm.joints, arm.home, strict=True))
     rows = re.findall(
-        r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", views.joints_html(cell, joints)
+        r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", link_views.joints_html(cell, joints)
     )
     expected = [0, -130, 30, 0, 40, 0, -135]
     assert [int(axis) for axis, _ in rows] == [1, 2, 3, 4, 5, 6, 7]
@@ -308,7 +308,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         facts_html(state, {}, view.at),
         plan_html(state),
         link_views.link_html(view),
-        views.joints_html(cell, view.live.joints),
+        link_views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),
         now_html(1.0, 2.0, EVIL),
         funnel_html(state.candidates, None, buttons),

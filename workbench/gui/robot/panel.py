@@ -5,9 +5,9 @@ import viser
 from workbench.app.core.cell.changes import EmptyPallets
 from workbench.app.core.state import Phase
 from workbench.app.picking.pallets import pallets_of
-from workbench.gui.shared.link_views import link_html
+from workbench.gui.shared.link_views import joints_html, link_html
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import joints_html, line, when
+from workbench.gui.shared.views import line, when
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.page import PageText
 

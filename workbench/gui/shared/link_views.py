@@ -1,10 +1,15 @@
 """What the page says about the robot link; text and HTML, as in `views`."""
 
+import math
+from collections.abc import Mapping
+from html import escape
+
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
 from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import LinkText
+from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, as_message
 from workbench.model.release import LinkStatus, PartReport, Receipt
 from workbench.words.words import IN_ENGLISH, Words
@@ -80,3 +85,36 @@ def _part(report: PartReport) -> Message:
     why = as_message(report.why)
     text = LinkText.UNKNOWN if report.is_picked is None else LinkText.FAILED
     return text(part=part, why=why)
+
+
+def joints_html(
+    cell: Cell, joints: Mapping[str, float], heard: str = "", words: Words = IN_ENGLISH
+) -> str:
+    """What the controller reports of its joints [deg], in its own order.
+
+    Args:
+        cell: whose joints.
+        joints: by name [rad]; empty: none is reported.
+        heard: when they were reported, where that is over; empty: they are reported now.
+        words: of who reads it.
+    """
+    if not joints:
+        return line("The controller reports no joint values.", kind="hint")
+    reported = words.render(LinkText.REPORTED_LAST(at=heard))
+    last = line(reported, kind="warn") if heard else ""
+    most = max(len(arm.joints) for arm in cell.arms)
+    heads = (words.render(LinkText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
+    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
+    rows = ""
+    for axis in range(most):
+        cells = ""
+        for arm in cell.arms:
+            known = axis < len(arm.joints)
+            joint = arm.joints[arm.axis_order[axis]] if known else ""
+            value = joints.get(joint)
+            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
+            cells += f'<td class="wb-number">{text}</td>'
+        name = words.render(CommonText.AXIS(number=axis + 1))
+        rows += f"<tr><th>{escape(name)}</th>{cells}</tr>"
+    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    return last + table

@@ -4,7 +4,6 @@ Everything that comes from outside (names of parts and people, messages of machi
 `escape` here, since HTML of the page may run scripts.
 """
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -17,7 +16,7 @@ from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.texts.common import CommonText, cycle_message
-from workbench.gui.texts.cycle import CycleText, LinkText, StatusText
+from workbench.gui.texts.cycle import CycleText, StatusText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
@@ -379,36 +378,3 @@ def candidate_label(candidate: Candidate) -> str:
         verdict_text(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)
-
-
-def joints_html(
-    cell: Cell, joints: Mapping[str, float], heard: str = "", words: Words = IN_ENGLISH
-) -> str:
-    """What the controller reports of its joints [deg], in its own order.
-
-    Args:
-        cell: whose joints.
-        joints: by name [rad]; empty: none is reported.
-        heard: when they were reported, where that is over; empty: they are reported now.
-        words: of who reads it.
-    """
-    if not joints:
-        return line("The controller reports no joint values.", kind="hint")
-    reported = words.render(LinkText.REPORTED_LAST(at=heard))
-    last = line(reported, kind="warn") if heard else ""
-    most = max(len(arm.joints) for arm in cell.arms)
-    heads = (words.render(LinkText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
-    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
-    rows = ""
-    for axis in range(most):
-        cells = ""
-        for arm in cell.arms:
-            known = axis < len(arm.joints)
-            joint = arm.joints[arm.axis_order[axis]] if known else ""
-            value = joints.get(joint)
-            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
-            cells += f'<td class="wb-number">{text}</td>'
-        name = words.render(CommonText.AXIS(number=axis + 1))
-        rows += f"<tr><th>{escape(name)}</th>{cells}</tr>"
-    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
-    return last + table
