@@ -10,6 +10,7 @@ import pinocchio as pin
 from workbench.model.digest import LATER, Told, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.messages.message import Message
 
 ALL_KINDS = "all"
 """Instead of a part's name: every kind that the cell picks, one of each in turn."""
@@ -330,7 +331,7 @@ class Remark:
 
     at: float
     by: str
-    says: str
+    says: Message | str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -111,7 +111,10 @@ class DriftGroup:
         scans, sessions = counted(found.scans, "scan"), counted(found.sessions, "session")
         said = [
             line(f"{scans} of {sessions} since the calibration."),
-            *(line(f"{sentence(word)}.") for word in drift_words(cell, found.drift)),
+            *(
+                line(f"{sentence(self._visitor.words.render(word))}.")
+                for word in drift_words(cell, found.drift)
+            ),
             *(
                 course_html(course.thing, course.days, course.moved)
                 for course in found.drift.courses

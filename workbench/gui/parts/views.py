@@ -65,7 +65,7 @@ def avoided_html(state: State, at: float) -> str:
 def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
     """Who has changed what was found, the latest first, and which folder is watched for poses."""
     rows = "".join(
-        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td><td>{escape(remark.says)}</td></tr>"
+        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td><td>{escape(str(remark.says))}</td></tr>"
         for remark in reversed(remarks)
     )
     table = f'<table class="wb-facts wb-remarks">{rows}</table>' if rows else ""

@@ -45,9 +45,9 @@ def events_of(
             continue
         is_more = moment.kind in MANY and moment.kind == before
         first = found.pop().first if is_more else number
-        what = sentence(COMMANDS[moment.kind].right.says)
+        what = sentence(COMMANDS[moment.kind].right.says.template)
         is_fault = state.phase is Phase.FAULT
-        says = state.fault if is_fault else said(state.message, words)
+        says = words.render(state.fault) if is_fault else said(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))
         before = moment.kind
     return tuple(found)

@@ -78,7 +78,7 @@ def bin_html(state: State, check: BinCheck | None, now: float) -> str:
     warning = calibration_warning(state.cell, now)
     if check is None:
         return light_html("warning", f"{sentence(warning)}.") if warning else ""
-    said = f"{sentence(check.says)}."
+    said = f"{sentence(str(check.says))}."
     light: Light = check.light
     if warning:
         said, light = f"{said} {sentence(warning)}.", "warning" if light == "good" else light
@@ -121,7 +121,7 @@ def _pose_row(
         distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
         predicted = "open" if residual.predicted is None else _off(residual.predicted)
         colour = LIGHTS[residual.light]
-        says = residual.left_out or "yes"
+        says = str(residual.left_out or "yes")
     dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
     return (
         f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
@@ -190,7 +190,7 @@ def corners_html(cell: Cell, found: Calibration) -> str:
 def next_html(pose: NextPose) -> str:
     """How the plate gets to a suggested pose, and what that would bring."""
     steps = "".join(
-        line(f"{number}. {sentence(step)}") for number, step in enumerate(pose.steps, 1)
+        line(f"{number}. {sentence(str(step))}") for number, step in enumerate(pose.steps, 1)
     )
     return (
         line(f"From {pose.after} on, with the plate as it is held:")

@@ -27,15 +27,15 @@ def link_html(view: View) -> str:
         ("Controller", f"{controller.host} port {controller.port}"),
         ("Robot link", controller.link + (f" (speaks {link.version})" if link.version else "")),
         ("Link", phase),
-        ("Robot's last word", view.live.robot or "none (no state report)"),
-        ("Fault here", state.fault or "none to acknowledge"),
+        ("Robot's last word", str(view.live.robot or "none (no state report)")),
+        ("Fault here", str(state.fault or "none to acknowledge")),
     ]
     if link.acknowledged:
         rows.append(("Last answer at", clock(link.acknowledged_at)))
     if link.reported_at and state.phase is Phase.SENDING:
         rows.append(("Last report", f"{max(0.0, view.at - link.reported_at):.1f} s ago"))
     if link.stop:
-        rows.append(("Stop", link.stop))
+        rows.append(("Stop", str(link.stop)))
     if state.receipts:
         last = state.receipts[-1]
         rows += [

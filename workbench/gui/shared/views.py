@@ -123,23 +123,26 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     state, live = view.state, view.live
     if view.is_recorded:
         is_fault = state.phase is Phase.FAULT
-        text = f"Fault: {state.fault}" if is_fault else said(state.message, words)
+        text = f"Fault: {words.render(state.fault)}" if is_fault else said(state.message, words)
         return _box("recorded", f"<b>Recorded:</b> {escape(text)}")
     if live.unrecorded:
         what = "The sending" if state.phase is Phase.SENDING else "The task"
-        return _box("fault", f"<b>{what} has ended without a record:</b> {escape(live.unrecorded)}")
+        return _box(
+            "fault",
+            f"<b>{what} has ended without a record:</b> {escape(words.render(live.unrecorded))}",
+        )
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
         waiting = "" if state.job is None else f"; then: {words.render(state.message)}"
         note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
     if state.job is not None and state.phase is not Phase.SENDING:
-        note = live.told_of(state.job.number)[1] or words.render(state.message)
+        note = words.render(live.told_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:
         case Phase.FAULT:
-            return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
+            return _box("fault", f"<b>Fault:</b> {escape(words.render(state.fault))}")
         case Phase.SENDING:
             return _box("busy", escape(said(state.message, words)), parts_placed(state))
         case Phase.DONE:
@@ -246,7 +249,7 @@ def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | 
     noun = "part" if count == 1 else "parts"
     parts = f"{count} {noun}"
     if check is not None:
-        parts = parts_in_words(state.cell, check, state.detections)
+        parts = str(parts_in_words(state.cell, check, state.detections))
     found = f"{parts}, score {scores}{more}"
     warnings = (line(f"{sentence(size)}.", kind="bad", span=2) for size in wrong_sizes)
     return line(found, span=2, tip=purpose) + "".join(warnings)
@@ -289,7 +292,7 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
             no_plan = StateText.NO_PLAN(verdict=state.verdict.message)
             return line(sentence(words.render(no_plan)), kind=kind, tip=purpose)
         if state.stale:
-            return line(f"{sentence(state.stale)}.", kind="bad", tip=purpose)
+            return line(f"{sentence(words.render(state.stale))}.", kind="bad", tip=purpose)
         return hint(state, MakePlan, purpose, 3)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:

@@ -4,7 +4,23 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
+from workbench.model.messages.calibration import (
+    BinText,
+    DriftText,
+    FirstScanText,
+    PlateText,
+    PoseText,
+)
+from workbench.model.messages.cells import DifferenceText
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
+from workbench.model.messages.commands import (
+    CommandText,
+    EditText,
+    MannerText,
+    NameText,
+    RoleText,
+    StaleText,
+)
 from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.plans import (
     GuaranteeText,
@@ -18,10 +34,12 @@ from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
+    FileText,
     Refusal,
     ValueRefusal,
 )
 from workbench.model.messages.states import (
+    AheadText,
     ClearanceText,
     ControlText,
     LeftText,
@@ -36,6 +54,15 @@ from workbench.model.messages.verdicts import (
     StationNote,
     VerdictNote,
     VerdictText,
+)
+from workbench.model.messages.work import (
+    CancelText,
+    CaseRefusal,
+    JobText,
+    LinkPhase,
+    LinkText,
+    ProgressText,
+    StopText,
 )
 
 SUBJECTS: tuple[type[Text], ...] = (
@@ -63,10 +90,31 @@ SUBJECTS: tuple[type[Text], ...] = (
     Refusal,
     ChangeRefusal,
     ControlRefusal,
+    FileText,
     ValueRefusal,
     ChangeText,
     FillText,
     RemainText,
+    CommandText,
+    RoleText,
+    MannerText,
+    NameText,
+    EditText,
+    StaleText,
+    AheadText,
+    JobText,
+    LinkText,
+    StopText,
+    LinkPhase,
+    CaseRefusal,
+    ProgressText,
+    CancelText,
+    DifferenceText,
+    PlateText,
+    PoseText,
+    DriftText,
+    FirstScanText,
+    BinText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

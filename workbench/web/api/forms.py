@@ -32,8 +32,8 @@ def state_form(state: State, live: Live) -> Form:
         "phase": str(state.phase),
         "message": str(state.message),
         "said": as_message(state.message).told,
-        "fault": state.fault,
-        "stale": state.stale,
+        "fault": str(state.fault),
+        "stale": "" if state.stale is None else str(state.stale),
         "ran": None if state.ran is None else state.ran.digest,
         "changed": list(state.changed),
         "cell": state.cell.name,
@@ -66,7 +66,7 @@ def state_form(state: State, live: Live) -> Form:
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [
-            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": o.why}
+            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": str(o.why)}
             for o in (() if sent is None else sent.outcomes)
         ],
     }
@@ -101,7 +101,7 @@ def job_form(state: State, live: Live) -> Form:
             "name": job.name,
             "at": job.at,
             "done": finite(live.told_of(job.number)[0]),
-            "note": live.told_of(job.number)[1],
+            "note": str(live.told_of(job.number)[1]),
         },
         "getting_ready": _preparing(live),
     }

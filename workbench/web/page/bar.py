@@ -15,6 +15,8 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.model.errors import WorkbenchError
+from workbench.model.messages.message import Message, all_of, as_message
+from workbench.model.messages.work import LinkText
 from workbench.web.page.tour import tour_of
 
 Bar = Callable[[Person], Mapping[str, Any]]
@@ -89,13 +91,14 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     why = lacks_right(state, Stop, person.name, person.role) or obstacle(state, Stop)
     # How a stop ended belongs to it: that nobody saw the robot stand must not stay in a tab.
     # Where the fault has it in it already, once is enough.
-    fault = (state.fault, live.link.stop) if state.phase is Phase.FAULT else ()
-    if fault and live.link.stop in state.fault:
+    stop = live.link.stop
+    fault = (state.fault, stop) if state.phase is Phase.FAULT else ()
+    if isinstance(state.fault, Message) and stop is not None and state.fault.part(stop.text):
         fault = (state.fault,)
     return {
         "robot": robot,
         "kind": kind,
-        "fault": "; ".join(filter(None, fault)),
+        "fault": str(all_of(as_message(said) for said in fault if said) or ""),
         "can_stop": not why,
         "why": why or "",
         "has_robot": True,
@@ -110,4 +113,4 @@ def _robot(state: State, live: Live) -> tuple[str, str]:
         return f"Sending: robot {live.robot or 'does not report'}{step}", "busy"
     if not live.robot:
         return "Robot: no report", "off"
-    return f"Robot: {live.robot}", "bad" if live.robot.startswith("fault") else "good"
+    return f"Robot: {live.robot}", "bad" if live.robot.text is LinkText.FAULT else "good"
