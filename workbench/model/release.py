@@ -153,7 +153,7 @@ class LinkStatus:
 
     `phase` is what the controller says of itself, or `closed`; `acknowledged` its last
     acknowledgement; `stopped` how long [s] it took to acknowledge a stop, None when it did not, and
-    `stop` is the message about it.  `joints` (arm -> (n,) [rad]) are the last reported on this link.
+    `stop` is the message about it.  `joints` (arm -> (n,) [rad]) are the last reported there.
     """
 
     version: str = ""

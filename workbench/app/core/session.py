@@ -27,7 +27,7 @@ class Started(Command):
     right: ClassVar[Right] = Right(CommandText.STARTED, EVERY, beside_job=True, by_machine=True)
 
     ran: Inventory
-    changes: tuple[str, ...] = ()
+    changes: tuple[Message | str, ...] = ()
     since: str = ""
     is_trial: bool = False
 

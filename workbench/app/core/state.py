@@ -166,7 +166,7 @@ class SessionState:
     observations: tuple[PlateObservation, ...] = ()
     emptying: Emptying | None = None
     ran: Inventory | None = None
-    changed: tuple[str, ...] = ()
+    changed: tuple[Message | str, ...] = ()
     changed_since: str = ""
     control: str = ""
     asking: tuple[str, ...] = ()

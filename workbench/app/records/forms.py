@@ -87,6 +87,8 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         present = [argument for argument in arguments if argument is not type(None)]
         if Message in present and set(present) <= {Message, str}:
             # Once every remark was a text, and that was none.
+            if isinstance(form, str) and str in present:
+                return form
             is_none = form is None or (form == "" and type(None) in arguments)
             return None if is_none else message_of(form)
         if set(present) <= PLAIN:

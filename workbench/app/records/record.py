@@ -159,7 +159,7 @@ def summary(state: State) -> Mapping[str, Any]:
         # Nobody is written as nothing at all: sessions from before there was control say as much.
         "control": state.control or None,
         "ran": None if state.ran is None else state.ran.digest,
-        "changed": list(state.changed) or None,
+        "changed": list(map(str, state.changed)) or None,
         "emptied": None if state.emptying is None else _digest_of(state.emptying),
         "asking": list(state.asking) or None,
     }

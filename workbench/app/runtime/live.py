@@ -47,11 +47,11 @@ class Live:
     unrecorded: Message | None = None
     is_saving: bool = False
 
-    def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[str, ...]:
+    def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[Message, ...]:
         """What the search that brought these detections says of CAD files of a wrong size."""
         if self.findings is None or self.findings.detections is not detections:
             return ()
-        return tuple(scale.words for scale in self.findings.scales if scale.is_off)
+        return tuple(scale.words for scale in self.findings.scales if scale.words is not None)
 
     def told_of(self, job: int) -> tuple[float, Message | str]:
         """Share done and note of the job with that number, or of what it waits for."""

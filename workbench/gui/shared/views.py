@@ -168,7 +168,7 @@ def changes_html(state: State) -> str:
         f"This has changed since {state.changed_since}; "
         "nothing is sent before an engineer acknowledges it:"
     )
-    listed = "".join(f"<li>{escape(change)}</li>" for change in state.changed)
+    listed = "".join(f"<li>{escape(str(change))}</li>" for change in state.changed)
     head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
@@ -251,7 +251,7 @@ def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | 
     if check is not None:
         parts = str(parts_in_words(state.cell, check, state.detections))
     found = f"{parts}, score {scores}{more}"
-    warnings = (line(f"{sentence(size)}.", kind="bad", span=2) for size in wrong_sizes)
+    warnings = (line(f"{sentence(str(size))}.", kind="bad", span=2) for size in wrong_sizes)
     return line(found, span=2, tip=purpose) + "".join(warnings)
 
 

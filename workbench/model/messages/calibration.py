@@ -27,14 +27,15 @@ class PlateText(Text, subject="plate"):
         "in every direction: turn the wrist by 20 degrees or more between the poses"
     )
     ONE_AXIS = (
-        "the flange is turned about one axis only, ({axis}) in the world, so the scanner's position "
-        "along it stays unknown: tilt the wrist about another axis too, by 20 degrees or more"
+        "the flange is turned about one axis only, ({axis}) in the world, so the scanner's "
+        "position along it stays unknown: tilt the wrist about another axis too, by 20 degrees or "
+        "more"
     )
     WITHOUT = "without {poses}, in conflict with the others: {problem}"
     NO_CONSENSUS = (
         "the poses are in conflict: at best half of them fit within {far:mm}. Are the joint values "
-        "those of the scans, in the controller's order, and the distances of the balls those of the "
-        "plate? Did the plate stay fixed in the gripper?"
+        "those of the scans, in the controller's order, and the distances of the balls those of "
+        "the plate? Did the plate stay fixed in the gripper?"
     )
     TOO_UNCERTAIN = (
         "these poses give the scanner's position only to {far:mm} (worst along ({axis}) in the "

@@ -11,7 +11,7 @@ from workbench.model.messages.calibration import (
     PlateText,
     PoseText,
 )
-from workbench.model.messages.cells import DifferenceText
+from workbench.model.messages.cells import CellText, DifferenceText, InventoryText, LoadText
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
 from workbench.model.messages.commands import (
     CommandText,
@@ -21,13 +21,18 @@ from workbench.model.messages.commands import (
     RoleText,
     StaleText,
 )
+from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
+from workbench.model.messages.parts import DrawnText, FailureText, PileText
+from workbench.model.messages.places import PalletText, StationText
 from workbench.model.messages.plans import (
+    CycleText,
     GuaranteeText,
     LegText,
     MotionText,
     PlanNote,
     RowEnd,
+    StepText,
     StrategyText,
 )
 from workbench.model.messages.proofs import ProofText, ViolationText
@@ -38,6 +43,7 @@ from workbench.model.messages.refusals import (
     Refusal,
     ValueRefusal,
 )
+from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.states import (
     AheadText,
     ClearanceText,
@@ -115,6 +121,22 @@ SUBJECTS: tuple[type[Text], ...] = (
     DriftText,
     FirstScanText,
     BinText,
+    GripText,
+    FixText,
+    BudgetText,
+    CellText,
+    LoadText,
+    InventoryText,
+    PileText,
+    FailureText,
+    DrawnText,
+    PalletText,
+    StationText,
+    StepText,
+    CycleText,
+    ScanText,
+    ObjectionText,
+    ScaleText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

@@ -136,6 +136,13 @@ class ChangeRefusal(Text, subject="cell-change"):
         "what runs now has the digest {digest}, not {named}: look at the current changes and "
         "decide again"
     )
+    STRATEGY = "strategy {strategy} is not one of {known} in cell {cell}"
+    CELL = "cell {cell}: {problem}"
+    ROW_ORDER = (
+        "plan {number} of the row cannot follow plan {before}, since nobody knows how the parts "
+        "lie then: {why}"
+    )
+    NO_PAIR_GAP = "the cell has no pair_gap_mm"
     NOTE_EMPTY = "the note is empty"
     MOST_GRASPS = (
         "with all copies of patterns and symmetry the part would have {count} grasps; {most} are "

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.work import ProgressText
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.bodies import carried_bodies, part_label
 from workbench.planning.kinematics.robot import Kinematics
@@ -81,7 +83,7 @@ def common_fixes(
     *,
     seed: int,
     obstacles: tuple[Obstacle, ...] = (),
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Callable[[float, Message], None] = lambda done, note: None,
 ) -> tuple[tuple[str, tuple[int, ...]], ...]:
     """Changes that admit a candidate of parts that nothing takes, and of which parts: most first.
 
@@ -101,7 +103,7 @@ def common_fixes(
     fixes = Fixes(cell, detections, obstacles, seed=seed)
     found: dict[str, list[int]] = {}
     for done, number in enumerate(stay):
-        report(done / len(stay), f"what would take part-{number + 1}")
+        report(done / len(stay), ProgressText.WHAT_TAKES(part=FoundPart(number)))
         mine = [
             candidate
             for candidate in candidates

@@ -35,7 +35,7 @@ def state_form(state: State, live: Live) -> Form:
         "fault": str(state.fault),
         "stale": "" if state.stale is None else str(state.stale),
         "ran": None if state.ran is None else state.ran.digest,
-        "changed": list(state.changed),
+        "changed": list(map(str, state.changed)),
         "cell": state.cell.name,
         "cell_digest": state.cell.digest,
         "is_saved": state.saved == state.cell.digest,

@@ -15,7 +15,7 @@ from workbench.app.core.state import Phase, RunState, State, begun, row_message
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import AheadText, NextText, StateText
 from workbench.model.plan import Plan
@@ -157,8 +157,8 @@ def step_reported(state: State) -> int:
 
 def step_message(plan: Plan, number: int) -> Message:
     """A step of a plan, counted from 1, for people."""
-    words = plan.sequence[number - 1].words
-    return StateText.STEP(number=number, total=len(plan.sequence), legs=plain(words))
+    legs = plan.sequence[number - 1].words
+    return StateText.STEP(number=number, total=len(plan.sequence), legs=legs)
 
 
 def step_problem(state: State, number: int, now: float) -> Message | None:
