@@ -119,7 +119,7 @@ def test_nothing_of_it_counts_before_the_end_and_all_of_it_after(sending, in_row
     assert (after.scan.digest, after.scene_digest) == (scan.digest, scan.digest)
     assert (after.approval, after.votes, after.watched, after.ahead) == (None, (), (), None)
     assert (after.planned_threshold, after.wanted_threshold) == (0.3, 0.3)
-    assert (after.receipts, after.outcomes, after.stale) == ((), (), "")
+    assert (after.receipts, after.outcomes, after.stale) == ((), (), None)
     assert "1 of 1 part reported placed" in str(after.message) and after.message.mentions(
         StateText.PLAN_READY
     )

@@ -55,7 +55,7 @@ def ended(state: State, command: LinkEnded) -> State:
 
 
 def words(cell, placed) -> list[str]:
-    return [sentence for one in pallets_of(cell, placed) for sentence in one.words]
+    return [str(sentence) for one in pallets_of(cell, placed) for sentence in one.words]
 
 
 def test_how_full_a_pallet_is_is_told(cell):
@@ -153,6 +153,6 @@ def shift(x: float = 0.0, z: float = 0.0):
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_pallet_is_told_before_it_is_filled(cell, change, says):
-    found = list(pallet_problems(with_places(cell, change)))
+    found = list(map(str, pallet_problems(with_places(cell, change))))
     assert len(found) == bool(says)
     assert not says or (says in found[0] and found[0].startswith("right arm: pallet 1 of parts p"))

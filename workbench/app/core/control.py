@@ -10,7 +10,7 @@ from workbench.app.core.state import State
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import ControlRefusal, Refusal
-from workbench.model.messages.states import ControlText, StateText
+from workbench.model.messages.states import AheadText, ControlText, StateText
 
 MOST_ASKING = 20
 """People who have asked and wait for an answer."""
@@ -196,7 +196,7 @@ def _held_by(state: State, name: str, message: Message) -> State:
 def _waiting_for(before: State, after: State) -> Decision:
     """The state after a change of control: no task continues in the name of who gave it away."""
     if after.ahead is not None and after.control != before.control:
-        return given_up(after, "somebody else is in control, or nobody")
+        return given_up(after, AheadText.CONTROL_GONE())
     job = after.job
     if job is None or job.then is None or after.control == before.control:
         return after, ()

@@ -105,6 +105,7 @@ class AheadText(Text, subject="ahead"):
     PLAN_STOPPED = "the plan is stopped"
     NOT_AS_PLANNED = "the plan has not ended as planned"
     ROW_ENDED = "the row has ended early"
+    CONTROL_GONE = "nobody, or somebody else, is in control now"
     PICK_FAILED = "a pick has failed, so somebody has to check"
     NOT_ALL_PICKED = "the robot has not reported every part as picked"
     OTHER_PLACES = "the places are not as expected"

@@ -13,7 +13,8 @@ from workbench.app.core.tasks import Begun
 from workbench.model.calibration import PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
 from workbench.model.messages.message import Message, all_of, as_message
-from workbench.model.messages.states import JobText, StateText, task_message
+from workbench.model.messages.states import StateText, task_message
+from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan, Search
