@@ -158,7 +158,7 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
     for arm in plan.arms:
-        words = "not stated" if arm.loads is None else arm.loads.words
+        words = "not stated" if arm.loads is None else str(arm.loads.words)
         yield f"load, {arm.arm} arm", words
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (

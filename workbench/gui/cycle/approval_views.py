@@ -86,7 +86,7 @@ def facts_html(
     cell, row = state.cell, state.whole_row
     plan = row[0].plan
     rows = _plans(state, words) if len(row) > 1 else _plan(plan, words)
-    cycle = cycle_words(plan.cycle_seconds, state.bound)
+    cycle = str(cycle_words(plan.cycle_seconds, state.bound))
     if len(row) > 1:
         cycle = f"{sum(proven_plan.plan.cycle_seconds for proven_plan in row):.1f} s in all"
     rows += [

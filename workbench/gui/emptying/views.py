@@ -212,7 +212,7 @@ def left_html(
     )
 
 
-def fix_words(nearest_fix: str) -> str:
+def fix_words(nearest_fix: Message | str) -> str:
     """The smallest change that takes a part, or that there is none."""
     if not nearest_fix:
         return "No small change of a grasp takes it."

@@ -118,7 +118,9 @@ def no_grasp(entry: Entry | None) -> str:
 def findings_text(check: GraspCheck) -> str:
     """What speaks against a grasp with the tool that it was tried with, or that nothing does."""
     if check.findings:
-        return f"with the {check.tool}: " + "; ".join(finding.text for finding in check.findings)
+        return f"with the {check.tool}: " + "; ".join(
+            str(finding.text) for finding in check.findings
+        )
     wide = "" if check.width is None else f", holds {mm(check.width)}"
     firm = "" if check.firmness is None else f", {in_words(check.firmness)}"
     return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival{firm}"

@@ -76,8 +76,9 @@ def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
 def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
     """A fold that lists the rejected hypotheses, and why they are no parts."""
     rows = "".join(
-        f"<li>{hypothesis.score:.2f} {escape(hypothesis.part)}: {escape(hypothesis.words)}</li>"
+        f"<li>{hypothesis.score:.2f} {escape(hypothesis.part)}: {escape(why)}</li>"
         for hypothesis in rejected
+        for why in (str(hypothesis.words),)
     )
     return (
         '<div class="wb-tree wb-rejected"><details>'

@@ -70,7 +70,8 @@ def _loads_html(state: State, plan: Plan) -> str:
         words = f"{arm.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
         if not controller.motion.takes_loads:
             words += f", not sent by {controller.link}"
-        lines += f'<div class="wb-small" title="{escape(arm.loads.words)}">{escape(words)}</div>'
+        tip = escape(str(arm.loads.words))
+        lines += f'<div class="wb-small" title="{tip}">{escape(words)}</div>'
     tools = {state.cell.arm(arm.arm).tool.name for arm in plan.arms if arm.loads is None}
     if tools and controller.motion.takes_loads:
         words = f"No load is sent: mass_g of {', '.join(sorted(tools))} is missing"

@@ -33,7 +33,10 @@ class RobotPanel:
             keeps = bool(cell.stations) or any(arm.keeps_parts for arm in cell.arms)
             parts = "1 part lies" if count == 1 else f"{count} parts lie"
             fills = pallets_of(cell, new.state.placed)
-            lines = [f"{parts} on the pallets.", *(words for fill in fills for words in fill.words)]
+            lines = [
+                f"{parts} on the pallets.",
+                *(str(words) for fill in fills for words in fill.words),
+            ]
             self._pallets.content = "".join(map(line, lines)) if keeps else ""
             self._empty.visible = keeps
             missing = "" if count else "no part lies on the pallets"

@@ -171,6 +171,7 @@ class FileText(Text, subject="file"):
     """What is wrong with a file, behind its path."""
 
     PROBLEM = "{path}: {problem}"
+    KEY = "key {key}: {problem}"
 
 
 class ValueRefusal(Text, subject="value"):
