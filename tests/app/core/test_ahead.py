@@ -194,7 +194,7 @@ def test_no_scan_is_taken_once_a_pick_has_failed(sending):
     assert begun(sending) == []
     state = sending.do(LinkEnded("", 0, (LOST,), ()))
     assert (state.phase, state.job) == (Phase.DONE, None)
-    assert "somebody has to look" in str(state.message)
+    assert "somebody has to check" in str(state.message)
 
 
 def test_a_person_who_sees_a_part_fall_is_believed(sending, in_rows):

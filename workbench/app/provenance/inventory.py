@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from workbench.model.digest import digest_of
 from workbench.model.geometry import put
 from workbench.model.messages.cells import InventoryText
+from workbench.model.messages.commands import RoleText
 from workbench.model.messages.message import Message, Text
 
 
@@ -89,6 +90,7 @@ def _versions(inventory: Inventory) -> Mapping[str, str]:
 
 def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message]:
     """Who may come in now, or may not any more, or in another role; both are name -> role."""
+    old, new = ({name: _role(role) for name, role in users.items()} for users in (old, new))
     texts = (InventoryText.NEW_USER, InventoryText.USER_GONE, InventoryText.USER_ROLE)
     return _list_changes(old, new, *texts)
 
@@ -99,8 +101,17 @@ def _compare(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message
     return _list_changes(old, new, *texts)
 
 
+def _role(role: str) -> Message | str:
+    known = RoleText.__members__.get(role.upper())
+    return role if known is None else known()
+
+
 def _list_changes(
-    old: Mapping[str, str], new: Mapping[str, str], come: Text, gone: Text, other: Text
+    old: Mapping[str, Message | str],
+    new: Mapping[str, Message | str],
+    come: Text,
+    gone: Text,
+    other: Text,
 ) -> Iterator[Message]:
     """A message for each name whose value differs, by three texts."""
     for name in sorted({*old, *new}):
@@ -108,4 +119,4 @@ def _list_changes(
         if was != has:
             text = come if was is None else gone if has is None else other
             given = {"name": name, "was": was, "has": has}
-            yield text(**{place: str(given[place]) for place in text.places})
+            yield text(**{place: given[place] or "" for place in text.places})

@@ -94,7 +94,7 @@ class Header:
     def _show_changes(self, state: State) -> None:
         self._shown = "" if state.ran is None else state.ran.digest
         self._changes.visible = self._seen.visible = bool(state.changed)
-        self._changes.content = changes_html(state)
+        self._changes.content = changes_html(state, self._visitor.words)
         self._visitor.admit(self._seen, state, AcknowledgeChanges)
 
     def _turn(self) -> None:

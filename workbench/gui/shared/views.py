@@ -123,7 +123,8 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     state, live = view.state, view.live
     if view.is_recorded:
         is_fault = state.phase is Phase.FAULT
-        text = f"Fault: {words.render(state.fault)}" if is_fault else said(state.message, words)
+        fault = words.render(state.fault)
+        text = f"Fault: {fault}" if is_fault else said(state.message, words)
         return _box("recorded", f"<b>Recorded:</b> {escape(text)}")
     if live.unrecorded:
         what = "The sending" if state.phase is Phase.SENDING else "The task"
@@ -160,7 +161,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
             return _box("fault" if is_failure(state.message) else "plain", escape(text))
 
 
-def changes_html(state: State) -> str:
+def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
     """What has changed since the start before, as long as nobody has acknowledged it."""
     if not state.changed:
         return ""
@@ -168,7 +169,7 @@ def changes_html(state: State) -> str:
         f"This has changed since {state.changed_since}; "
         "nothing is sent before an engineer acknowledges it:"
     )
-    listed = "".join(f"<li>{escape(str(change))}</li>" for change in state.changed)
+    listed = "".join(f"<li>{escape(words.render(change))}</li>" for change in state.changed)
     head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 

@@ -19,7 +19,7 @@ from workbench.app.core.state import (
     stale_by,
     without_approval,
 )
-from workbench.app.core.value_checks import check_cell, check_text
+from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
@@ -48,7 +48,7 @@ class ChangeCell(Command):
     says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", str(self.says))
+        check_says(self.says)
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())

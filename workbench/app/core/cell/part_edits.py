@@ -9,7 +9,7 @@ from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Ri
 from workbench.app.core.effects import RemoveDraft
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
-from workbench.app.core.value_checks import check_text
+from workbench.app.core.value_checks import check_says
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
@@ -44,7 +44,7 @@ class EditPart(Command):
     says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", str(self.says))
+        check_says(self.says)
         check_edit(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:

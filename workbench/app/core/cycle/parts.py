@@ -13,7 +13,7 @@ from workbench.app.core.value_checks import (
     check_detections,
     check_integer,
     check_number,
-    check_text,
+    check_says,
 )
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
@@ -68,7 +68,7 @@ class UseDetections(Command):
     says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", str(self.says))
+        check_says(self.says)
         check_detections(state.cell, self.detections)
 
     def apply(self, state: State, entry: Entry) -> Decision:

@@ -14,6 +14,7 @@ from workbench.app.core.value_checks import (
     check_among,
     check_configuration,
     check_integer,
+    check_says,
     check_text,
 )
 from workbench.model.calibration import BallPlate, PlateObservation
@@ -101,7 +102,7 @@ class UseObservations(Command):
     says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", str(self.says))
+        check_says(self.says)
         if len(self.observations) > MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES(most=MOST_OBSERVATIONS))
         for observation in self.observations:
