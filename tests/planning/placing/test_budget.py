@@ -101,10 +101,9 @@ def test_a_rod_that_rolls_as_it_is_pushed_counts_unless_it_is_round():
 def test_it_says_in_one_sentence_how_far_and_why():
     place = PartPlace(pin.SE3.Identity())
     words = budget(brick(0.02), [2e-3, 0, 0, 0, 0, 0], place).words
-    assert words == (
-        "held so, the part lies within 3.9 mm and 0.0 degrees of where it shall in 95% of picks; "
-        "most of that comes from the localization, across the pads; in 69% it lies within the "
-        "2 mm and 3 degrees of its place"
+    assert str(words) == (
+        "placement error: 3.9 mm, 0.0 deg (95%); largest contribution: localization (across the "
+        "pads); 69% of picks are within the tolerances of the place, 2.0 mm and 3.0 deg"
     )
 
 
