@@ -107,13 +107,13 @@ def check_text(name: str, value: Any) -> None:
         )
 
 
-def check_says(says: Any) -> None:
+def check_says(name: str, says: Any) -> None:
     """A remark on a change: a message, or a text that is short enough to be kept and shown.
 
     Raises:
         CommandRefused: it is neither.
     """
-    check_text("says", str(says) if isinstance(says, Message) else says)
+    check_text(name, str(says) if isinstance(says, Message) else says)
 
 
 def check_among(name: NameText | str, value: Any, known: tuple[str, ...]) -> None:

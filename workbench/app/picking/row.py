@@ -12,7 +12,7 @@ from workbench.app.picking.regrasp import plan_regrasp
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
-from workbench.model.messages.plans import PlanNote, RowEnd
+from workbench.model.messages.plans import PlanNote, RowEnd, strategy_message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import ProgressText
@@ -138,7 +138,7 @@ def _rows(
             scene,
             picks,
             avoided,
-            _of(report, each_strategy, k, len(BOTH)),
+            _of_strategy(report, each_strategy, k, len(BOTH)),
             strategy=each_strategy,
             **asked,
         )
@@ -247,6 +247,12 @@ def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message
     taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
+
+
+def _of_strategy(report: Report, strategy: str, number: int, count: int) -> Report:
+    """Progress of the rows of one strategy, counted from 0, with its name before each note."""
+    part, name = within(report, number / count, (number + 1) / count), strategy_message(strategy)
+    return lambda done, note: part(done, ProgressText.OF_STRATEGY(strategy=name, step=note))
 
 
 def _of(report: Report, number: int, count: int) -> Report:

@@ -90,9 +90,9 @@ def _versions(inventory: Inventory) -> Mapping[str, str]:
 
 def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message]:
     """Who may come in now, or may not any more, or in another role; both are name -> role."""
-    old, new = ({name: _role(role) for name, role in users.items()} for users in (old, new))
+    before, now = ({name: _role(role) for name, role in users.items()} for users in (old, new))
     texts = (InventoryText.NEW_USER, InventoryText.USER_GONE, InventoryText.USER_ROLE)
-    return _list_changes(old, new, *texts)
+    return _list_changes(before, now, *texts)
 
 
 def _compare(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message]:

@@ -135,7 +135,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
         waiting = "" if state.job is None else f"; then: {words.render(state.message)}"
-        note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
+        note = f"<b>{escape(sentence(words.render(live.getting_ready.note)))}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
     if state.job is not None and state.phase is not Phase.SENDING:
         note = words.render(live.told_of(state.job.number)[1] or state.message)

@@ -165,7 +165,7 @@ def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[Message], No
     ]
     proposed: list[list[Hypothesis]] = []
     for search, coarse_map in zip(found, glances, strict=True):
-        step("glance")
+        step(ProgressText.GLANCE())
         poses = find_coarse_poses(
             search.coarse_map, search.surface, search.tolerance, search.are_possible, seed=seed
         )

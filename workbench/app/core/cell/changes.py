@@ -48,7 +48,7 @@ class ChangeCell(Command):
     says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_says(self.says)
+        check_says("says", self.says)
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())

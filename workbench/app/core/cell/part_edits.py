@@ -44,7 +44,7 @@ class EditPart(Command):
     says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_says(self.says)
+        check_says("says", self.says)
         check_edit(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:

@@ -17,7 +17,7 @@ from workbench.app.core.state import (
     plans_begun,
     sent_for,
 )
-from workbench.app.core.value_checks import check_text
+from workbench.app.core.value_checks import check_says
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
@@ -79,7 +79,7 @@ class ReportPick(Command):
 
     detection: int
     is_picked: bool
-    why: str = ""
+    why: Message | str = ""
 
     @classmethod
     def is_in_phase(cls, state: State) -> bool:
@@ -88,7 +88,7 @@ class ReportPick(Command):
         return is_unscanned or state.phase in cls.right.phases
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("why", self.why)
+        check_says("why", self.why)
         refuse(outcome_problem(state, self))
 
     def apply(self, state: State, entry: Entry) -> Decision:

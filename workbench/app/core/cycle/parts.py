@@ -68,7 +68,7 @@ class UseDetections(Command):
     says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_says(self.says)
+        check_says("says", self.says)
         check_detections(state.cell, self.detections)
 
     def apply(self, state: State, entry: Entry) -> Decision:

@@ -102,7 +102,7 @@ class UseObservations(Command):
     says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_says(self.says)
+        check_says("says", self.says)
         if len(self.observations) > MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES(most=MOST_OBSERVATIONS))
         for observation in self.observations:
