@@ -14,6 +14,20 @@ class LegText(Text, subject="leg"):
     HOME = "home"
 
 
+class StepText(Text, subject="step"):
+    """What a step of a plan moves."""
+
+    RUN = "{arm} {leg}"
+    RUNS = "{runs:and}"
+
+
+class CycleText(Text, subject="cycle"):
+    """How long a plan takes."""
+
+    TIME = "{seconds:s}"
+    BOUND = "{seconds:s}, {times:1} times the bound"
+
+
 class StrategyText(Text, subject="strategy"):
     """Which arms work."""
 

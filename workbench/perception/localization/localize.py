@@ -10,6 +10,8 @@ from scipy.ndimage import binary_dilation
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import ProgressText
 from workbench.model.part import Part
 from workbench.model.scan import (
     Detection,
@@ -155,7 +157,7 @@ def _dense(scan: Scan, scene: SceneModel) -> Scan:
 
 
 def proposals(
-    search: PartSearch, number: int, taken: Bools, *, seed: int, step: Callable[[str], None]
+    search: PartSearch, number: int, taken: Bools, *, seed: int, step: Callable[[Message], None]
 ) -> list[Hypothesis]:
     """Where a part may lie in what is left of the scan, checked with an effort of that number.
 
@@ -177,7 +179,7 @@ def proposals(
     def seen(pose: Floats) -> Hypothesis:
         return Hypothesis(pose, look(search.depth_map, search.surface, pose, search.tolerance))
 
-    step("vote")
+    step(ProgressText.VOTE())
     free = _without(search.depth_map, (search.choice.claimed >= 0) | taken)
     if np.count_nonzero(free.foreground) < LEAST_PIXELS:
         return []
