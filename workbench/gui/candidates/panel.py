@@ -26,7 +26,9 @@ from workbench.gui.shared.tables import (
 )
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
 from workbench.model.candidate import Candidate, Reason
+from workbench.model.messages.message import as_message
 
 
 class CandidatesPanel:
@@ -106,7 +108,9 @@ class CandidatesPanel:
         if old is None or old.pose is not new.pose:
             self._draw_pose(old, new)
         if old is None or old.fix is not new.fix:
-            self._fix_line.content = line(sentence(new.fix.words), kind="warn")
+            self._fix_line.content = line(
+                sentence(self._visitor.words.render(new.fix.words)), kind="warn"
+            )
             self._fix_line.visible = bool(new.fix.words)
         if old is None or old.sure != new.sure:
             self._sure_line.content = line(sentence(new.sure), kind="hint")
@@ -123,8 +127,11 @@ class CandidatesPanel:
         pose = new.pose
         words, text = self._visitor.words, ""
         if pose is not None:
-            place = f"{new.look.pose + 1} of {count}"
-            text = f"{words.render(pose.label)} ({place}): {words.render(pose.note)}"
+            label, note = as_message(pose.label), as_message(pose.note)
+            number = new.look.pose + 1
+            text = words.render(
+                PageText.LINE_OF(label=label, number=number, total=count, note=note)
+            )
         is_bad = pose is not None and bool(pose.meets)
         self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else ""
 
@@ -140,9 +147,11 @@ class CandidatesPanel:
         self._back.visible = self._forth.visible = count > 1
         self._back.disabled = page == 0
         self._forth.disabled = page >= count - 1
-        on_pages = f", page {page + 1} of {count}" if count > 1 else ""
-        counted = f"{len(indices)} of {len(candidates)} candidates{on_pages}"
-        self._foot.content = line(counted if candidates else "", kind="hint")
+        shown, total = len(indices), len(candidates)
+        foot = PageText.CANDIDATES(shown=shown, total=total)
+        if count > 1:
+            foot = PageText.CANDIDATES_PAGE(shown=shown, total=total, page=page + 1, pages=count)
+        self._foot.content = line(words.render(foot) if candidates else "", kind="hint")
         if not candidates:
             self._funnel.content = ""
             self._table.content = line(

@@ -63,7 +63,7 @@ class Header:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
         is_comparing = new.look.searcher == self._visitor.number
-        mode = mode_html(new, self._ends_comparing if is_comparing else "")
+        mode = mode_html(new, self._ends_comparing if is_comparing else "", self._visitor.words)
         if mode != self._mode.content:
             self._mode.content = mode
         self._control.show(old, new)

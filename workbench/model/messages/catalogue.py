@@ -22,7 +22,7 @@ from workbench.model.messages.commands import (
     StaleText,
 )
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
-from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
+from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.parts import DrawnText, FailureText, PileText
 from workbench.model.messages.places import PalletText, StationText
 from workbench.model.messages.plans import (
@@ -96,17 +96,39 @@ SUBJECTS: tuple[type[Text], ...] = (
     Refusal,
     ChangeRefusal,
     ControlRefusal,
-    FileText,
     ValueRefusal,
     ChangeText,
     FillText,
     RemainText,
+    PlateText,
+    PoseText,
+    DriftText,
+    FirstScanText,
+    BinText,
+    DifferenceText,
+    CellText,
+    LoadText,
+    InventoryText,
     CommandText,
     RoleText,
     MannerText,
     NameText,
     EditText,
     StaleText,
+    GripText,
+    FixText,
+    BudgetText,
+    PileText,
+    FailureText,
+    DrawnText,
+    PalletText,
+    StationText,
+    StepText,
+    CycleText,
+    FileText,
+    ScanText,
+    ObjectionText,
+    ScaleText,
     AheadText,
     JobText,
     LinkText,
@@ -115,28 +137,6 @@ SUBJECTS: tuple[type[Text], ...] = (
     CaseRefusal,
     ProgressText,
     CancelText,
-    DifferenceText,
-    PlateText,
-    PoseText,
-    DriftText,
-    FirstScanText,
-    BinText,
-    GripText,
-    FixText,
-    BudgetText,
-    CellText,
-    LoadText,
-    InventoryText,
-    PileText,
-    FailureText,
-    DrawnText,
-    PalletText,
-    StationText,
-    StepText,
-    CycleText,
-    ScanText,
-    ObjectionText,
-    ScaleText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(
@@ -172,7 +172,7 @@ def _fits(text: Text, args: Mapping[str, Any]) -> bool:
     """Whether arguments are those of a text, with numbers where it shows numbers."""
     is_number = {name: isinstance(arg, int | float) for name, arg in args.items()}
     return args.keys() == text.places.keys() and all(
-        is_number[name] or not how & {*UNITS, "|"} for name, how in text.places.items()
+        is_number[name] or not how & {*UNITS, GROUPED, "|"} for name, how in text.places.items()
     )
 
 

@@ -29,6 +29,9 @@ UNITS: Mapping[str, tuple[float, int, str]] = {
 }
 """How a number is shown: its factor from SI, its digits, and its unit."""
 
+GROUPED = "n"
+"""How a count of thousands is shown: `12,345`."""
+
 
 @dataclass(frozen=True, slots=True)
 class FoundPart:
@@ -220,6 +223,8 @@ def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
     if how in UNITS:
         factor, digits, unit = UNITS[how]
         return f"{arg * factor + 0.0:.{digits}f}{unit}"
+    if how == GROUPED:
+        return f"{arg:,}"
     if isinstance(arg, tuple):
         return _join_list(cast(tuple[Any, ...], arg), how, template_of)
     return arg.rendered(template_of) if isinstance(arg, Message) else str(arg)
