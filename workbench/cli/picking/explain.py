@@ -65,7 +65,7 @@ def explain(typed: arguments.Explain) -> int:
                 ],
                 "blockers": [_blocker_form(blocker) for blocker in blockers(cell, candidates)],
                 "fixes": [
-                    {"change": change, "parts": [number + 1 for number in parts]}
+                    {"change": str(change), "parts": [number + 1 for number in parts]}
                     for change, parts in fixes
                 ],
                 "placing": [_sure_form(candidate, budget) for candidate, budget in sure],

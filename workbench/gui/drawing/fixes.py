@@ -80,7 +80,7 @@ class Fixes:
                 seed=seed,
                 obstacles=state.obstacles,
             )
-            known[number] = Help(str(fix_words(fix)), fix)
+            known[number] = Help(fix_words(fix), fix)
         except Exception:
             # A rim: a candidate that cannot be tried leaves the page as it is.
             log.exception("the nearest fix could not be looked for")

@@ -24,7 +24,7 @@ def not_restored(state: State, robot: Message | None) -> str:
 
     Args:
         state: as it is.
-        robot: what the controller reports; None: nothing.
+        robot: what the controller reports, in words; empty: nothing.
     """
     if state.phase is Phase.APPROVED:
         return "a plan is approved: send it, or make another, before something is restored"
