@@ -17,8 +17,8 @@ from workbench.plugins.progress import Report, silent
 MOST_SPLIT = 1_024
 """Pieces into which all meshes of a robot are split, before those that can be one are joined.
 
-A bound of the work, counted, so that a robot of many meshes takes no longer than others and the
-same pieces come out on every machine.
+It bounds the work for a robot of many meshes.  The work is counted, not timed: every machine makes
+the same pieces.
 """
 
 

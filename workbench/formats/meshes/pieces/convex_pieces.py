@@ -13,7 +13,7 @@ from workbench.formats.meshes.triangles import surface_of
 from workbench.model.geometry import Mesh, Solid
 
 OVER = 4.0
-"""So many times as many pieces are split as are left when those that can be one are."""
+"""Pieces into which a mesh is split, per piece that may be left once some are joined."""
 
 ASKED = ("scipy", "trimesh")
 """Distributions whose version decides what comes out."""

@@ -99,7 +99,7 @@ def split(
         mesh: any triangles; they need not close.
         tolerance: [m] pieces are split until none is by more too large.
         most: pieces at most.
-        over: so many times as many pieces are split as are left when those that can be one are.
+        over: pieces into which it is split, per piece that may be left once some are joined.
     """
     whole = convex_hull(mesh)
     if whole is None:
@@ -149,7 +149,7 @@ def _surface_of(mesh: Mesh, tolerance: float) -> Surface:
 
 
 def _split_hulls(surface: Surface, tolerance: float, most: int, over: float) -> list[ConvexHull]:
-    """Hulls that cover the surface, each close to it, or `over` times `most` of them."""
+    """Hulls that cover the surface, each close to it, or `over * most` of them."""
     open_ones = [_Piece(soup, surface, tolerance) for soup in bodies(surface.triangles, most)]
     done: list[_Piece] = []
     while open_ones:
