@@ -1,4 +1,4 @@
-"""The table of messages in `messages.md`, made from the texts of the code.
+"""The list of messages in `messages.md`, made from the texts of the code.
 
 `python docs/make_messages.py` writes it anew; a test says when that is due.
 """
@@ -13,41 +13,40 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "messages.md"
 
 HEAD = """# Messages
 
-What the workbench reports to people is a message: an id with arguments. Programs get it as `said`:
+A message to people has an id and arguments. Programs get it as `said`, and decide by id and
+arguments, which stay; the English `text` may change with each version:
 
 ```json
 {"id": "note.lifts-tried", "args": {"way": 0.012, "lifts": 4}, "text": "after 12 mm; 4 lifts tried"}
 ```
 
-`text` is English and may change with each version; ids and arguments stay. Decide by them.
 Lengths are in m, angles in rad, times in s, shares of 1. A part is `{"part": 0}`, its index in the
-list of detections; a message within another one has `id` and `args` as well. Where `id` is empty,
-`text` is all there is: not every text has an id yet, and records of older versions have none.
+list of detections. A message within another one has `id` and `args` as well. Some texts, and
+records of older versions, have an empty `id` and `text` alone.
 
-`{far:mm}` is the place of the argument `far`, a length that is shown in mm; `deg` shows angles,
-`s` times, `%` shares, and a digit after them is the number of decimals. `{count:part|parts}` is a
-word for one and one for several.
+Below, `{far:mm}` is the place of the argument `far`, shown in mm; `deg` shows angles, `s` times,
+`%` shares, and a digit after them is the number of decimals. `{count:part|parts}` is a word for one
+and one for several.
+
 """
 
 
 def page() -> str:
-    """The whole page: a row for each message; words of a closed set stand in one row."""
-    rows = [row for subject in SUBJECTS if subject is not Others for row in _rows(subject)]
-    head = "| id | English |\n|---|---|\n"
-    return HEAD + "\n" + head + "\n".join(rows) + "\n"
+    """The whole page: a line for each message; words of a closed set share a line."""
+    lines = [line for subject in SUBJECTS if subject is not Others for line in _lines(subject)]
+    return HEAD + "\n".join(lines) + "\n"
 
 
-def _rows(subject: type[Text]) -> Iterator[str]:
+def _lines(subject: type[Text]) -> Iterator[str]:
     words = [text for text in subject if not text.places]
     if 2 * len(words) > len(subject):
         ids = ", ".join(f"`{text.id}`" for text in words)
-        yield f"| {ids} | {', '.join(text.template for text in words)} |"
+        yield f"- {ids}: {', '.join(text.template for text in words)}"
     else:
         words = []
     for text in subject:
         if text not in words:
-            english = text.template.replace("|", "&#124;")
-            yield f"| `{text.id}` | {english} |"
+            yield f"- `{text.id}`: {text.template}"
 
 
 if __name__ == "__main__":

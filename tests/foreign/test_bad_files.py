@@ -41,14 +41,43 @@ def complain(capfd: pytest.CaptureFixture[str], tmp_path: Path) -> Callable[...,
 ROBOTS = {
     "a mesh that is missing": (
         {"arm.xacro": HEAD + ARM.replace("</robot>", MESH.format("gone.stl"))},
-        "arm.xacro: link 'more', <collision>, <geometry>, <mesh>: filename='gone.stl': there is no",
+        r"arm.xacro: link 'more', <collision>, <geometry>, <mesh>, line \d+: filename='gone",
+    ),
+    "a mesh that is missing in a plain URDF": (
+        {"arm.xacro": made_arm.arm().replace("</robot>", "\n" + MESH.format("gone.stl"))},
+        r"<mesh>, line 19: filename='gone.stl': there is no",
+    ),
+    "a mesh that an included macro names": (
+        {
+            "arm.xacro": HEAD
+            + '<xacro:include filename="b.xacro"/><xacro:more mesh="gone"/>'
+            + ARM.replace("</robot>", MESH.format("gone.stl").partition("</link>")[2]),
+            "b.xacro": HEAD
+            + "<xacro:macro name='more' params='mesh'>\n"
+            + MESH.format("${mesh}.stl").partition("<joint")[0]
+            + "</xacro:macro></robot>",
+        },
+        r"<mesh>, in b.xacro, line 3: filename='gone.stl': there is no",
+    ),
+    "an include that is missing": (
+        {"arm.xacro": HEAD + "\n<xacro:include filename='gone.xacro'/>" + ARM},
+        r"arm.xacro: cannot be expanded by xacro, line 3: there is no file \S+gone.xacro",
+    ),
+    "a macro that calls itself": (
+        {
+            "arm.xacro": HEAD
+            + "<xacro:macro name='m' params='x'>\n<xacro:m x='1'/></xacro:macro>"
+            + "<xacro:m x='2'/>"
+            + ARM
+        },
+        r"arm.xacro: cannot be expanded by xacro, line 3: macro 'm' calls itself",
     ),
     "a cyclic include": (
         {
             "arm.xacro": HEAD + '<xacro:include filename="b.xacro"/>' + ARM,
             "b.xacro": HEAD + '<xacro:include filename="arm.xacro"/></robot>',
         },
-        r"an include or a macro leads back to itself \(arm.xacro, b.xacro\)",
+        r"in \S+b.xacro, line 2: an include leads back to itself \(arm.xacro, b.xacro\)",
     ),
     "wrong yaml": (
         {"arm.xacro": HEAD + YAML + USED + ARM, "p.yaml": "speed: [1, 2\nother: 3\n"},

@@ -4,6 +4,7 @@ import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from pathlib import Path
+from xml.parsers import expat
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 
 LARGEST_FILE = 20 * MB
+
+LINE = "workbench-line"
+"""The attribute in which an element carries its line, with the file where that is another one."""
 
 
 class _Doctype(Exception):
@@ -34,6 +38,11 @@ class Element:
         self.place = place
         self.tag = element.tag
         self._element = element
+
+    @property
+    def line(self) -> str:
+        """Its line in its file, such as ", line 7"; empty where nobody recorded it."""
+        return self._element.get(LINE, "")
 
     def error(self, problem: str) -> FileError:
         """An error that names the file and the element."""
@@ -118,7 +127,27 @@ def parse_xml(path: Path, content: bytes, tag: str) -> Element:
         raise FileError(path, f"is not valid XML: {str(error)[:100]}") from None
     if root.tag != tag:
         raise FileError(path, f"starts with {_tag(root.tag)}, <{tag}> is expected")
+    if LINE.encode() not in content:
+        for element, line in zip(root.iter(), start_lines(content), strict=True):
+            element.set(LINE, f", line {line}")
     return Element(path, root, f"<{tag}>")
+
+
+def start_lines(content: bytes) -> list[int]:
+    """The line in which each element of an XML text starts, in the order of the document.
+
+    Raises:
+        ExpatError: it is not XML.
+    """
+    lines: list[int] = []
+    parser = expat.ParserCreate()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        lines.append(parser.CurrentLineNumber)
+
+    parser.StartElementHandler = start
+    parser.Parse(content, True)
+    return lines
 
 
 def _tag(tag: str) -> str:

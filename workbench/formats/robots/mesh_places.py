@@ -63,8 +63,8 @@ def _beside(element: Element, name: str, plain: str, packages: Packages) -> Path
 
 
 def _missing(element: Element, name: str, problem: str) -> MissingMesh:
-    error = element.error(f"filename={shown(name)}: {problem}")
-    return MissingMesh(error.path, error.problem)
+    place = f"{element.place}{element.line}"
+    return MissingMesh(element.path, f"{place}: filename={shown(name)}: {problem}")
 
 
 def _in(folder: Path, name: str) -> Path | None:

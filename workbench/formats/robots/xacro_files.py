@@ -21,6 +21,12 @@ from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.whole_files import is_folder, read_whole
 from workbench.formats.files.xml_elements import LARGEST_FILE
 from workbench.formats.robots.packages import Packages
+from workbench.formats.robots.xacro_lines import (
+    line_of_call,
+    line_of_error,
+    line_of_name,
+    marking_meshes,
+)
 from workbench.model.errors import FileError
 
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
@@ -44,8 +50,6 @@ MOST_MISSING = 50
 
 MOST_SAID = 200
 """Letters of what xacro says."""
-
-EXPRESSION = re.compile(r"evaluating expression '(.+)'|unknown macro name: (\S+)", re.DOTALL)
 
 MOST_LISTED = 12
 MOST_FILES = 400
@@ -182,7 +186,12 @@ def _asking(finder: _Finder) -> Generator[None]:
 
 def _process(path: Path, arguments: "_Arguments", finder: _Finder) -> bytes:
     said = io.StringIO()  # its warnings are for those who write such files
-    with _asking(finder), contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
+    with (
+        _asking(finder),
+        marking_meshes(path),
+        contextlib.redirect_stderr(said),
+        contextlib.redirect_stdout(said),
+    ):
         # It puts the defaults of the file among the arguments.
         again = _Arguments(arguments)
         again.used = arguments.used
@@ -215,11 +224,12 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
     stack: list[Any] = getattr(xacro, "filestack", None) or [None]
     inner = Path(stack[-1]) if stack[-1] else path
     where = "" if inner.resolve() == path.resolve() else f", in {inner}"
+    missing = next(_files_of(error), None)
+    line = "" if missing is None else line_of_name(inner, missing)
     if finder.missing:
-        return f"cannot be expanded by xacro{where}: {'; '.join(finder.missing)}"
+        return f"cannot be expanded by xacro{where}{line}: {'; '.join(finder.missing)}"
     if any(isinstance(cause, RecursionError) for cause in _causes(error)):
-        circle = ", ".join(dict.fromkeys(Path(file).name for file in stack if file))
-        return f"cannot be expanded by xacro: an include or a macro leads back to itself ({circle})"
+        return f"cannot be expanded by xacro{_circle(path, [Path(file) for file in stack])}"
     for cause in _causes(error):
         mark: Any = getattr(cause, "problem_mark", None)  # of PyYAML, which xacro reads with
         if mark is not None:
@@ -230,29 +240,33 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
     name = _argument_of(error)
     if name is not None:
         return f"needs the xacro argument {shown(name)}: give it as --xacro {name}:=VALUE"
-    missing = next(_files_of(error), None)
     if missing is not None:
         return (
-            f"cannot be expanded by xacro{where}: there is no file {_lacking(path, missing, given)}"
+            f"cannot be expanded by xacro{where}{line}: "
+            f"there is no file {_lacking(path, missing, given)}"
         )
     said = " ".join(str(error).split())[:MOST_SAID] or type(error).__name__
     said = "".join(letter if letter.isprintable() else "?" for letter in said)
-    return f"cannot be expanded by xacro{where}{_line_of(inner, error)}: {said}"
+    return (
+        f"cannot be expanded by xacro{where}{line_of_error(inner, error, _causes(error))}: {said}"
+    )
 
 
-def _line_of(file: Path, error: BaseException) -> str:
-    """In which line of a file the expression or the macro stands that an error speaks of."""
-    named = EXPRESSION.search(str(error))
-    called = [macro for cause in _causes(error) for macro in getattr(cause, "macros", ())]
-    if named is not None:
-        wanted = next(filter(None, named.groups()))
-    elif called:
-        wanted = f"<xacro:{called[0].body.getAttribute('name')}"
-    else:
-        return ""
-    lines = read_whole(file, LARGEST_FILE).decode(errors="replace").splitlines()
-    there = [number for number, line in enumerate(lines, start=1) if wanted in line]
-    return f", line {there[0]}" if there else ""
+def _circle(path: Path, stack: list[Path]) -> str:
+    """Where files include each other without end, or else a macro calls itself."""
+    files = [file.resolve() for file in stack]
+    back = next((k for k, file in enumerate(files) if file in files[:k]), None)
+    inner = stack[-1 if back is None else back - 1]
+    where = "" if inner.resolve() == path.resolve() else f", in {inner}"
+    if back is not None:
+        listed = ", ".join(dict.fromkeys(file.name for file in files[:back]))
+        line = line_of_name(inner, files[back])
+        return f"{where}{line}: an include leads back to itself ({listed})"
+    macros: list[Any] = getattr(xacro, "macrostack", None) or []
+    if not macros:
+        return f"{where}: an expression leads back to itself"
+    name = macros[-1].body.getAttribute("name")
+    return f"{where}{line_of_call(inner, name)}: macro {shown(name)} calls itself"
 
 
 def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:

@@ -1,9 +1,10 @@
 """A localizer that believes only what it has found twice."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.scan import Detection, LocalizationResult, Scan
@@ -46,13 +47,26 @@ class Twice:
             )
 
         first, second = search(0), search(1)
-        both = [one for one in first.detections if self._is_in(one, second.detections)]
-        return LocalizationResult(tuple(both), first.rejected)
+        both = self._merged(first.detections, second.detections)
+        surest_first = sorted(both, key=lambda detection: -detection.score)
+        return LocalizationResult(tuple(surest_first), first.rejected)
 
-    def _is_in(self, one: Detection, others: tuple[Detection, ...]) -> bool:
-        p = one.T_world_part.translation
-        return any(
-            other.part == one.part
-            and np.linalg.norm(other.T_world_part.translation - p) < self._apart
-            for other in others
-        )
+    def _merged(
+        self, first: tuple[Detection, ...], second: tuple[Detection, ...]
+    ) -> Iterator[Detection]:
+        for a in first:
+            for b in second:
+                shift = b.T_world_part.translation - a.T_world_part.translation
+                if a.part == b.part and np.linalg.norm(shift) < self._apart:
+                    middle = a.T_world_part.translation + shift / 2
+                    yield Detection(
+                        part=a.part,
+                        T_world_part=pin.SE3(a.T_world_part.rotation, middle),
+                        score=min(a.score, b.score),
+                        visible=a.visible,
+                        roll_known=a.roll_known and b.roll_known,
+                        roll_axis=a.roll_axis,
+                        covariance=a.covariance,
+                        probability=a.probability,
+                    )
+                    break
