@@ -101,10 +101,10 @@ def test_a_few_triangles_are_drawn_as_they_are():
 
 @pytest.mark.parametrize(
     ("rpy", "least", "most"),
-    [((np.pi / 2, 0, 0.4), 0.3, 0.5), ((0, 0, 0), 0.9, 1.0), ((np.pi, 0, 0), 0.9, 1.0)],
+    [((np.pi / 2, 0, 0.4), 0.3, 0.7), ((0, 0, 0), 0.9, 1.0), ((np.pi, 0, 0), 0.9, 1.0)],
     ids=["lying", "open above", "closed above"],
 )
-def test_a_cup_that_lies_has_half_the_chance_to_be_the_right_way_round(rpy, least, most):
+def test_a_cup_that_lies_has_about_half_the_chance_to_be_the_right_way_round(rpy, least, most):
     cell = replace(read_cell("yumi"), parts=(kind(cup(), Symmetry(fold=0)),))
     height = 0.0225 if least < 0.5 else 0.0205
     T = cell.bin.T_world_bin * pose_from_rpy((0.02, 0.01, height), rpy)

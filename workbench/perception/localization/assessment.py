@@ -29,6 +29,9 @@ MOST_SHARING = 8
 SHARING_TURNS = 2
 """Turns about the axis that are brought to rest before the roll counts as known."""
 
+SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""By these shifts along the axis, over the tolerance, the best of each is looked for first."""
+
 MOST_SWITCHES = 3
 """How often a pose gives way to one that its near-symmetries lead to."""
 
@@ -38,8 +41,9 @@ CLOSE = 0.02
 STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
 """Lengths of the polishing steps."""
 
-FAR_BEHIND = 0.2
-"""A rival that is seen by this share less well than the pose found needs no polish."""
+FAR_BEHIND, TURNED_FAR_BEHIND = 0.2, 0.4
+"""A rival that is seen by this share less well than the pose found needs no polish; and one that is
+turned about the axis, which may have to be shifted along a thread."""
 
 ROLL_ERROR = float(np.deg2rad(1.0))
 """[rad] A roll whose standard error is larger counts as unknown."""
@@ -109,11 +113,11 @@ def assess(
     is_round = surface.symmetry.axis is not None
     # Where the roll is not known, all turns about the axis are one pose.
     flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
-    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], own, tolerance)
+    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], own, tolerance, FAR_BEHIND)
     if len(turns) > 0 and is_known:
         # A screw that is turned by a face of its head and shifted along its thread looks the same.
-        nearest = pose @ motions[turns[:SHARING_TURNS]]
-        rested = _rested(depth_map, surface, pose, nearest, own, tolerance)
+        nearest = _slid(depth_map, surface, pose @ motions[turns[:SHARING_TURNS]], tolerance)
+        rested = _rested(depth_map, surface, pose, nearest, own, tolerance, TURNED_FAR_BEHIND)
         is_known = is_better(own, rested)
         sharing = np.concatenate([sharing, rested, turned[SHARING_TURNS:]])
     return Assessment(
@@ -159,6 +163,16 @@ def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray
     )
 
 
+def _slid(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """The poses (k, 4, 4), each shifted along its near-symmetry axis to where it is seen best."""
+    assert surface.symmetry.axis is not None
+    slides = np.tile(np.eye(4), (len(SLIDES), 1, 1))
+    slides[:, :3, 3] = np.outer(SLIDES, tolerance * surface.symmetry.axis[1])
+    tried = (poses[:, None] @ slides).reshape(-1, 4, 4)
+    seen = closeness(tally(depth_map, surface, tried, tolerance)).reshape(len(poses), -1)
+    return poses @ slides[seen.argmax(axis=1)]
+
+
 def _rested(
     depth_map: DepthMap,
     surface: PartSurface,
@@ -166,13 +180,15 @@ def _rested(
     rivals: Floats,
     own: Floats,
     tolerance: float,
+    far: float,
 ) -> Floats:
     """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose with a tally (4,), brought to rest.
 
-    Those that are far behind are left out, and those that come to rest where others are.
+    Those that are seen less well by the share `far` are left out, and those that come to rest where
+    others are.
     """
     seen = closeness(tally(depth_map, surface, rivals, tolerance))
-    rivals = rivals[seen >= (1.0 - FAR_BEHIND) * closeness(own[None])[0]]
+    rivals = rivals[seen >= (1.0 - far) * closeness(own[None])[0]]
     rivals = refine_at_full_resolution(depth_map, surface, rivals, tolerance)
     both = np.concatenate([pose[None], rivals])
     rivals = both[_apart(surface, both, np.arange(len(both)))[1:]]
