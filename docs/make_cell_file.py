@@ -15,15 +15,13 @@ PAGE = Path(__file__).with_name("cell_file.md")
 
 HEAD = """# Keys of cell, part and grasp files
 
-`python docs/make_cell_file.py` makes this page from the readers' schemas. `workbench cell schema`
-prints the schema of cell files for editors. In brackets stand the values of a key and, behind a
-semicolon, its default; *needed* keys have none.
+Made from the readers' schemas; `workbench cell schema` prints that of cell files for editors. In
+brackets stand the values of a key and, behind a semicolon, its default; *needed* keys have none.
 
 A table with a *pose* has `position_mm` (x, y, z) and `rpy_deg` (roll, pitch, yaw about the fixed
 axes x, y, z); both are zero by default.
 
-Examples: `robots/yumi/cell.toml`, `parts/keyed_cylinder`. How to: [a new robot](new_robot.md),
-[a new part](new_part.md), [scanners](scanners.md), [robot links](robot_links.md).
+Examples: `robots/yumi/cell.toml`, `parts/keyed_cylinder`.
 """
 
 SOLIDS = """## Solids

@@ -32,21 +32,13 @@ and one for several.
 
 
 def page() -> str:
-    """The whole page: a line for each message; words of a closed set share a line."""
-    lines = [line for subject in SUBJECTS if subject is not Others for line in _lines(subject)]
-    return HEAD + "\n".join(lines) + "\n"
+    """The whole page: a line for each message, a blank line between subjects."""
+    blocks = ["\n".join(_lines(subject)) for subject in SUBJECTS if subject is not Others]
+    return f"{HEAD}```text\n" + "\n\n".join(blocks) + "\n```\n"
 
 
 def _lines(subject: type[Text]) -> Iterator[str]:
-    words = [text for text in subject if not text.places]
-    if 2 * len(words) > len(subject):
-        ids = ", ".join(f"`{text.id}`" for text in words)
-        yield f"- {ids}: {', '.join(text.template for text in words)}"
-    else:
-        words = []
-    for text in subject:
-        if text not in words:
-            yield f"- `{text.id}`: {text.template}"
+    return (f"{text.id}: {text.template}" for text in subject)
 
 
 if __name__ == "__main__":

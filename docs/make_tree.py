@@ -9,11 +9,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "architecture.md"
 BEGIN, END = "<!-- tree: docs/make_tree.py -->\n", "<!-- end of tree -->"
-WIDTH = 24
+WIDTH = 26
 
 
 def tree() -> str:
-    """A line for each layer, and for each folder in it: its count of files, and its subject."""
+    """A line for each layer, and for each folder in it: its subject."""
     lines: list[str] = []
     for layer in sorted((ROOT / "workbench").glob("*/__init__.py")):
         lines.append(_line(layer.parent, 0))
@@ -23,10 +23,9 @@ def tree() -> str:
 
 def _line(folder: Path, depth: int) -> str:
     text = ast.get_docstring(ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))) or ""
-    count = len(list(folder.glob("[!_]*.py")))
     name = f"{'  ' * depth}{folder.name}/"
     # The table of layers on the page says what they are for.
-    return f"{name:{WIDTH}}{count or '':>3}  {text.splitlines()[0] if depth else ''}".rstrip()
+    return f"{name:{WIDTH}}{text.splitlines()[0] if depth else ''}".rstrip()
 
 
 def whole(page: str) -> str:

@@ -61,7 +61,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
     rows = screen.page.locator(".wb-poses tbody tr")
     expect(rows).to_have_count(5)
     rows.nth(1).click()
-    screen.wait_for("Points near the robot: in the middle")
+    screen.wait_for("Points near the robot: median distance")
     screen.page.wait_for_timeout(1500)
     screen.shoot("calibration")
     screen.page.get_by_text("As calibrated", exact=True).click()

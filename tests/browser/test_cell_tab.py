@@ -65,7 +65,7 @@ def test_an_arm_jogged_into_the_bin_wall_names_the_pair(screen, bench, wait):
     arm, q = cell.arms[0], in_the_wall(bench.state.cell)
     screen.tab("Cell")
     screen.press("Jog")
-    screen.wait_for("Clear; nearest are")
+    screen.wait_for("Clear; nearest:")
     for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
         type_number(screen, f"Axis {axis + 1} [deg]", sign * math.degrees(q[k]))
     row = screen.page.locator(".wb-contacts tr", has_text="bin_wall_back").first
@@ -73,7 +73,7 @@ def test_an_arm_jogged_into_the_bin_wall_names_the_pair(screen, bench, wait):
     assert "right " in row.inner_text() and "inside" in row.inner_text()
     screen.shoot("cell-jogged")
     screen.press("Go home")
-    screen.wait_for("Clear; nearest are")
+    screen.wait_for("Clear; nearest:")
     screen.press("End jogging")
     assert bench.state.before == (), "jogging changes nothing of the cell"
     assert screen.errors == []
@@ -84,7 +84,7 @@ def test_the_tool_follows_its_gizmo_and_is_taught(screen, bench, wait):
     T = chain_of(cell, cell.arms[0]).pose(np.asarray(cell.arms[0].home))
     screen.tab("Cell")
     screen.press("Jog")
-    screen.wait_for("Clear; nearest are")
+    screen.wait_for("Clear; nearest:")
     settle(screen.page, 1000)
     camera = first_look(screen.page, cell)
     tip = T.translation + 0.9 * TOOL_GIZMO * T.rotation[:, 2]

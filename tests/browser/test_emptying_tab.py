@@ -87,7 +87,7 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
     expect(box).to_have_value("1")
     screen.press("What stays")
     wait(lambda: len(places(page)) == len(pile.left), "what stays")
-    screen.wait_for(f"The end: {pile.taken} of 4 taken, {len(pile.left)} stay")
+    screen.wait_for(f"The end: {pile.taken} of 4 taken, {len(pile.left)} left")
     screen.page.locator(".wb-left tbody tr").first.click()
     expect(screen.page.locator(".wb-left tbody tr").first).to_have_attribute(
         "style", "background:var(--wb-chosen)"

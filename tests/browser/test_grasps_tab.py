@@ -209,7 +209,7 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
     screen.wait_for(
         "brick.stl: 40 x 24 x 20 mm, taken to be in mm; z from -10 to 10 mm; closed, 19.2 cm³"
     )
-    screen.wait_for("It would weigh 23.04 g.")
+    screen.wait_for("Mass: 23.04 g.")
     screen.press("Make the part")
     wait(lambda: "brick" in [part.name for part in bench.state.cell.parts], "the part")
     screen.wait_for("No grasps yet")

@@ -49,7 +49,7 @@ def test_a_case_is_kept_and_stands_below_the_button(screen, bench, wait):
     link.scroll_into_view_if_needed()
     screen.shoot("parts-kept")
     assert link.get_attribute("href") == f"/cases/{file.name}"
-    screen.page.get_by_text("kept as").first.wait_for()
+    screen.page.get_by_text("stored as").first.wait_for()
     case = read_case(file)
     assert (len(case.search.detections), len(case.changed), len(case.truth)) == (2, 1, 1)
     assert case.comment == "part-2 is a shadow" and not case.is_complete

@@ -74,5 +74,5 @@ def test_a_backup_is_told_kept_and_restored(screen, bench, wait, own):
     pause(screen.page, 200)
     field(screen, "Or one kept here").click()
     screen.page.get_by_role("option", name=before.name).click()
-    screen.wait_for(f"What {before.name} would change:")
+    screen.wait_for(f"Changes by {before.name}:")
     assert screen.errors == []

@@ -22,6 +22,7 @@ MANUALS = (
 """What they set in bold, and end without a full stop, is a label."""
 
 NUMBER, UNIT = re.compile(r"\d+ · "), re.compile(r" \[\w+\]$")
+PLACE = re.compile(r"\{\w+(?::[^{}]*)?\}")
 
 
 def labels() -> Iterator[str]:
@@ -33,7 +34,8 @@ def labels() -> Iterator[str]:
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 # What stands alone is a docstring.
                 for text in NUMBER.sub("", node.value).split(", ") if id(node) not in told else ():
-                    yield re.escape(UNIT.sub("", text))
+                    pieces = PLACE.split(UNIT.sub("", text))
+                    yield r"\w+".join(map(re.escape, pieces))
             elif isinstance(node, ast.JoinedStr):
                 yield "".join(
                     re.escape(str(one.value)) if isinstance(one, ast.Constant) else r"\w+"

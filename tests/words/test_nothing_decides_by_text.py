@@ -25,12 +25,11 @@ SEARCHES = "match search fullmatch sub split findall finditer".split()  # noqa: 
 
 OTHERS = {
     "app/provenance/components.py": {"licence_of"},
-    "gui/parts/views.py": {"_deviations"},
     "studies/kept.py": {"held_cases"},
     "studies/load/raw_browser.py": {"_learn"},
     "web/page/pages.py": {"_translate"},
 }
-"""What looks like it: classifiers of packages, no-break blanks, names of files, tags of HTML."""
+"""What looks like it: classifiers of packages, names of files, tags of HTML."""
 
 
 def decisions(tree: ast.AST) -> Iterator[ast.AST]:

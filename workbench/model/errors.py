@@ -25,7 +25,8 @@ class WorkbenchError(Exception):
     @property
     def message(self) -> Message:
         """What went wrong, for people in their language."""
-        return plain(str(self))
+        why = self.args[0] if self.args else ""
+        return why if isinstance(why, Message) else plain(str(self))
 
 
 class InputError(WorkbenchError):

@@ -7,14 +7,15 @@ within become places, named after what stands there.
 """
 
 import ast
+import importlib
 import itertools
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import workbench
-from workbench.model.messages.catalogue import TEXTS
-from workbench.model.messages.message import Others
+from workbench.model.messages.catalogue import SUBJECTS
+from workbench.model.messages.message import Others, Text
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog
 from workbench.words.markup import TAG, texts_of
 from workbench.words.words import split_ends
@@ -80,7 +81,7 @@ UNSEEN = frozenset(
 )
 """Files there whose texts have ids, or go to logs, to the command line or to programs alone."""
 
-WITH_IDS = PACKAGE / "model" / "messages"
+WITH_IDS = ("model/messages", "gui/texts", "web/texts.py")
 """Where messages that have ids are written: they are found by these."""
 
 UNITS = ("cm", "deg", "mm", "ms", "rpy", "wb", "xyz")
@@ -90,10 +91,10 @@ ALONE = frozenset(
     acknowledging all alternated and approach approve approved at auto axis both busy
     cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
-    none nothing off ok one-at-a-time operator pair pairs part parts picked pile pitch
+    none nothing off ok one-at-a-time operator part parts picked pile pitch
     place placed planning proof reach reading recorded regrasp rejected remaining
     resolve return roll route scan scanned scanning scans sending simulated stands stopped
-    stopping streamed symmetry synchronised thickness time-independent to touches touching
+    stopping streamed symmetry synchronised thickness time-independent to touches
     turned unknown viewer vote waiting width yaw
     """.split()  # noqa: SIM905
 )
@@ -126,7 +127,7 @@ def messages() -> Mapping[str, tuple[str, ...]]:
         root = PACKAGE / folder
         for path in [root] if root.is_file() else sorted(root.rglob("*.py")):
             where = path.relative_to(PACKAGE).as_posix()
-            if where in UNSEEN or path.is_relative_to(WITH_IDS):
+            if where in UNSEEN or where.startswith(WITH_IDS):
                 continue
             for text, is_name in _literals(ast.parse(path.read_text(encoding="utf-8"))):
                 is_sentence = folder in SENTENCES and " " in text and not is_name
@@ -145,7 +146,20 @@ def messages() -> Mapping[str, tuple[str, ...]]:
 
 def templates() -> Mapping[str, str]:
     """The English templates of the messages that have ids."""
-    return {id: text.template for id, text in TEXTS.items() if text is not Others.PLAIN}
+    texts = (text for subject in subjects() for text in subject)
+    return {text.id: text.template for text in texts if text is not Others.PLAIN}
+
+
+def subjects() -> tuple[type[Text], ...]:
+    """All enumerations of texts: those that may be on record, then those of the page alone."""
+    found = list(SUBJECTS)
+    for folder in WITH_IDS[1:]:
+        root = PACKAGE / folder
+        for path in [root] if root.is_file() else sorted(root.glob("*.py")):
+            name = ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts)
+            module = importlib.import_module(name.removesuffix(".__init__"))
+            found += [it for it in Text.__subclasses__() if it.__module__ == module.__name__]
+    return tuple(found)
 
 
 def tidy(text: str) -> str:

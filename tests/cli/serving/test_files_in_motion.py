@@ -81,6 +81,6 @@ def test_a_stop_waits_for_no_file(page, files):
         return texts, await one.until(has_ended, "the end")
 
     texts, ended = at(page, use)
-    assert any(re.search(r"ring\.stl.*being read", text) for text in texts), "it was read before"
+    assert any(re.search(r"ring\.stl.*reading", text) for text in texts), "it was read before"
     assert ended["phase"] == "fault"
     assert "stopped" in ended["fault"]

@@ -37,13 +37,13 @@ def with_record(cell, days, source="folder"):
 
 
 def test_an_old_or_missing_calibration_is_warned_of(cell):
-    assert calibration_warning(cell, NOW) == "", "a simulated scanner hangs where the cell says"
+    assert calibration_warning(cell, NOW) is None, "a simulated scanner hangs where the cell says"
     real = replace(cell, scanner=replace(cell.scanner, source="folder", address="scans"))
-    assert "never calibrated" in calibration_warning(real, NOW)
+    assert "never calibrated" in str(calibration_warning(real, NOW))
     merged = replace(cell, scanner=replace(cell.scanner, source="merged", address="views"))
-    assert calibration_warning(merged, NOW) == "", "its views are refused without a calibration"
-    assert calibration_warning(with_record(cell, 89), NOW) == ""
-    assert "91 days ago; 90 are allowed" in calibration_warning(with_record(cell, 91), NOW)
+    assert calibration_warning(merged, NOW) is None, "its views are refused without a calibration"
+    assert calibration_warning(with_record(cell, 89), NOW) is None
+    assert "91 days ago; limit: 90 days" in str(calibration_warning(with_record(cell, 91), NOW))
     assert "&lt;Anna&gt;: 8 poses, 0.12 mm RMS" in record_line(with_record(cell, 1), NOW)
     assert "wb-bad" in record_line(with_record(cell, 91), NOW)
 
@@ -80,11 +80,11 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
     T = cell.scanner.T_world_scanner * pose_from_rpy((0.003, 0.004, 0), (0, 0, np.deg2rad(2)))
     found = Calibration(T, T, residuals, 0.0004, np.diag([1e-8] * 3 + [1e-6] * 3))
     html = poses_html(observations, found, None, ("a", "b"))
-    assert "0.61 mm, 0.07°" in html and ">open<" in html
-    assert "0.42 mm" in html and "0.05°" in html and "12.0 mm &lt;off&gt;" in html
+    assert "0.61 mm, 0.07 deg" in html and ">open<" in html
+    assert "0.42 mm" in html and "2.86 deg" in html and "12.0 mm &lt;off&gt;" in html
     answer = answer_html(cell, found, 2)
-    assert "5.0 mm and 2.00°" in answer and "8 poses are better than 1" in answer
-    assert "the worst is pose 1: 0.61 mm, 0.07°" in answer
+    assert "5.0 mm and 2.00 deg" in answer and "8 poses are better than 1" in answer
+    assert "worst: pose 1, 0.61 mm, 0.07 deg" in answer
     assert "Front left" in answer and answer.count("<tr><td>") == 4
     assert "Needs &lt;4&gt;." in answer_html(cell, "needs <4>", 2)
     assert answer_html(cell, "needs 4", 0) == ""

@@ -54,6 +54,6 @@ def test_days_are_drawn_with_what_they_tell():
     moved = np.full((3, 6), np.nan)
     moved[:, 2] = (0, 1e-3, 2e-3)
     html = course_html("table", np.array([4, 5, 9]), moved)
-    assert "Shift, as table shows it" in html and html.count("<path") == 1
+    assert "Shift, by table" in html and html.count("<path") == 1
     assert "Turn" not in html
     assert course_html("table", np.array([4]), moved[:1]) == ""

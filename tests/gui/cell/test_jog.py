@@ -37,7 +37,7 @@ def test_at_home_the_robot_is_clear_and_the_nearest_pair_is_named():
     jogged = JogFinder().jogged(State(CELL), {ARM.name: np.asarray(ARM.home)})
     assert jogged.contacts == () and jogged.meets == ()
     assert 0 < jogged.clearance < 0.1 and jogged.pair is not None
-    assert "Clear; nearest are" in contacts_html(jogged)
+    assert "Clear; nearest: " in contacts_html(jogged)
 
 
 def test_everything_that_is_too_close_is_told_nearest_first():

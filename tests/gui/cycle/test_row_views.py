@@ -30,10 +30,10 @@ def test_of_a_row_every_plan_is_approved_in_full_and_sums_are_of_all(row, states
     assert "Straight waysplan 1: " in text
     alone = states.planned
     assert f"{3 * alone.plan.cycle_seconds:.1f} s in all" in text
-    assert f"{3 * alone.proof.checks:,} positions measured" in text
+    assert f"{3 * alone.proof.checks:,} positions checked" in text
     legs = 3 * sum(len(arm.legs) for arm in alone.plan.arms)
     assert f"the whole motion on {legs} legs" in text
-    assert "each plan by what those before leave" in text
+    assert "each plan with what those before it leave" in text
     assert "Certificatesplan 1, plan 2, plan 3" in text
 
 

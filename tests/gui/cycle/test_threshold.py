@@ -21,11 +21,11 @@ NOW = 1_760_000_000.0
 def test_it_says_which_pairs_are_apart_and_what_follows(states):
     planned = states.planned
     said = decides_line(planned, "auto", 0.2, NOW)
-    assert "Alternated for these parts: 0 of 1 pair apart (141\u00a0mm)" in said
+    assert "Alternated for these parts: 0 of 1 pair apart (141 mm)" in said
     said = decides_line(planned, "auto", 0.14, NOW)
-    assert "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141\u00a0mm)" in said
+    assert "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141 mm)" in said
     three = replace(planned, detections=(*planned.detections, planned.detections[0]))
-    assert "2 of 3 pairs apart (0 to 141\u00a0mm)" in decides_line(three, "auto", 0.14, NOW)
+    assert "2 of 3 pairs apart (0 mm to 141 mm)" in decides_line(three, "auto", 0.14, NOW)
 
 
 def test_it_says_where_it_decides_nothing(states, cell):

@@ -24,7 +24,7 @@ from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import Room, dragged_html
 from workbench.gui.page.server import serve
-from workbench.gui.scene.live import _covered, beside, live_words
+from workbench.gui.scene.live import _covered, beside, live_message
 from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.things import moving
@@ -76,7 +76,7 @@ def test_what_is_dragged_is_asked_about_and_its_answer_shown(found, verdicts, vi
     answer = glance(3)
     question.answered(answer)
     assert shown(visitor).glance is answer
-    assert live_words(answer).startswith("while you drag: 3 of 4 work")
+    assert str(live_message(answer)).startswith("while you drag: 3 of 4 work")
 
 
 def test_nothing_of_it_is_on_record_and_the_state_stays_the_same(found, verdicts, visitor):

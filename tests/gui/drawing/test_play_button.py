@@ -5,8 +5,9 @@ from dataclasses import replace
 import pytest
 
 from workbench.app.core.people import NOBODY
-from workbench.gui.drawing.play_button import PlayButton, watched_words
+from workbench.gui.drawing.play_button import PlayButton, watched_message
 from workbench.gui.shared.look import Look
+from workbench.words.words import IN_ENGLISH
 
 
 @pytest.fixture
@@ -36,15 +37,15 @@ def test_without_a_plan_and_while_one_is_sent_nothing_is_played(button, states, 
 
 def test_how_far_the_plan_was_watched_is_told_where_it_is_asked_for(states, view_of):
     planned = view_of(states.planned)
-    assert watched_words(planned, "Ada") == "Not played yet."
+    assert IN_ENGLISH.render(watched_message(planned, "Ada")) == "Not played yet."
     seconds = planned.plan_seconds
     playing = view_of(states.planned, Look(time=2.04, is_playing=True, follows=False))
-    assert watched_words(playing, "Ada") == f"2.0 of {seconds:.1f} s"
+    assert IN_ENGLISH.render(watched_message(playing, "Ada")) == f"2.0 of {seconds:.1f} s"
     partly = replace(planned, unseen=((0.0, 2.6),))
-    assert watched_words(partly, "Ada") == "Not watched yet: 0.0 to 2.6 s"
+    assert IN_ENGLISH.render(watched_message(partly, "Ada")) == "Not watched yet: 0.0 s to 2.6 s"
     whole = replace(planned, unseen=((0.0, seconds),))
-    assert watched_words(whole, "Ada") == "Not played yet."
+    assert IN_ENGLISH.render(watched_message(whole, "Ada")) == "Not played yet."
     for name in ("Ada", NOBODY):
         seen = view_of(replace(states.planned, watched=(name,)))
-        assert watched_words(seen, "Ada") == "Played to its end."
-        assert watched_words(replace(seen, state=states.idle), "Ada") == ""
+        assert IN_ENGLISH.render(watched_message(seen, "Ada")) == "Played to its end."
+        assert IN_ENGLISH.render(watched_message(replace(seen, state=states.idle), "Ada")) == ""

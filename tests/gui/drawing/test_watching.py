@@ -237,7 +237,7 @@ def test_what_plays_with_the_hands_out_of_the_picture_was_not_watched(page, plan
     ((begin, end),) = page._renderer._drawn.hidden
     wait_until(lambda: page._renderer._drawn.unseen == ((begin, end),), "all else to be drawn")
     assert 0.9 < begin < 3.0 < end < page._renderer._drawn.plan_seconds
-    words = f"The hands were out of view from {begin:.1f} s to {end:.1f} s; play that part again"
+    words = f"The grippers were out of view from {begin:.1f} s to {end:.1f} s; play that part again"
     wait_until(lambda: words in mode_html(page._renderer._drawn), "what has to be played")
     assert planned.state.watched == ()
     with pytest.raises(CommandRefused, match="has not been played to its end"):

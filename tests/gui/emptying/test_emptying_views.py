@@ -100,7 +100,7 @@ def test_the_chosen_pile_is_marked_and_each_row_has_its_button():
     body = html.split("<tbody>")[1].split("<tr")[1:]
     assert ["wb-chosen" in row for row in body] == [False, True, False]
     assert [f"r-{place}'" in row for place, row in enumerate(body)] == [True] * 3
-    assert "part-2 tool collision, part-4 not found" in body[2] and "nothing stays" in body[0]
+    assert "part-2 tool in collision, part-4 not found" in body[2] and "nothing stays" in body[0]
 
 
 def test_a_part_that_stays_has_its_sentence_its_fix_and_its_colour():

@@ -18,7 +18,7 @@ from workbench.formats.files.shipped import find
 from workbench.formats.parts.grasp_files import save_grasps
 from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import Version, versions, write_draft
-from workbench.gui.grasps.coverage import CoverageControls, axis_words
+from workbench.gui.grasps.coverage import CoverageControls, axis_message
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.fields import GraspFields
 from workbench.gui.grasps.filling import FillControls
@@ -26,7 +26,7 @@ from workbench.gui.grasps.ideas import Suggestions
 from workbench.gui.grasps.library import NOW as AS_IT_IS
 from workbench.gui.grasps.library import LibraryControls
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.views import check_line, refused_text, versions_html
+from workbench.gui.grasps.views import check_line, refused_message, versions_html
 from workbench.model.candidate import Reason
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError, JobCancelled
@@ -139,7 +139,7 @@ def test_coverage_of_a_cell_that_was_changed_meanwhile_is_not_shown(bench, visit
         return SimpleNamespace(missing=None)
 
     monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage", slow)
-    monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage_words", lambda found: ["90 %"])
+    monkeypatch.setattr(workbench.gui.grasps.coverage, "coverage_texts", lambda found: ["90 %"])
     controls._work()
     controls.show(editing.part, problem="")
     assert "Not looked at since" in controls._line.content
@@ -254,11 +254,11 @@ def test_versions_that_cannot_be_read_are_told_and_those_of_another_part_are_gon
     [
         ((0.0, 0.0, 1.0), "+z"),
         ((0.0, -1.0, 0.0), "-y"),
-        ((0.07, -0.17, 0.98), "+z (to within 11 degrees)"),
+        ((0.07, -0.17, 0.98), "+z (to within 11 deg)"),
     ],
 )
 def test_a_direction_of_a_part_is_said_by_its_nearest_axis(direction, words):
-    assert axis_words(np.array(direction)) == words
+    assert str(axis_message(np.array(direction))) == words
 
 
 def test_measure_fills_in_and_applies_nothing(bench, visitor):
@@ -300,13 +300,14 @@ def test_how_much_of_the_load_a_grip_holds_is_said_where_it_is_known():
     assert "times the load" not in check_line("side", check)
     said = check_line("side", replace(check, firmness=firm))
     assert (
-        "4.0 mm clear on arrival, holds 1.8 times the load (20 N, friction 0.4, 4.4 m/s2)" in said
+        "clearance 4.0 mm on arrival, holds 1.8 times the load (20 N, friction 0.4, 4.4 m/s2)"
+        in said
     )
     weak = [replace(firm, share=share, turns=True) for share in (0.5, 0.929)]
     refused = [
         replace(check, findings=(GraspFinding("weight", in_words(one), one.share),)) for one in weak
     ]
-    told = refused_text(refused)
+    told = str(refused_message(refused))
     assert told.startswith(
         "Left out for the weight: 2; the firmest would turn in the fingers: 0.92"
     )
@@ -342,7 +343,7 @@ def test_a_draft_of_one_change_is_told_of_and_one_of_none_is_not(visitor, bench,
     first = part.library.entries[0].name
     write_draft(tmp_path, replace(part.library, pairs=(GraspPair(first, first),)))
     library.show(saved, part, problem="")
-    assert "a draft with 1 change that nobody saved" in library._draft.content
+    assert "a draft with 1 change not saved" in library._draft.content
     assert library._take.visible and library._drop.visible
 
 

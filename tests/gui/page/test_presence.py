@@ -4,7 +4,7 @@ import pytest
 
 from workbench.app.core.control import TakeControl
 from workbench.app.core.people import NOBODY, Person, Role
-from workbench.gui.page.control import control_words
+from workbench.gui.page.control import control_message
 from workbench.gui.page.presence import GRACE, Presence
 
 ADA = Person("Ada", Role.ENGINEER)
@@ -87,6 +87,6 @@ def test_whoever_was_in_control_before_the_workbench_began_again_has_a_while_to_
     ("me", "words"), [("Bob", "You are in control."), ("Ada", "Bob is in control.")]
 )
 def test_who_is_in_control_is_said_to_each_in_their_words(bench, me, words):
-    assert control_words(bench.state, me) == "Nobody is in control."
+    assert str(control_message(bench.state, me)) == "Nobody is in control."
     bench.do(TakeControl(), "Bob", Role.OPERATOR)
-    assert control_words(bench.state, me) == words
+    assert str(control_message(bench.state, me)) == words

@@ -50,7 +50,7 @@ def test_a_corrected_part_is_kept_with_what_was_found(panel, visitor, bench, det
     before = bench.state
     keeping._pressed()
     (file,) = case_files(bench.folder)
-    assert visitor.client.told == [f"kept as {file}"]
+    assert visitor.client.told == [f"stored as {file}"]
     # Nothing of the cycle has changed by it.
     assert bench.state is before
     case = read_case(file)

@@ -102,7 +102,7 @@ def test_the_cursor_stays_within_its_track(time, share):
 
 def test_what_goes_on_is_said(cell, result, runs):
     first = runs[0]
-    assert doing(runs, first.start) == f"{first.arm}: {first.leg.name}"
+    assert str(doing(runs, first.start)) == f"{first.arm}: {first.leg.name}"
     assert doing(runs, result.plan.cycle_seconds + 1) == "at the end"
     assert doing((), 0.0) == "at home"
 

@@ -129,12 +129,12 @@ def test_a_reach_that_cannot_be_found_is_told_and_not_awaited_for_ever(monkeypat
     reaches.of(CELL, "right")
     assert found.wait(PATIENCE)
     told = reach_line("right", reaches.of(CELL, "right"))
-    assert "could not be worked out" in told and "could not be found" in caplog.text
+    assert "cannot be computed" in told and "could not be found" in caplog.text
     reaches.close()
 
 
 def test_a_reach_says_that_it_is_worked_out_and_what_its_colours_mean(reached):
     assert reach_line("", NO_REACH) == ""
-    assert "Working out where the right arm reaches" in reach_line("right", NO_REACH)
+    assert "Computing the reach of the right arm" in reach_line("right", NO_REACH)
     assert "Green: " in reach_line("right", reached)
     assert "reaches nowhere" in reach_line("right", (np.zeros((0, 3)), np.zeros(0)))

@@ -97,7 +97,7 @@ def test_legs_over_a_station_have_names_of_their_own(over, planned):
     ]
     html = lanes_html(over, runs, runs[-1].end)
     assert all(f"</i>{word}</span>" in html for word in ("put on station", "hand over"))
-    assert doing(runs, runs[7].start + 0.01) == f"{runs[7].arm}: hand over"
+    assert str(doing(runs, runs[7].start + 0.01)) == f"{runs[7].arm}: hand over"
 
 
 def test_the_same_arm_regrasps(planned):

@@ -20,7 +20,7 @@ NOW = 1_760_000_000.0
 def test_the_warning_of_other_software_is_read_in_every_language(language):
     since = "session 20260101-yumi"
     state = State(read_cell("yumi"), changed=("the cell differs",), changed_since=since)
-    said = words_of(language).html(views.changes_html(state))
+    said = words_of(language).html(views.changes_html(state, words_of(language)))
     assert "20260101-yumi" in said
     assert not {"nothing", "before", "differs"} & set(re.findall("[a-z]+", said))
 

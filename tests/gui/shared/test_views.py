@@ -63,7 +63,7 @@ def test_discarded_poses_are_listed_with_score_and_reason():
     )
     listed = Reader(rejected_html(some))
     assert set(listed.tags) <= TAGS | {"details", "summary", "ul"}
-    for word in ("2 poses rejected", "0.61", "a twin with a worse score of part-2", "0.20"):
+    for word in ("2 rejected hypotheses", "0.61", "a twin with a worse score of part-2", "0.20"):
         assert word in listed.text
     assert EVIL in listed.text
 
@@ -191,7 +191,7 @@ def test_who_is_missing_is_told(states):
     vote = Vote(two.plan.digest, "Anna", 1_760_000_000.0)
     one_more = replace(two, votes=(vote,))
     text = approval_line(one_more, vote.at + 60, "")
-    assert "By Anna until 08:58:20 UTC, waiting for another person." in text
+    assert "By Anna until 08:58:20 UTC, waiting for 1 more person." in text
     assert "so far Anna" in facts_html(one_more, {}, vote.at)
     assert "Waiting for 2 people." in approval_line(one_more, vote.at + 300, "")
 
@@ -210,10 +210,10 @@ def test_where_the_robot_stands_is_among_the_facts(cell, states):
     def facts(joints):
         return facts_html(state, joints, 0.0)
 
-    assert "stands where the plan starts" in facts(home)
+    assert "is where the plan starts" in facts(home)
     away = home | {cell.arms[0].joints[0]: home[cell.arms[0].joints[0]] + np.deg2rad(3)}
     assert "axis 1 of the right arm stands 3.00 deg" in facts(away)
-    assert "see for yourself" in facts({})
+    assert "check that it is where the plan starts" in facts({})
 
 
 def test_what_is_avoided_is_told_with_what_remains(states):
@@ -234,7 +234,7 @@ def test_joints_are_told_in_degrees_in_the_order_of_the_controller(cell):
     arm = cell.arms[0]
     joints = dict(zip(arm.joints, arm.home, strict=True))
     rows = re.findall(
-        r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", views.joints_html(cell, joints)
+        r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", link_views.joints_html(cell, joints)
     )
     expected = [0, -130, 30, 0, 40, 0, -135]
     assert [int(axis) for axis, _ in rows] == [1, 2, 3, 4, 5, 6, 7]
@@ -308,7 +308,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         facts_html(state, {}, view.at),
         plan_html(state),
         link_views.link_html(view),
-        views.joints_html(cell, view.live.joints),
+        link_views.joints_html(cell, view.live.joints),
         lanes_html(cell, view.runs, view.plan_seconds),
         now_html(1.0, 2.0, EVIL),
         funnel_html(state.candidates, None, buttons),
@@ -339,11 +339,11 @@ def test_the_last_study_speaks_for_the_threshold_nearby(states):
     said = views.forecast_line(cell, Predictions(cell.digest, 53, forecasts), 0.12)
     assert (
         "53 simulated pairs at 100 mm: 70% far enough apart, 100% planned, in 170 ms, "
-        "763 parts an hour" in said
+        "763 parts per hour" in said
     )
     assert "changed" not in said
     said = views.forecast_line(cell, Predictions("other", 53, forecasts), 0.19)
-    assert "at 200 mm: 0% far enough apart; the cell was changed since" in said
+    assert "at 200 mm: 0% far enough apart; the cell has changed since" in said
     assert views.forecast_line(cell, None, 0.2) == ""
 
 
@@ -356,7 +356,7 @@ def test_the_link_tells_protocol_state_acknowledgement_and_stop(states, view_of)
     view = replace(view_of(state, live=Live(link=link)), at=NOW)
     text = Reader(link_views.link_html(view)).text
     for expected in (
-        "abb-socket/2 (speaks abb-socket/2)",
+        "abb-socket/2 (protocol abb-socket/2)",
         "running, step 3 of 12",
         "0007 ok 0005 ABCD",
         "1.5 s ago",
@@ -372,7 +372,7 @@ def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(sta
     live = Live(robot="fault: stopped by the client")
     for state, here in ((states.fault, states.fault.fault), (states.idle, "none to acknowledge")):
         text = Reader(link_views.link_html(view_of(state, live=live))).text
-        assert f"Robot's last word{live.robot}Fault here{here}" in text
+        assert f"Last report of the robot{live.robot}Fault here{here}" in text
 
 
 def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):

@@ -27,7 +27,7 @@ def test_without_a_cycle_there_is_a_hint():
 
 def test_success_and_causes_stand_beside_their_bars():
     html = statistics_html(Statistics((cycle("picked", "failed"),), (("tool collision", 40),)))
-    assert "1, 1 failed" in html and "100, pauses" in html
+    assert "1, 1 failed" in html and "100, without pauses" in html
     assert "1 of 2" in html and "width:50.0%" in html
     assert "tool in collision" in html and "0.25 s, most 0.25 s" in html
 

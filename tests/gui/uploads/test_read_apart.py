@@ -119,7 +119,7 @@ def test_what_a_backup_would_change_is_told(restoring, tmp_path, monkeypatch, no
     content = (tmp_path / "kept.zip").read_bytes()
     nothing_is_read_here()
     restoring._uploaded(sent(restoring._pick, "kept.zip", content))
-    wait_until(lambda: "being read" not in restoring._told.content)
+    wait_until(lambda: "reading" not in restoring._told.content)
     assert "stays the same" in restoring._told.content
 
 
@@ -162,7 +162,7 @@ def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
         raise JobCancelled("the first")
 
     monkeypatch.setattr(cad_pick, "cad_look", read)
-    monkeypatch.setattr(cad_pick, "look_words", str)
+    monkeypatch.setattr(cad_pick, "look_message", str)
     pick._chosen(sent(pick._pick, "first.stl", b"1"))
     wait_until(began.is_set)
     pick._chosen(sent(pick._pick, "second.stl", b"2"))

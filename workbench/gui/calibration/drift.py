@@ -11,7 +11,7 @@ import viser
 
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
-from workbench.app.core.state import State, counted
+from workbench.app.core.state import State
 from workbench.app.records.session_archive import sessions_in
 from workbench.app.runtime.bench import Bench
 from workbench.gui.help.groups import group
@@ -20,9 +20,11 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Curve, Plot, legend_html, plot_html
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 from workbench.model.geometry import Floats, Ints
+from workbench.words.words import IN_ENGLISH, Words
 
 log = logging.getLogger(__name__)
 
@@ -81,14 +83,14 @@ class DriftGroup:
         bench = self._visitor.bench
         if not isinstance(bench, Bench):
             return
-        self._look.disabled, self._look.label = True, "Looking …"
+        self._look.disabled, self._look.label = True, "Reading …"
         self._take.visible, self._cancel.visible = False, True
         try:
             self._found = self._read_change(bench, given_up)
         except JobCancelled:
             self._says.content = line("The look was cancelled.", kind="hint")
         except WorkbenchError as error:
-            self._visitor.tell("No look", str(error))
+            self._visitor.tell("No look", self._visitor.words.render(error.message))
         except Exception:
             log.exception("recorded scans could not be looked at")
             self._visitor.tell("No look", "Internal error, see the log.")
@@ -108,15 +110,16 @@ class DriftGroup:
 
         cell = bench.state.cell
         found = drift_apart(sessions_in(bench.folder.parent), cell, self._report, given_up)
-        scans, sessions = counted(found.scans, "scan"), counted(found.sessions, "session")
+        words = self._visitor.words
+        sessions = CalibrationText.SESSIONS(scans=found.scans, sessions=found.sessions)
         said = [
-            line(f"{scans} of {sessions} since the calibration."),
-            *(line(f"{sentence(word)}.") for word in drift_words(cell, found.drift)),
+            line(words.render(sessions)),
+            *(line(f"{sentence(words.render(word))}.") for word in drift_words(cell, found.drift)),
             *(
-                course_html(course.thing, course.days, course.moved)
+                course_html(course.thing, course.days, course.moved, words)
                 for course in found.drift.courses
             ),
-            *(line(problem, kind="bad") for problem in found.problems),
+            *(line(words.render(problem), kind="bad") for problem in found.problems),
         ]
         self._says.content = "".join(said)
         if found.drift.moved is None:
@@ -124,7 +127,7 @@ class DriftGroup:
         return cell.digest, partial(refined_cell, cell, found.drift)
 
     def _report(self, done: float, note: str) -> None:
-        self._look.label = f"Looking … {done:.0%}"
+        self._look.label = self._visitor.words.render(CalibrationText.READING(done=done))
 
     def _taken(self) -> Command:
         cell = self._visitor.bench.state.cell
@@ -135,19 +138,25 @@ class DriftGroup:
         return ChangeCell(self._found[1](time.time(), by), says)
 
 
-def course_html(thing: str, days: Ints, moved: Floats) -> str:
+def course_html(thing: str, days: Ints, moved: Floats, words: Words = IN_ENGLISH) -> str:
     """By how much a thing says that the scanner is moved, day after day.
 
     Args:
         thing: its name.
         days: (n,) since the epoch.
         moved: (n, 6) [m, rad], NaN where a day does not tell.
+        words: of who reads it.
     """
     if len(days) < 2:
         return ""
     along, plots = (days - days[0]).astype(float), list[str]()
-    titles = (f"Shift, as {thing} shows it", f"Turn, as {thing} shows it")
-    units = ((titles[0], "mm", 0, 1e3), (titles[1], "°", 3, 180 / np.pi))
+    shift, turn = (
+        text(thing=thing) for text in (CalibrationText.SHIFT_BY, CalibrationText.TURN_BY)
+    )
+    units = (
+        (words.render(shift), "mm", 0, 1e3),
+        (words.render(turn), "deg", 3, 180 / np.pi),
+    )
     for title, unit, first, scale in units:
         curves = tuple(
             Curve(name, JOINTS[axis], moved[:, first + axis] * scale)

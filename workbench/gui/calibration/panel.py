@@ -24,6 +24,7 @@ from workbench.gui.shared.calibration_views import (
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
@@ -122,13 +123,13 @@ class CalibrationPanel:
         )
         if is_same:
             return
-        observations, found = state.observations, new.calibration
+        observations, found, words = state.observations, new.calibration, self._visitor.words
         if old is None or old.state.observations is not observations:
             self._way.content = ""
-        self._record.content = record_line(state.cell, new.at)
-        self._table.content = poses_html(observations, found, chosen, self._rows)
-        self._answer.content = answer_html(state.cell, found, len(observations))
-        self._overlay.content = overlay_line(new.overlay) if observations else ""
+        self._record.content = record_line(state.cell, new.at, words)
+        self._table.content = poses_html(observations, found, chosen, self._rows, words)
+        self._answer.content = answer_html(state.cell, found, len(observations), words)
+        self._overlay.content = overlay_line(new.overlay, words) if observations else ""
         admit = self._visitor.admit
         admit(self._take, state, SightPlate)
         for button in (self._leave, self._remove):
@@ -210,9 +211,9 @@ class CalibrationPanel:
                 left = self._worked_out(arm, found if is_solved else "")
                 self._suggested = (key, left)
             if not left:
-                raise InputError(f"the {arm.name} arm reaches no pose in which the plate is seen")
+                raise InputError(CalibrationText.NO_POSE(arm=arm.name))
         except InputError as error:
-            visitor.tell("No suggestion", str(error))
+            visitor.tell("No suggestion", visitor.words.render(error.message))
             return
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
@@ -234,7 +235,7 @@ class CalibrationPanel:
             return [(q, "") for q in qs]
         observations = self._visitor.bench.state.observations
         best = next_poses(cell, observations, found, seed=len(observations))
-        return [(pose.q, next_html(pose)) for pose in best]
+        return [(pose.q, next_html(pose, self._visitor.words)) for pose in best]
 
     @property
     def _chosen(self) -> tuple[int, tuple[PlateObservation, ...]]:

@@ -26,7 +26,9 @@ from workbench.gui.shared.tables import (
 )
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
 from workbench.model.candidate import Candidate, Reason
+from workbench.model.messages.message import as_message
 
 
 class CandidatesPanel:
@@ -123,8 +125,11 @@ class CandidatesPanel:
         pose = new.pose
         words, text = self._visitor.words, ""
         if pose is not None:
-            place = f"{new.look.pose + 1} of {count}"
-            text = f"{words.render(pose.label)} ({place}): {words.render(pose.note)}"
+            label, note = as_message(pose.label), as_message(pose.note)
+            number = new.look.pose + 1
+            text = words.render(
+                PageText.LINE_OF(label=label, number=number, total=count, note=note)
+            )
         is_bad = pose is not None and bool(pose.meets)
         self._pose_line.content = line(text, kind="bad" if is_bad else "result") if text else ""
 
@@ -140,9 +145,11 @@ class CandidatesPanel:
         self._back.visible = self._forth.visible = count > 1
         self._back.disabled = page == 0
         self._forth.disabled = page >= count - 1
-        on_pages = f", page {page + 1} of {count}" if count > 1 else ""
-        counted = f"{len(indices)} of {len(candidates)} candidates{on_pages}"
-        self._foot.content = line(counted if candidates else "", kind="hint")
+        shown, total = len(indices), len(candidates)
+        foot = PageText.CANDIDATES(shown=shown, total=total)
+        if count > 1:
+            foot = PageText.CANDIDATES_PAGE(shown=shown, total=total, page=page + 1, pages=count)
+        self._foot.content = line(words.render(foot) if candidates else "", kind="hint")
         if not candidates:
             self._funnel.content = ""
             self._table.content = line(

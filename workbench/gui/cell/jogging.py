@@ -20,6 +20,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.things import shown_pose, typed_pose, with_home, with_places
 from workbench.gui.shared.views import sentence
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -78,7 +79,7 @@ class JogControls:
             low, high = sorted((sign * math.degrees(lower[k]), sign * math.degrees(upper[k])))
             sliders.append(
                 gui.add_slider(
-                    f"Axis {axis + 1} [deg]",
+                    self._visitor.words.render(CellText.AXIS(number=axis + 1)),
                     min=math.ceil(low * 10) / 10,
                     max=math.floor(high * 10) / 10,
                     step=0.1,
@@ -90,7 +91,7 @@ class JogControls:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         if old is None or old.jogged is not new.jogged:
-            self._contacts.content = contacts_html(new.jogged)
+            self._contacts.content = contacts_html(new.jogged, self._visitor.words)
         jog = new.own.jog
         is_on, name = jog is not None, self._arm.value
         is_sending = new.state.phase is Phase.SENDING

@@ -30,6 +30,7 @@ from workbench.gui.shared.things import (
 )
 from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 
@@ -93,7 +94,7 @@ class CellPanel:
             self._jog = JogControls(visitor)
             self._tools = {
                 arm.name: gui.add_dropdown(
-                    f"Tool, {arm.name}",
+                    visitor.words.render(CellText.TOOL_OF(arm=arm.name)),
                     tuple(tool.name for tool in arm.tools),
                     initial_value=arm.tool.name,
                     hint="What the arm carries now: change it here when you have changed it there.",
@@ -118,7 +119,7 @@ class CellPanel:
         self._inputs.tell(old, new)
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
-            self._tree.content = tree_html(cell)
+            self._tree.content = tree_html(cell, self._visitor.words)
             names = things(cell)
             if self._thing.options != names:
                 self._thing.options = names
@@ -136,7 +137,7 @@ class CellPanel:
             for control in (self._shapes, self._frames, self._reach):
                 control.disabled = bool(lacks)
             self._visitor.allow(self._measure, lacks)
-            self._line.content = cell_line(state)
+            self._line.content = cell_line(state, self._visitor.words)
             self._show_tools(cell, cannot)
             self._upload.show(state)
             if tool := self._upload.arrived(state):
@@ -152,7 +153,7 @@ class CellPanel:
             self._reach.value = new.look.reach or NOT_SHOWN
         is_same_reach = old is not None and old.look.reach == new.look.reach
         if old is None or not is_same_reach or old.reached is not new.reached:
-            self._reached.content = reach_line(new.look.reach, new.reached)
+            self._reached.content = reach_line(new.look.reach, new.reached, self._visitor.words)
         self._jog.show(old, new)
 
     def _show_tools(self, cell: Cell, cannot: str) -> None:

@@ -1,88 +1,117 @@
 """What the page says about the cell itself, as HTML; see `views` for how."""
 
+from collections.abc import Iterable
 from html import escape
 
-from workbench.app.core.state import State, counted
+from workbench.app.core.state import State
 from workbench.gui.scene.marks import measured_text
 from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH, Jogged
-from workbench.gui.shared.views import line, mm
-from workbench.model.cell import Cell
+from workbench.gui.shared.views import line
+from workbench.gui.texts.cell import CellText
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, finest
+from workbench.model.messages.message import Message, as_message
 from workbench.model.robot import Link
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_CONTACTS = 8
 
 
-def cell_line(state: State) -> str:
+def cell_line(state: State, words: Words = IN_ENGLISH) -> str:
     """Whether the cell is as in its file, and what is wrong with the file."""
     if state.cell_problem:
-        return line(f"The cell file cannot be used: {state.cell_problem}", kind="bad")
+        refused = CellText.FILE_REFUSED(problem=as_message(state.cell_problem))
+        return line(words.render(refused), kind="bad")
     if state.saved != state.cell.digest:
-        changes = counted(len(state.before), "change")
-        return line(f"Changed and not saved; {changes} can be undone.")
-    return line(f"As in its file; digest {state.cell.digest[:12]}.", kind="hint")
+        return line(words.render(CellText.CHANGED(count=len(state.before))))
+    return line(words.render(CellText.AS_IN_FILE(digest=state.cell.digest[:12])), kind="hint")
 
 
-def tree_html(cell: Cell) -> str:
+def tree_html(cell: Cell, words: Words = IN_ENGLISH) -> str:
     """What the cell is made of, to be unfolded."""
+
+    def branch(title: Message, leaves: Iterable[Message | str]) -> str:
+        items = "".join(f"<li>{escape(words.render(leaf))}</li>" for leaf in leaves)
+        return (
+            f"<details><summary>{escape(words.render(title))}</summary><ul>{items}</ul></details>"
+        )
+
     arms = [
-        _branch(
-            f"{arm.name} arm, {len(arm.joints)} axes to {arm.flange}",
-            [
-                f"carries {arm.tool.name}"
-                + (f", can carry {', '.join(t.name for t in arm.tools)}" if arm.tools[1:] else ""),
-                f"{len(arm.Ts_world_place) + len(arm.part_places)} places"
-                + (", parts stay there" if arm.keeps_parts else ""),
-                *(f"axis {k + 1} is {arm.joints[j]}" for k, j in enumerate(arm.axis_order)),
-            ],
+        branch(
+            CellText.ARM(arm=arm.name, axes=len(arm.joints), flange=arm.flange),
+            (
+                _carries(arm),
+                (CellText.PLACES_KEEP if arm.keeps_parts else CellText.PLACES)(
+                    count=len(arm.Ts_world_place) + len(arm.part_places)
+                ),
+                *(
+                    CellText.AXIS_JOINT(number=number, joint=arm.joints[joint])
+                    for number, joint in enumerate(arm.axis_order, 1)
+                ),
+            ),
         )
         for arm in cell.arms
     ]
     parts = [
-        _branch(
-            f"part {part.name}, {part.mass * 1000:g} g",
-            [
-                f"{len(part.library.grasps)} grasps",
-                f"{len(finest(part.pieces))} convex pieces",
-                f"{len(part.mesh.triangles)} triangles",
-            ],
+        branch(
+            CellText.PART(name=part.name, mass=part.mass),
+            (
+                CellText.GRASPS(count=len(part.library.grasps)),
+                CellText.PIECES(count=len(finest(part.pieces))),
+                CellText.TRIANGLES(count=len(part.mesh.triangles)),
+            ),
         )
         for part in cell.parts
     ]
-    fixtures = _branch(
-        f"{len(cell.fixtures)} fixtures",
-        [f"{fixture.name}, {len(fixture.solids)} solids" for fixture in cell.fixtures],
+    fixtures = branch(
+        CellText.FIXTURES(count=len(cell.fixtures)),
+        (
+            CellText.FIXTURE(name=fixture.name, count=len(fixture.solids))
+            for fixture in cell.fixtures
+        ),
     )
-    robot = _branch(
-        f"robot {cell.robot.name}",
-        [
-            f"{len(cell.robot.links)} links, {sum(map(_solids, cell.robot.links))} shapes checked",
-            f"{len(cell.robot.disabled_pairs)} pairs of links not checked",
-        ],
+    shapes = sum(map(_solids, cell.robot.links))
+    robot = branch(
+        CellText.ROBOT(name=cell.robot.name),
+        (
+            CellText.LINKS(links=len(cell.robot.links), shapes=shapes),
+            CellText.PAIRS(count=len(cell.robot.disabled_pairs)),
+        ),
     )
-    length, width, height = (mm(float(size), 0) for size in cell.bin.size)
-    regions = [f"region {region.name}" for region in cell.bin.regions]
-    inside = f"{length} x {width} x {height} inside"
-    if not cell.bin.has_walls:
-        inside = f"{length} x {width} without walls, parts up to {height} high"
-    scanner = f"scanner, {cell.scanner.source}"
-    address = [cell.scanner.address] if cell.scanner.address else []
-    where = f"{cell.controller.host} port {cell.controller.port}"
+    scanner, controller = cell.scanner, cell.controller
+    columns, rows = scanner.resolution
+    pixels = CellText.PIXELS(width=columns, height=rows)
     rest = [
-        _branch("bin", [inside, *regions]),
-        _branch(scanner, [*address, "{} x {} pixels".format(*cell.scanner.resolution)]),
-        _branch(f"controller, {cell.controller.link}", [where]),
+        branch(CellText.BIN(), _bin(cell)),
+        branch(
+            CellText.SCANNER(source=scanner.source),
+            (CellText.NAME(name=scanner.address), pixels) if scanner.address else (pixels,),
+        ),
+        branch(
+            CellText.CONTROLLER(link=controller.link),
+            (CellText.ADDRESS(host=controller.host, port=controller.port),),
+        ),
     ]
     return f'<div class="wb-tree">{"".join([robot, *arms, *parts, fixtures, *rest])}</div>'
 
 
+def _carries(arm: Arm) -> Message:
+    """The tool of an arm, and those that it can change to."""
+    if not arm.tools[1:]:
+        return CellText.CARRIES(tool=arm.tool.name)
+    return CellText.CAN_CARRY(tool=arm.tool.name, tools=[tool.name for tool in arm.tools])
+
+
+def _bin(cell: Cell) -> tuple[Message, ...]:
+    """The size of the bin, and its regions."""
+    length, width, height = map(float, cell.bin.size)
+    inside = CellText.INSIDE if cell.bin.has_walls else CellText.NO_WALLS
+    regions = (CellText.REGION(name=region.name) for region in cell.bin.regions)
+    return inside(length=length, width=width, height=height), *regions
+
+
 def _solids(link: Link) -> int:
     return len(link.collision)
-
-
-def _branch(title: str, leaves: list[str]) -> str:
-    items = "".join(f"<li>{escape(leaf)}</li>" for leaf in leaves)
-    return f"<details><summary>{escape(title)}</summary><ul>{items}</ul></details>"
 
 
 def measured_line(points: tuple[Floats, ...]) -> str:
@@ -92,26 +121,26 @@ def measured_line(points: tuple[Floats, ...]) -> str:
     return line(measured_text(*points).replace("\n", ": "))
 
 
-def reach_line(arm: str, reached: tuple[Floats, Floats] | None) -> str:
+def reach_line(arm: str, reached: tuple[Floats, Floats] | None, words: Words = IN_ENGLISH) -> str:
     """What the colours of an arm's reach mean, or that it is worked out; nothing without an arm.
 
     Args:
         arm: whose reach is shown; empty for nobody's.
         reached: places (n, 3) [m] and the share (n,) of turns there, as far as they are known.
+        words: of who reads it.
     """
     if not arm:
         return ""
     if reached is None or reached is NO_REACH:
-        return line(f"Working out where the {arm} arm reaches …", kind="hint")
+        return line(words.render(CellText.REACH_COMPUTING(arm=arm)), kind="hint")
     if reached is UNKNOWN_REACH:
-        text = f"Where the {arm} arm reaches could not be worked out; the log says why."
-        return line(text, kind="bad")
+        return line(words.render(CellText.REACH_FAILED(arm=arm)), kind="bad")
     if not len(reached[0]):
-        return line(f"The {arm} arm reaches nowhere with its tool straight down.", kind="warn")
+        return line(words.render(CellText.REACH_NOWHERE(arm=arm)), kind="warn")
     return line("Green: the tool can point straight down at any turn there; orange: at some.")
 
 
-def contacts_html(jogged: Jogged | None) -> str:
+def contacts_html(jogged: Jogged | None, words: Words = IN_ENGLISH) -> str:
     """What the jogged robot meets, nearest first, or how much room it has."""
     if jogged is None:
         return line("Moves the robot on the page only; nothing is sent to it.", kind="hint")
@@ -119,19 +148,22 @@ def contacts_html(jogged: Jogged | None) -> str:
         if jogged.pair is None:
             return line("Clear of everything by more than 100 mm.")
         first, second = jogged.pair
-        return line(f"Clear; nearest are {first} and {second}, {mm(jogged.clearance)}.")
+        nearest = CellText.NEAREST(first=first, second=second, clearance=jogged.clearance)
+        return line(words.render(nearest))
     rows = "".join(
         f"<tr><td>{escape(contact.pair[0])}</td><td>{escape(contact.pair[1])}</td>"
-        f'<td class="wb-number">{escape(_distance(contact.distance))}</td></tr>'
+        f'<td class="wb-number">{escape(words.render(_distance(contact.distance)))}</td></tr>'
         for contact in jogged.contacts[:MOST_CONTACTS]
     )
     more = len(jogged.contacts) - MOST_CONTACTS
-    rest = line(f"and {more} more", kind="hint") if more > 0 else ""
+    rest = line(words.render(CellText.MORE_PAIRS(count=more)), kind="hint") if more > 0 else ""
     return (
         '<table class="wb-facts wb-contacts"><thead><tr><th>Too close</th><th></th>'
         f'<th class="wb-number">Distance</th></tr></thead><tbody>{rows}</tbody></table>{rest}'
     )
 
 
-def _distance(metres: float) -> str:
-    return f"{mm(-metres)} inside" if metres < 0 else mm(metres)
+def _distance(metres: float) -> Message:
+    if metres < 0:
+        return CellText.PENETRATION(depth=-metres)
+    return CellText.DISTANCE(distance=metres)

@@ -14,7 +14,9 @@ from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.scene.nearest import PlanLinks
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
-from workbench.model.release import AS_PLANNED, Manner, manner_words
+from workbench.gui.texts.approval import ApprovalText, manner_message
+from workbench.model.release import AS_PLANNED, Manner
+from workbench.words.words import Words
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
 """Of the planned speed, that are offered."""
@@ -54,8 +56,10 @@ class ApprovalDialog:
             self._named = named = row[0].plan.digest, row_of(state)
             # Sent as one: letters typed before somebody listens to the field would be lost.
             with visitor.client.atomic():
-                what = f"these {len(row)} plans" if len(row) > 1 else "this plan"
-                modal = visitor.gui.add_modal(f"Approve {what}")
+                title = ApprovalText.TITLE()
+                if len(row) > 1:
+                    title = ApprovalText.TITLE_ROW(count=len(row))
+                modal = visitor.gui.add_modal(visitor.words.render(title))
                 self._close = modal.close
                 with modal:
                     links = PlanLinks(visitor, self.close, len(row))
@@ -103,14 +107,14 @@ class ApprovalDialog:
         chosen = self._add_manner(state)
         back = gui.add_button("Back", color="gray")
         confirm = gui.add_button(
-            _word_of(shown[0], chosen),
+            _label_of(shown[0], chosen, visitor.words),
             icon=viser.Icon.USER_CHECK,
             disabled=name is not None,
         )
         back.on_click(lambda _: self.close())
 
         def said(_: Any) -> None:
-            confirm.label = _word_of(shown[0], self._chosen())
+            confirm.label = _label_of(shown[0], self._chosen(), visitor.words)
 
         for field in self._fields:
             field.on_update(said)
@@ -157,8 +161,11 @@ def row_of(state: State) -> tuple[str, ...]:
     return tuple(proven_plan.plan.digest for proven_plan in state.row)
 
 
-def _word_of(name: str, manner: Manner) -> str:
-    """What the button says."""
-    words = manner_words(*manner)
-    how = f", {words}" if words else ""
-    return f"Approve as {name}{how}" if name else "Type your name to approve"
+def _label_of(name: str, manner: Manner, words: Words) -> str:
+    """The label of the button."""
+    if not name:
+        return "Type your name to approve"
+    how = manner_message(*manner)
+    if how is None:
+        return words.render(ApprovalText.AS(person=name))
+    return words.render(ApprovalText.AS_MANNER(person=name, manner=how))

@@ -4,20 +4,28 @@ from collections.abc import Mapping, Sequence
 
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
-from workbench.app.core.state import Phase, State, counted
+from workbench.app.core.state import Phase, State
 from workbench.app.picking.numbers import renumber
-from workbench.gui.scene.nearest import certificate_row, free_words, straight_words
+from workbench.gui.scene.nearest import certificates_of, free_message, straight_message
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
+from workbench.gui.texts.approval import ApprovalText, manner_message
+from workbench.gui.texts.common import CommonText, cycle_message
 from workbench.model.cell import Cell
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import FoundPart, Message, Others, all_of
 from workbench.model.messages.plans import guarantee_message, strategy_message
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, at_least, cycle_words, parts_taken
-from workbench.model.release import manner_words
+from workbench.model.plan import Guarantee, Plan, floored, parts_taken
 from workbench.words.words import IN_ENGLISH, Words
 
 
-def approval_line(state: State, now: float, problem: str, *, is_next: bool = False) -> str:
+def approval_line(
+    state: State,
+    now: float,
+    problem: str,
+    *,
+    is_next: bool = False,
+    words: Words = IN_ENGLISH,
+) -> str:
     """Who has approved, and until when that holds; or the `problem` that an approval meets.
 
     Where the problem `is_next`, it says what is to be done next, and nothing is wrong.
@@ -29,40 +37,43 @@ def approval_line(state: State, now: float, problem: str, *, is_next: bool = Fal
         return line(f"{sentence(problem)}.", kind=kind, tip=f"{sentence(problem)}.")
     if state.approval is None:
         if state.phase is Phase.PLANNED:
-            return line(_missing(state, now), tip=purpose)
+            return line(words.render(_missing(state, now)), tip=purpose)
         return line(purpose, kind="hint", tip=purpose)
     approval = state.approval
-    text = f"Approved by {' and '.join(approval.people)}"
+    by = ApprovalText.APPROVED_BY(people=approval.people)
     if state.phase is Phase.APPROVED:
         # It is for one sending: once that has begun, nothing is let out by it any more.
-        text = f"By {' and '.join(approval.people)} until {clock(approval.until)}"
-    if words := manner_words(*approval.manner):
-        text += f", {words}"
+        by = ApprovalText.UNTIL(people=approval.people, until=clock(approval.until))
+    manner = manner_message(*approval.manner)
+    texts = CommonText.LIST(items=[by] if manner is None else [by, manner])
     if approval.is_unwatched:
-        text += "; not every one of them has seen it played"
+        texts = Others.ALSO(first=texts, last=ApprovalText.NOT_ALL_WATCHED())
     if now >= approval.until and state.phase is Phase.APPROVED:
-        return line(f"{text}, run out", kind="bad", tip=purpose)
-    return line(text, tip=purpose)
+        texts = CommonText.LIST(items=[texts, ApprovalText.RUN_OUT()])
+        return line(words.render(texts), kind="bad", tip=purpose)
+    return line(words.render(texts), tip=purpose)
 
 
-def _missing(state: State, now: float) -> str:
+def _missing(state: State, now: float) -> Message:
     """Whom a plan waits for."""
     wanted, votes = state.cell.approvers, standing_votes(state, now)
     if not votes:
-        return "Waiting for a person." if wanted == 1 else f"Waiting for {wanted} people."
+        return ApprovalText.WAITING_FOR(count=wanted)
     lapses = min(vote.at for vote in votes) + state.cell.policy.approval_minutes * 60.0
     missing = wanted - len(votes)
-    people = "another person" if missing == 1 else f"{missing} more people"
-    names = " and ".join(vote.actor for vote in votes)
-    return f"By {names} until {clock(lapses)}, waiting for {people}."
+    people = [vote.actor for vote in votes]
+    return ApprovalText.BY_WAITING(people=people, until=clock(lapses), count=missing)
 
 
 TOGETHER = {
-    Guarantee.ONE_AT_A_TIME: "one moves at a time",
-    Guarantee.TIME_INDEPENDENT: "proven for any speeds of both",
-    Guarantee.SYNCHRONISED: "proven in step, at the times planned",
+    Guarantee.ONE_AT_A_TIME: ApprovalText.ONE_AT_A_TIME,
+    Guarantee.TIME_INDEPENDENT: ApprovalText.TIME_INDEPENDENT,
+    Guarantee.SYNCHRONISED: ApprovalText.SYNCHRONISED,
 }
 """What was proven of two arms, by the guarantee of a plan."""
+
+Fact = tuple[Message | str, Message | str | None]
+"""Name and value of a line."""
 
 
 def facts_html(
@@ -84,124 +95,140 @@ def facts_html(
         words: of who reads it.
     """
     cell, row = state.cell, state.whole_row
-    plan = row[0].plan
-    rows = _plans(state, words) if len(row) > 1 else _plan(plan, words)
-    cycle = cycle_words(plan.cycle_seconds, state.bound)
+    plan, policy = row[0].plan, cell.policy
+    cycle = cycle_message(plan.cycle_seconds, state.bound)
     if len(row) > 1:
-        cycle = f"{sum(proven_plan.plan.cycle_seconds for proven_plan in row):.1f} s in all"
-    rows += [
-        ("Free ways", free_words(state)),
-        ("Straight ways", straight_words(state)),
+        seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
+        cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
+    address = CommonText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
+    facts: list[Fact] = [
+        *(_plans(state) if len(row) > 1 else _plan(plan)),
+        ("Free ways", free_message(state)),
+        ("Straight ways", straight_message(state)),
         ("Proven", _proven(state)),
-        ("Kept clear of", _kept_clear(state, plan)),
-        ("Motion", f"{cycle}, up to {cell.policy.speed:.0%} of joint speeds"),
+        ("Kept clear of", _clear_of(state, plan)),
+        ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),
         ("Robot", _robot(cell, plan, joints)),
         ("Preview", _preview(state)),
-        ("Controller", f"{cell.controller.host} port {cell.controller.port}"),
-        ("Valid for", f"{cell.policy.approval_minutes:g} min after the approval"),
+        ("Controller", address),
+        ("Valid for", ApprovalText.VALID(time=policy.approval_minutes * 60.0)),
     ]
     if cell.approvers > 1:
-        votes = ", ".join(vote.actor for vote in standing_votes(state, at)) or "nobody yet"
-        rows.append(("People", f"{cell.approvers} are needed; so far {votes}"))
+        people = [vote.actor for vote in standing_votes(state, at)] or ApprovalText.NOBODY()
+        facts.append(("People", ApprovalText.PEOPLE(count=cell.approvers, people=people)))
     if len(row) == 1:
-        rows.append(("Plan", short(plan.digest)))
-    rows.append(certificate_row(state))
+        facts.append(("Plan", CommonText.NAME(name=short(plan.digest))))
+    rows = [(words.render(name), words.render(fact)) for name, fact in facts]
+    name, certificates = certificates_of(state)
+    rows.append((name, ", ".join(map(words.render, certificates))))
     return (
         f'<div class="wb-read" tabindex="0">{table_html(rows, title=plan.digest, made=made)}</div>'
     )
 
 
-def _plan(plan: Plan, words: Words) -> list[tuple[str, str]]:
+def _plan(plan: Plan) -> list[Fact]:
     """What one plan takes, and how."""
-    rows = [("Strategy", _strategy(plan, plan.remarks, words))]
+    facts: list[Fact] = [("Strategy", _strategy(plan, plan.remarks))]
     for arm in plan.arms:
-        part = plan.detections[arm.detection].part
-        rows.append(
-            (f"{arm.arm.capitalize()} arm", f"part-{arm.detection + 1} ({part}), grasp {arm.grasp}")
-        )
-    return rows
+        kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
+        grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=arm.grasp)
+        facts.append((CommonText.ARM(arm=arm.arm.capitalize()), grasp))
+    return facts
 
 
-def _plans(state: State, words: Words) -> list[tuple[str, str]]:
+def _plans(state: State) -> list[Fact]:
     """A line for each plan of a row: what it takes and how, how long it is, and how near it comes.
 
     Each part by its number in the scan.
     """
-    rows: list[tuple[str, str]] = []
+    facts: list[Fact] = []
     for number, proven_plan in enumerate(state.whole_row, 1):
-        plan, first = proven_plan.plan, state.plans[0]
-        takes = "; ".join(
-            f"{arm.arm} arm part-{part + 1} ({first.detections[part].part}), grasp {arm.grasp}"
+        plan, proof, first = proven_plan.plan, proven_plan.proof, state.plans[0]
+        takes = [
+            ApprovalText.ARM_GRASP(
+                arm=arm.arm,
+                part=FoundPart(part),
+                kind=first.detections[part].part,
+                grasp=arm.grasp,
+            )
             for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
-        )
+        ]
         remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
-        how = _strategy(plan, remarks, words)
-        near = at_least(proven_plan.proof.clearance)
-        proven = (
-            f"clear by {near}, plan {short(plan.digest)}, proof {short(proven_plan.proof.digest)}"
+        proven = ApprovalText.PROVEN_PLAN(
+            cycle=plan.cycle_seconds,
+            clearance=floored(proof.clearance),
+            plan=short(plan.digest),
+            proof=short(proof.digest),
         )
-        rows.append((f"Plan {number}", f"{takes}; {how}; {plan.cycle_seconds:.1f} s, {proven}"))
-    return rows
+        fact = all_of((*takes, _strategy(plan, remarks), proven))
+        facts.append((CommonText.PLAN_NUMBER(number=number), fact))
+    return facts
 
 
-def _proven(state: State) -> str:
+def _proven(state: State) -> Message:
     row = state.whole_row
-    covered = _coverage_words(state.cell, [proven_plan.plan for proven_plan in row])
-    looked = f"{sum(proven_plan.proof.checks for proven_plan in row):,} positions measured"
+    covered = _coverage(state.cell, [proven_plan.plan for proven_plan in row])
+    count = sum(proven_plan.proof.checks for proven_plan in row)
     if len(row) != 1:
-        return f"{covered}; {looked}"
-    took = dict(state.seconds).get("prove")
-    looked += "" if took is None else f" in {took:.2f} s"
-    return f"{covered}; {looked}, proof {short(row[0].proof.digest)}"
+        return ApprovalText.MEASURED(covered=covered, count=count)
+    time, proof = dict(state.seconds).get("prove"), short(row[0].proof.digest)
+    if time is None:
+        return ApprovalText.MEASURED_ALONE(covered=covered, count=count, proof=proof)
+    return ApprovalText.MEASURED_IN(covered=covered, count=count, time=time, proof=proof)
 
 
-def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> str:
+def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message:
     if not joints:
-        return "reports no joints: see for yourself that it stands where the plan starts"
-    moved = moved_away(cell, plan, joints)
-    return "stands where the plan starts" if moved is None else str(moved)
+        return ApprovalText.NO_JOINTS()
+    return moved_away(cell, plan, joints) or ApprovalText.STANDS_AT_START()
 
 
-def _preview(state: State) -> str:
-    drawn = ", ".join(name for name in state.watched if name not in state.told)
-    words = f"played to its end ({drawn})" if drawn else "not played on a page"
-    return words + (f"; by a program's word also to {', '.join(state.told)}" if state.told else "")
+def _preview(state: State) -> Message:
+    people = [name for name in state.watched if name not in state.told]
+    played = ApprovalText.PLAYED(people=people) if people else ApprovalText.NOT_PLAYED()
+    if state.told:
+        return ApprovalText.PLAYED_ELSEWHERE(played=played, people=state.told)
+    return played
 
 
-def _strategy(plan: Plan, remarks: Sequence[Message], words: Words) -> str:
-    text = words.render(strategy_message(plan.strategy))
+def _strategy(plan: Plan, remarks: Sequence[Message]) -> Message | None:
+    text = strategy_message(plan.strategy)
     if len(plan.arms) > 1:
-        guarantee = words.render(guarantee_message(plan.guarantee))
-        text += f", {TOGETHER[plan.guarantee]} ({guarantee})"
-    return "; ".join((text, *map(words.render, remarks)))
+        guarantee = guarantee_message(plan.guarantee)
+        text = TOGETHER[plan.guarantee](strategy=text, guarantee=guarantee)
+    return all_of((text, *remarks))
 
 
-def _coverage_words(cell: Cell, plans: Sequence[Plan]) -> str:
+def _coverage(cell: Cell, plans: Sequence[Plan]) -> Message:
     """What the proofs cover, in the words of people who set up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]
-    waypoints = sum(len(leg.q) for leg in legs)
     fingers = any(cell.arm(arm.arm).tool.fingers for arm in arms)
-    grips = ", fingers opening and closing" if fingers else ""
-    corners = _corners(cell.controller.motion, cell.policy.zone)
-    return f"the whole motion on {len(legs)} legs, {waypoints} waypoints, {corners}{grips}"
+    return (ApprovalText.COVERED_FINGERS if fingers else ApprovalText.COVERED)(
+        legs=len(legs),
+        waypoints=sum(len(leg.q) for leg in legs),
+        corners=_corners(cell.controller.motion, cell.policy.zone),
+    )
 
 
-def _corners(motion: MotionModel, zone: float) -> str:
+def _corners(motion: MotionModel, zone: float) -> Message:
     match motion.corners:
         case "stop":
-            return "stopping at each"
+            return ApprovalText.STOPS()
         case "blend":
-            return f"corners sharp or rounded by up to {zone:.0%} of a segment"
+            return ApprovalText.ROUNDED(share=zone)
         case _:
-            return "corners cut as streaming may"
+            return ApprovalText.STREAMED()
 
 
-def _kept_clear(state: State, plan: Plan) -> str:
-    parts, kept = counted(len(plan.detections), "part"), sum(bool(o.part) for o in plan.obstacles)
-    seen = len(plan.obstacles) - kept
-    unknown = f", {counted(seen, 'unknown thing')} in the scan" if seen else ""
-    unknown += f", {counted(kept, 'part')} on pallets" if kept else ""
-    source = "the scan has" if state.scan is not None else "poses from outside have"
-    left = ", each plan by what those before leave" if state.row else ""
-    return f"cell, {parts}{unknown}, as {source} them{left}"
+def _clear_of(state: State, plan: Plan) -> Message:
+    on_pallets = sum(bool(obstacle.part) for obstacle in plan.obstacles)
+    unknown = len(plan.obstacles) - on_pallets
+    things = [CommonText.PARTS(count=len(plan.detections))]
+    if unknown:
+        things.append(ApprovalText.UNKNOWN_THINGS(count=unknown))
+    if on_pallets:
+        things.append(ApprovalText.ON_PALLETS(count=on_pallets))
+    is_scanned = state.scan is not None
+    clear = (ApprovalText.CLEAR_OF if is_scanned else ApprovalText.CLEAR_OF_POSES)(things=things)
+    return ApprovalText.AS_LEFT(clear=clear) if state.row else clear

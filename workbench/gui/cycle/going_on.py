@@ -17,6 +17,8 @@ from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.gui.texts.cycle import CycleText
+from workbench.model.messages.message import Message
 from workbench.model.messages.states import task_message
 
 SAYS = "Scans, finds the parts and plans; then a person looks and approves."
@@ -65,17 +67,19 @@ class GoOnButton:
         state, visitor = new.state, self._visitor
         self._line.visible = state.ahead is not None
         if state.ahead is not None:
-            self._line.content = line(_progress_words(state, state.ahead), kind="hint")
+            self._line.content = line(
+                visitor.words.render(_progress(state, state.ahead)), kind="hint"
+            )
         problem = visitor.refusal(state, GoOn(), new.at)
         visitor.allow(self._button, visitor.words.render(problem))
         if state.phase is Phase.SENDING and not problem:
             visitor.explain(self._button, f"{SAYS} {BESIDE}")
 
 
-def _progress_words(state: State, ahead: Ahead) -> str:
+def _progress(state: State, ahead: Ahead) -> Message | str:
     """How far the next cycle is while this one moves."""
     if state.job is not None:
-        return f"Beside the motion runs {task_message(state.job.name)}."
+        return CycleText.RUNS_MEANWHILE(task=task_message(state.job.name))
     if ahead.brought:
         return "The next cycle is prepared; it counts once the plan has ended well."
     return BESIDE

@@ -10,7 +10,10 @@ from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.cycle import CycleText
 from workbench.model.errors import InputError
+from workbench.model.messages.message import FoundPart, as_message
+from workbench.words.words import Words
 
 AFTER_ROWS = 1e12
 """Where the field for a reason stands in its folder: below all rows; viser counts these upwards."""
@@ -69,8 +72,8 @@ class _PartRow:
         self._shown: tuple[str, int] = ("", 0)
         gui = visitor.gui
         self._text = gui.add_html("")
-        self._picked = gui.add_button(_words(arm, True), color="green")
-        self._failed = gui.add_button(_words(arm, False), color="gray")
+        self._picked = gui.add_button(_label(arm, True, visitor.words), color="green")
+        self._failed = gui.add_button(_label(arm, False, visitor.words), color="gray")
         visitor.on_press(self._picked, lambda: self._word(True))
         self._failed.on_click(lambda _: self._pressed_failed())
 
@@ -102,16 +105,27 @@ class _PartRow:
             said: what became of it, None while nobody has said so.
         """
         self._shown = first, number
-        self._picked.label, self._failed.label = _words(arm, True), _words(arm, False)
+        words = self._visitor.words
+        self._picked.label, self._failed.label = (
+            _label(arm, is_ok, words) for is_ok in (True, False)
+        )
         self._picked.disabled = said is not None and said.is_picked
         self._failed.disabled = said is not None and not said.is_picked
-        words = "" if said is None else (" picked" if said.is_picked else " failed")
-        kind = "result" if said is None or said.is_picked else "bad"
-        tip = "" if said is None else f"said by {said.by}; {said.why}"
-        self._text.content = line(f"part-{number + 1}{words}", kind=kind, span=1, tip=tip)
+        part, kind, tip = FoundPart(number), "result", ""
+        text = str(part)
+        if said is not None:
+            kind = "result" if said.is_picked else "bad"
+            became = CycleText.PART_PICKED if said.is_picked else CycleText.PART_FAILED
+            text = words.render(became(part=part))
+            by = CycleText.REPORTED_BY(person=said.by)
+            if said.why:
+                by = CycleText.REPORTED_BY_WHY(person=said.by, why=as_message(said.why))
+            tip = words.render(by)
+        self._text.content = line(text, kind=kind, span=1, tip=tip)
         for control in (self._text, self._picked, self._failed):
             control.visible = True
 
 
-def _words(arm: str, is_picked: bool) -> str:
-    return f"{arm.capitalize()} picked" if is_picked else f"{arm.capitalize()} failed"
+def _label(arm: str, is_picked: bool, words: Words) -> str:
+    text = CycleText.PICKED if is_picked else CycleText.FAILED
+    return words.render(text(arm=arm.capitalize()))

@@ -27,8 +27,8 @@ from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
-from workbench.gui.drawing.in_view import hidden_words
-from workbench.gui.drawing.play_button import PlayButton, watched_words
+from workbench.gui.drawing.in_view import hidden_message
+from workbench.gui.drawing.play_button import PlayButton, watched_message
 from workbench.gui.help.groups import group
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
@@ -140,7 +140,8 @@ class CyclePanel:
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
         self._play.show(old, new)
-        watched = watched_words(new, self._visitor.person.name)
+        visitor = self._visitor
+        watched = visitor.words.render(watched_message(new, visitor.person.name))
         words = line(watched, kind="hint", span=1)
         if words != self._watched_line.content:
             self._watched_line.content = words
@@ -149,23 +150,26 @@ class CyclePanel:
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)
         self._threshold.draw(state, new.at)
-        self._scan_line.content = scan_line(state)
-        self._bin_line.content = bin_html(state, new.bin_check, new.at)
+        self._scan_line.content = scan_line(state, visitor.words)
+        self._bin_line.content = bin_html(state, new.bin_check, new.at, visitor.words)
         check = new.bin_check
         self._move_bin.visible = check is not None and check.is_elsewhere
         self._visitor.admit(self._move_bin, state, ChangeCell)
         sizes = new.live.wrong_sizes(state.detections)
-        self._parts_line.content = parts_line(state, sizes, check)
-        self._plan_line.content = plan_line(state, self._visitor.words)
+        self._parts_line.content = parts_line(state, sizes, check, visitor.words)
+        self._plan_line.content = plan_line(state, visitor.words)
         self._row.show(new)
         joints = new.live.joints
-        visitor = self._visitor
         approval = Approve(_digest(state), row=row_of(state))
         why = visitor.refusal(state, approval, new.at, joints)
         is_next = why is not None and why.mentions(Refusal.NOT_PLAYED)
-        problem = hidden_words(new.hidden) if is_next and new.hidden else visitor.words.render(why)
-        self._approval_line.content = approval_line(state, new.at, problem, is_next=is_next)
-        self._send_line.content = send_line(state)
+        problem = visitor.words.render(
+            hidden_message(new.hidden) if is_next and new.hidden else why
+        )
+        self._approval_line.content = approval_line(
+            state, new.at, problem, is_next=is_next, words=visitor.words
+        )
+        self._send_line.content = send_line(state, visitor.words)
         self._go_on.show(new)
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.

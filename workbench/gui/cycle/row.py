@@ -6,11 +6,14 @@ import viser
 
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.rows import ShortenRow
-from workbench.app.core.state import Phase, State, counted
+from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.cycle import CycleText
 from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.plan import Proven, parts_taken
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -116,14 +119,14 @@ def row_html(state: State, words: Words = IN_ENGLISH) -> str:
 def row_words(state: State, words: Words = IN_ENGLISH) -> str:
     """How long the row is, and why it ends there; empty where one plan alone was asked for."""
     count = len(state.plans)
-    text = f"{counted(count, 'pick')} in a row"
+    facts = [CycleText.PICKS(count=count)]
     if any(plan.stations for plan in state.plans):
-        text += ", two of them for a part that goes over a station"
+        facts.append(CycleText.OVER_STATION())
     if state.left_out:
-        text += f", {len(state.left_out)} left out"
+        facts.append(CycleText.LEFT_OUT(count=len(state.left_out)))
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):
         return ""
-    return text + (f"; {words.render(state.row_ends)}" if state.row_ends else "")
+    return words.render(all_of((CommonText.LIST(items=facts), state.row_ends)))
 
 
 def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
@@ -134,11 +137,12 @@ def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
         mark = "✓"
     elif number == now and state.phase is Phase.SENDING:
         mark = "▶"
-    takes = _takes(state, proven_plan)
+    takes = words.render(_takes(state, proven_plan))
     proof = (
         clearance_words(proven_plan.proof, words) if proven_plan.proof.holds else "does not hold"
     )
-    title = f"plan {short(proven_plan.plan.digest)}, proof {short(proven_plan.proof.digest)}"
+    plan, proof_digest = short(proven_plan.plan.digest), short(proven_plan.proof.digest)
+    title = words.render(CycleText.DIGESTS(plan=plan, proof=proof_digest))
     style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
     return (
         f'<tr title="{escape(title)}"{style}><td>{mark}</td><td>{escape(takes)}</td>'
@@ -147,13 +151,15 @@ def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
     )
 
 
-def _takes(state: State, proven_plan: Proven) -> str:
+def _takes(state: State, proven_plan: Proven) -> Message:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
     numbers = parts_taken(state.plans[0], proven_plan.plan)
     pairs = zip(numbers, proven_plan.plan.arms, strict=True)
-    return ", ".join(
-        f"part-{number + 1} {arm.arm}, to station {arm.station}"
-        if arm.station
-        else f"part-{number + 1} {arm.arm}"
-        for number, arm in pairs
+    return CommonText.LIST(
+        items=[
+            CycleText.TAKES_TO_STATION(part=FoundPart(part), arm=arm.arm, station=arm.station)
+            if arm.station
+            else CycleText.TAKES(part=FoundPart(part), arm=arm.arm)
+            for part, arm in pairs
+        ]
     )

@@ -2,7 +2,10 @@
 
 from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
-from workbench.gui.shared.views import line, sentence
+from workbench.gui.shared.views import line, said
+from workbench.gui.texts.cycle import CycleText
+from workbench.model.messages.message import Message
+from workbench.words.words import IN_ENGLISH, Words
 
 
 def share_sent(state: State) -> float:
@@ -21,26 +24,26 @@ def share_sent(state: State) -> float:
     return (before + max(done - 1, 0) / max(total, 1)) / plans
 
 
-def send_line(state: State) -> str:
+def send_line(state: State, words: Words = IN_ENGLISH) -> str:
     """How far the plan has gone out, and the robot with it."""
     purpose = "Sends the approved plan to the robot controller."
     if not state.receipts:
         return line("Nothing sent.", kind="hint", span=1, tip=purpose)
     last, step = state.receipts[-1], step_reported(state)
-    words = f"{last.done} of {last.total} messages sent"
+    sent = CycleText.MESSAGES_SENT(count=last.done, total=last.total)
     if step and state.plan is not None:
-        words = _step_words(state, step, len(state.plan.sequence))
+        sent = _step_message(state, step, len(state.plan.sequence))
     if len(state.plans) > 1:
         # They are counted anew for each plan of a row.
-        words += f" (plan {len(state.sent_before) + 1})"
-    return line(sentence(words), span=1, tip=purpose)
+        sent = CycleText.SENT_OF_PLAN(sent=sent, number=len(state.sent_before) + 1)
+    return line(said(sent, words), span=1, tip=purpose)
 
 
-def _step_words(state: State, step: int, steps: int) -> str:
+def _step_message(state: State, step: int, steps: int) -> Message:
     match state.phase:
         case Phase.FAULT:
-            return f"ended in step {step} of {steps}"
+            return CycleText.ENDED_IN_STEP(number=step, total=steps)
         case Phase.DONE:
-            return f"all {steps} steps done"
+            return CycleText.STEPS_DONE(total=steps)
         case _:
-            return f"step {step} of {steps}"
+            return CycleText.STEP(number=step, total=steps)

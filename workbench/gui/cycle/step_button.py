@@ -6,6 +6,8 @@ from workbench.app.core.cycle.sending import NextStep
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.cycle import CycleText
+from workbench.model.messages.message import as_message
 
 WIDE = '<div class="wb-wide"></div>'
 """A mark that has the control after it take two columns, see the style sheet."""
@@ -65,11 +67,12 @@ class StepButton:
         problem = self._visitor.refusal(state, NextStep(state.waits or 1), new.at)
         button.visible = True
         self._visitor.allow(button, self._visitor.words.render(problem))
-        words = f"Before step 1 of {len(steps)}"
-        if state.waits:
-            words = f"Run step {state.waits} of {len(steps)}: {steps[state.waits - 1].words}"
-        elif state.let:
-            words = f"Step {state.let} of {len(steps)} runs: {steps[state.let - 1].words}"
-        if button.label != words:
-            button.label = words
+        text = CycleText.BEFORE_STEP(total=len(steps))
+        if number := state.waits or state.let:
+            text = (CycleText.RUN_STEP if state.waits else CycleText.STEP_RUNS)(
+                number=number, total=len(steps), legs=as_message(steps[number - 1].words)
+            )
+        label = self._visitor.words.render(text)
+        if button.label != label:
+            button.label = label
         return True

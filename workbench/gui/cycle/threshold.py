@@ -14,7 +14,9 @@ from workbench.app.core.state import State
 from workbench.gui.scene.slider_drag import SliderDrag
 from workbench.gui.shared.views import forecast_line, line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.cycle import CycleText
 from workbench.model.cell import Cell
+from workbench.words.words import IN_ENGLISH, Words
 
 WIDE = '<div class="wb-wide"></div>'
 """A mark that gives what comes next two columns."""
@@ -97,10 +99,14 @@ class ThresholdInput:
         """Say what comes of it at [s since the epoch], from what is known already."""
         typed = self._slider.value
         threshold = typed / 1000 if isinstance(typed, int | float) else 0.0
-        self._line.content = decides_line(state, self._strategy(), threshold, at)
+        self._line.content = decides_line(
+            state, self._strategy(), threshold, at, self._visitor.words
+        )
         if self._forecast is not None:
             known = self._visitor.predictions
-            self._forecast.content = forecast_line(state.cell, known, threshold)
+            self._forecast.content = forecast_line(
+                state.cell, known, threshold, self._visitor.words
+            )
 
     def _ask(self) -> None:
         """A plan that was made with another threshold is stale now."""
@@ -120,7 +126,9 @@ def farthest(cell: Cell) -> int:
     return math.ceil(math.hypot(*cell.bin.size[:2]) / 0.05) * 50
 
 
-def decides_line(state: State, strategy: str, threshold: float, at: float) -> str:
+def decides_line(
+    state: State, strategy: str, threshold: float, at: float, words: Words = IN_ENGLISH
+) -> str:
     """Whether the parts found could be taken at once, as far as the threshold decides that.
 
     Args:
@@ -128,6 +136,7 @@ def decides_line(state: State, strategy: str, threshold: float, at: float) -> st
         strategy: that is asked for.
         threshold: [m] two parts count as apart from there on.
         at: [s since the epoch] when it is asked, for the parts that are avoided.
+        words: of who reads it.
     """
     avoided = {number for number, _ in avoided_parts(state, at)}
     found = [detection for k, detection in enumerate(state.detections or ()) if k not in avoided]
@@ -142,9 +151,13 @@ def decides_line(state: State, strategy: str, threshold: float, at: float) -> st
     if not distances:
         return line("Nearer parts are taken one after the other.", kind="hint", span=2)
     far = sum(distance >= threshold for distance in distances)
-    pairs = "pair" if len(distances) == 1 else "pairs"
-    ends = " to ".join(f"{end * 1000:.0f}" for end in dict.fromkeys((distances[0], distances[-1])))
-    apart = f"{far} of {len(distances)} {pairs} apart ({ends}\u00a0mm)"
-    together = f"Coordinated, if quicker, for these parts: {apart}"
-    text = together if far else f"Alternated for these parts: {apart}"
-    return line(text, span=2, tip="Where two arms may work at once, auto takes the quicker plan.")
+    low, high = distances[0], distances[-1]
+    apart = CycleText.APART_RANGE(count=far, total=len(distances), low=low, high=high)
+    if low == high:
+        apart = CycleText.APART(count=far, total=len(distances), distance=low)
+    text = (CycleText.COORDINATED if far else CycleText.ALTERNATED)(apart=apart)
+    return line(
+        words.render(text),
+        span=2,
+        tip="Where two arms may work at once, auto takes the quicker plan.",
+    )

@@ -4,7 +4,7 @@ import enum
 from collections import Counter
 from html import escape
 
-from workbench.gui.scene.live import kinds_in, live_words
+from workbench.gui.scene.live import kinds_in, live_message
 from workbench.gui.shared.colours import KINDS, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.views import line
@@ -35,5 +35,7 @@ def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words =
         for kind in KINDS
         if counts[kind]
     )
-    note = line(live_words(dragged.glance)) + f'<div class="wb-funnel">{chips}</div>'
+    note = (
+        line(words.render(live_message(dragged.glance))) + f'<div class="wb-funnel">{chips}</div>'
+    )
     return f'<div class="wb-live">{note}</div>'

@@ -14,8 +14,10 @@ from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import Run, interpolated, latest
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.scene import WatchText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 from workbench.planning.kinematics.robot import Kinematics
 
 STEP = 0.1
@@ -148,11 +150,16 @@ class InView:
         return way
 
 
-def hidden_words(spans: Sequence[Span]) -> str:
+def hidden_message(spans: Sequence[Span]) -> Message | None:
     """What to do about stretches [s] of a plan in which its hands were out of the picture."""
     if not spans:
-        return ""
-    when = ", ".join(f"{begin:.1f} s to {end:.1f} s" for begin, end in spans)
+        return None
+    found = span_messages(spans)
     if len(spans) == 1:
-        return f"The hands were out of view from {when}; play that part again"
-    return f"The hands were out of view from {when}; play these parts again"
+        return WatchText.OUT_OF_VIEW(span=found[0])
+    return WatchText.OUT_OF_VIEW_SEVERAL(spans=found)
+
+
+def span_messages(spans: Sequence[Span]) -> list[Message]:
+    """Stretches [s] of a plan, each with its begin and its end."""
+    return [WatchText.SPAN(begin=begin, end=end) for begin, end in spans]

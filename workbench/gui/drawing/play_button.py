@@ -4,9 +4,11 @@ import viser
 
 from workbench.app.core.cycle.watching import WatchPlan, unwatched
 from workbench.app.core.state import Phase, State
-from workbench.gui.drawing.in_view import hidden_words
+from workbench.gui.drawing.in_view import hidden_message, span_messages
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.scene import WatchText
+from workbench.model.messages.message import Message
 
 
 class PlayButton:
@@ -47,24 +49,23 @@ def play_problem(visitor: Visitor, state: State) -> str:
     return visitor.lacks(state, WatchPlan)
 
 
-def watched_words(view: View, actor: str) -> str:
+def watched_message(view: View, actor: str) -> Message | str | None:
     """How far somebody has watched the plan that waits for an approval; empty without one."""
     state, look = view.state, view.look
     if state.phase not in (Phase.PLANNED, Phase.APPROVED):
-        return ""
+        return None
     if look.is_playing:
-        return f"{look.time:.1f} of {view.plan_seconds:.1f} s"
+        return WatchText.TIME(time=look.time, total=view.plan_seconds)
     if not unwatched(state, actor):
         return "Played to its end."
     is_begun = sum(end - begin for begin, end in view.unseen) < view.plan_seconds
-    return missed_words(view) if view.unseen and is_begun else "Not played yet."
+    return missed_message(view) if view.unseen and is_begun else "Not played yet."
 
 
-def missed_words(view: View) -> str:
-    """What has to be played before the plan counts as watched; empty when nothing has."""
+def missed_message(view: View) -> Message | None:
+    """What has to be played before the plan counts as watched; None when nothing has."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
-        return ""
+        return None
     if view.hidden:
-        return hidden_words(view.hidden)
-    spans = ", ".join(f"{begin:.1f} to {end:.1f} s" for begin, end in view.unseen)
-    return f"Not watched yet: {spans}"
+        return hidden_message(view.hidden)
+    return WatchText.NOT_WATCHED(spans=span_messages(view.unseen))

@@ -5,9 +5,10 @@ import numpy as np
 from workbench.app.core.state import State
 from workbench.gui.drawing.refusals import refused_pose
 from workbench.gui.shared.look import Pose
-from workbench.gui.shared.views import mm
+from workbench.gui.texts.scene import PoseText
 from workbench.model.candidate import Candidate, Pick
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import FoundPart, Message, found_part
 from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.self_motion import self_motion
@@ -49,12 +50,12 @@ class PoseFinder:
     def _on_the_way(self, world: World, pick: Pick) -> tuple[Pose, ...]:
         candidate, opening = pick.candidate, pick.candidate.grasp.opening
         place = np.atleast_2d(pick.place)[-1]
-        part, near = f"part-{candidate.detection + 1}", mm(world.policy.near_margin)
-        keeps = f"clear; straight on the tool keeps {near} from all but {part}"
-        leaves = f"clear; {part} may leave what it lies on, but not come nearer"
+        part = FoundPart(candidate.detection)
+        keeps = PoseText.CLEAR_NEAR(margin=world.policy.near_margin, part=part)
+        touches, leaves = PoseText.CLEAR_TOUCH(part=part), PoseText.CLEAR_LEAVE(part=part)
         way = [
             Pose("pre-grasp", np.asarray(pick.approach[0]), opening, keeps),
-            Pose("grasp", pick.q_grasp, opening, f"clear; the tool may touch {part}"),
+            Pose("grasp", pick.q_grasp, opening, touches),
             Pose("lifted", np.asarray(pick.extract[-1]), candidate.grasp.grip, leaves),
             Pose("place", place, candidate.grasp.grip, "clear"),
         ]
@@ -63,20 +64,21 @@ class PoseFinder:
         others = [np.asarray(q) for q in pick.solutions if np.abs(q - pick.q_grasp).max() > 1e-3]
         if len(turned) > 1:
             way += [
-                self._looked_at(world, candidate, q, f"grasp, elbow {k} of {len(turned)}")
+                self._looked_at(world, candidate, q, PoseText.ELBOW(number=k, count=len(turned)))
                 for k, q in enumerate(turned, start=1)
             ]
         way += [
-            self._looked_at(world, candidate, q, f"grasp, solution {k} of {len(others)}")
+            self._looked_at(world, candidate, q, PoseText.SOLUTION(number=k, count=len(others)))
             for k, q in enumerate(others, start=1)
         ]
         return tuple(way)
 
-    def _looked_at(self, world: World, candidate: Candidate, q: Floats, label: str) -> Pose:
+    def _looked_at(self, world: World, candidate: Candidate, q: Floats, label: Message) -> Pose:
         whole = world.configuration({candidate.arm: q})
         contact = world.contact(whole)
         opening = candidate.grasp.opening
         if contact is None:
             return Pose(label, q, opening, "clear")
-        note = f"{contact.pair[0]} and {contact.pair[1]}, {mm(contact.distance)}"
+        first, second = map(found_part, contact.pair)
+        note = PoseText.PAIR(first=first, second=second, distance=contact.distance)
         return Pose(label, q, opening, note, world.placed(whole, contact.pair))

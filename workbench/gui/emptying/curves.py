@@ -6,7 +6,9 @@ import numpy as np
 
 from workbench.gui.shared.colours import JOINTS
 from workbench.gui.shared.plots import Curve, Plot
+from workbench.gui.texts.emptying import EmptyingText
 from workbench.model.prediction import EmptiedPile
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_CURVES = len(JOINTS)
 """As many piles have a colour of their own; the others are not drawn."""
@@ -15,7 +17,7 @@ FEWEST = 5.0
 """Picks on the axis at least."""
 
 
-def taken_plot(piles: Sequence[EmptiedPile]) -> Plot:
+def taken_plot(piles: Sequence[EmptiedPile], words: Words = IN_ENGLISH) -> Plot:
     """Parts taken after each pick, from none on; a failed pick makes a curve level.
 
     A curve ends with the last pick of its pile.
@@ -23,14 +25,18 @@ def taken_plot(piles: Sequence[EmptiedPile]) -> Plot:
     shown = piles[:MOST_CURVES]
     most = max((len(pile.outcomes) for pile in shown), default=0)
     curves = tuple(
-        Curve(f"seed {pile.task.seed}", JOINTS[number], _count_taken(pile, most))
+        Curve(
+            words.render(EmptyingText.SEED(seed=pile.task.seed)),
+            JOINTS[number],
+            _count_taken(pile, most),
+        )
         for number, pile in enumerate(shown)
     )
-    title = "Parts taken over picks"
+    title = EmptyingText.CURVES()
     if len(piles) > len(shown):
-        title += f", of the first {len(shown)} piles"
+        title = EmptyingText.CURVES_FIRST(count=len(shown))
     high = float(max((pile.parts for pile in shown), default=1))
-    return Plot(title, "parts", np.arange(most + 1.0), curves, 0.0, high, "pick")
+    return Plot(words.render(title), "parts", np.arange(most + 1.0), curves, 0.0, high, "pick")
 
 
 def end_of(plot: Plot) -> float:

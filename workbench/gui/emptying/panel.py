@@ -153,20 +153,26 @@ class EmptyingPanel:
             self._summary.content = line(NOTHING_YET, kind="hint")
             self._table.content = ""
             return
-        plain = found.plain
+        plain, words = found.plain, self._visitor.words
         pile = min(self._pile, len(plain) - 1)
         takes = {"scan_seconds": seconds[0], "approval_seconds": seconds[1]}
         is_stale = found.cell_digest != state.cell.digest
-        self._summary.content = summary_html(found, summary(plain, **takes), is_stale)
+        self._summary.content = summary_html(found, summary(plain, **takes), is_stale, words)
         shown = ordered(plain, self._order)
         self._table.content = piles_html(
-            plain, shown, self._order, pile, headings=self._headings, rows=self._rows
+            plain,
+            shown,
+            self._order,
+            pile,
+            headings=self._headings,
+            rows=self._rows,
+            words=words,
         )
-        plot = taken_plot(plain)
+        plot = taken_plot(plain, words)
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
-        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, self._visitor.words))
+        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, words))
         if self._brought.visible:
-            self._ranked.content = changes_html(ranked(found.piles, **takes), self._visitor.words)
+            self._ranked.content = changes_html(ranked(found.piles, **takes), words)
 
     def _seconds(self) -> tuple[float, float]:
         """What a scan and an approval take; a browser may send any number."""

@@ -16,7 +16,10 @@ from workbench.app.emptying.film import Film, FilmedPick, Shot
 from workbench.gui.shared.look import FilmMoment, FilmPart
 from workbench.gui.shared.own import Showing
 from workbench.gui.shared.playback import Run, interpolated, moments, timeline
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.emptying import EmptyingText
 from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart, Message, plain
 from workbench.model.plan import LegName
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -24,10 +27,10 @@ LOOK = 0.5
 """[s] That a look into the bin is shown, before each plan and after the last."""
 
 FAILED = {
-    "missed": "closes on nothing: missed",
-    "crooked": "takes a part that lies elsewhere: crooked",
-    "turned": "takes a part whose roll is another: turned",
-    "slipped": "takes a part that is too heavy for the grip: slipped",
+    "missed": EmptyingText.MISSED,
+    "crooked": EmptyingText.CROOKED,
+    "turned": EmptyingText.TURNED,
+    "slipped": EmptyingText.SLIPPED,
 }
 """What an arm does whose pick fails, by the kind of failure."""
 
@@ -99,7 +102,7 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
             FilmPart(k, detection.part, detection.T_world_part, showing.kinds.get(k, ""))
             for k, detection in film.left
         )
-        return FilmMoment(moments(cell, (), 0.0), left, _end_words(film))
+        return FilmMoment(moments(cell, (), 0.0), left, _end(film))
     stretch = reel.stretches[number]
     now = time - stretch.start - LOOK
     poses = _parts(cell, kinematics, stretch, now)
@@ -109,7 +112,7 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
         not pick.outcome for earlier in reel.stretches[:number] for pick in earlier.shot.picks
     )
     return FilmMoment(
-        moments(cell, stretch.runs, now), parts, _words(film, stretch, now, before, number)
+        moments(cell, stretch.runs, now), parts, _doing(film, stretch, now, before, number)
     )
 
 
@@ -153,36 +156,46 @@ def _pose_in_hand(
     return kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
 
 
-def _words(film: Film, stretch: Stretch, now: float, taken: int, number: int) -> str:
+def _doing(film: Film, stretch: Stretch, now: float, taken: int, number: int) -> Message:
     """What goes on: which plan, how much is taken, and what the arms do."""
-    head = f"Plan {number + 1} of {len(film.shots)}"
     lifted = [pick for pick in stretch.shot.picks if now >= _run(stretch, pick, "extract").end]
     taken += sum(not pick.outcome for pick in lifted)
-    doing = [_does(pick) for pick in lifted] or [_goes_to(stretch.shot)]
+    actions = [_does(pick) for pick in lifted] or [_goes_to(stretch.shot)]
     if now < 0.0:
-        doing = ["a look into the bin"]
-    return f"{head}, {taken} of {len(film.fallen)} taken: {'; '.join(doing)}"
+        actions = [EmptyingText.SCANS()]
+    return EmptyingText.FILM(
+        number=number + 1,
+        plans=len(film.shots),
+        taken=taken,
+        total=len(film.fallen),
+        actions=CommonText.LIST(items=actions),
+    )
 
 
-def _goes_to(shot: Shot) -> str:
-    arms = [f"{pick.arm} to {_name(pick.number)}" for pick in shot.picks]
-    return f"arm {', '.join(arms)}" if len(arms) == 1 else f"arms {', '.join(arms)}"
+def _goes_to(shot: Shot) -> Message:
+    goes = (EmptyingText.GOES_TO(arm=pick.arm, part=_part(pick.number)) for pick in shot.picks)
+    return EmptyingText.ARMS_GO(arms=goes)
 
 
-def _does(pick: FilmedPick) -> str:
-    if pick.outcome:
-        return f"{pick.arm} {FAILED.get(pick.outcome, pick.outcome)}"
-    return f"{pick.arm} has {_name(pick.number)}"
+def _does(pick: FilmedPick) -> Message:
+    if not pick.outcome:
+        return EmptyingText.HOLDS(arm=pick.arm, part=_part(pick.number))
+    fails = FAILED.get(pick.outcome)
+    if fails is None:
+        return EmptyingText.FAILS(arm=pick.arm, why=plain(pick.outcome))
+    return fails(arm=pick.arm)
 
 
-def _name(number: int | None) -> str:
-    return "a part that is not there" if number is None else f"part-{number + 1}"
+def _part(number: int | None) -> FoundPart | Message:
+    return EmptyingText.NO_PART() if number is None else FoundPart(number)
 
 
-def _end_words(film: Film) -> str:
+def _end(film: Film) -> Message:
     taken = sum(not pick.outcome for shot in film.shots for pick in shot.picks)
-    stays = f"{len(film.left)} stay" if film.left else "the bin is empty"
-    return f"The end: {taken} of {len(film.fallen)} taken, {stays}"
+    total, left = len(film.fallen), len(film.left)
+    if left:
+        return EmptyingText.END_LEFT(taken=taken, total=total, left=left)
+    return EmptyingText.END(taken=taken, total=total)
 
 
 def end_of(reel: Reel) -> float:

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any, Literal
 
-from workbench.app.core.state import counted
 from workbench.gui.shared.colours import left_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, sentence, table_html
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.emptying import EmptyingText
 from workbench.model.messages.catalogue import message_of
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.prediction import EmptiedPile, Emptying
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -70,67 +71,91 @@ def ordered(piles: Sequence[EmptiedPile], order: Order) -> tuple[int, ...]:
     )
 
 
-def asked_words(found: Emptying) -> str:
+def asked_message(found: Emptying) -> Message:
     """Which piles they were, in one sentence."""
-    task = found.piles[0].task
-    plain = found.plain
-    seen = "true poses" if task.seen == "truth" else "simulated scans"
-    seeds = f"{plain[0].task.seed} to {plain[-1].task.seed}" if len(plain) > 1 else f"{task.seed}"
-    return (
-        f"{counted(len(plain), 'pile')} of {counted(task.count, 'part')} {task.part}, "
-        f"seed {seeds}, by {seen}, in simulation."
-    )
+    task, plain = found.piles[0].task, found.plain
+    seeds: Message | int = task.seed
+    if len(plain) > 1:
+        seeds = EmptyingText.SEEDS(first=plain[0].task.seed, last=plain[-1].task.seed)
+    is_true = task.seen == "truth"
+    text = EmptyingText.ASKED_TRUTH if is_true else EmptyingText.ASKED_SCANS
+    return text(piles=len(plain), count=task.count, kind=task.part, seeds=seeds)
 
 
-def summary_html(found: Emptying, told: Mapping[str, Any], is_stale: bool) -> str:
+def summary_html(
+    found: Emptying, told: Mapping[str, Any], is_stale: bool, words: Words = IN_ENGLISH
+) -> str:
     """What came of all piles together.
 
     Args:
         found: the piles.
         told: their `summary`.
         is_stale: the cell is another one now.
+        words: of who reads it.
     """
-    kinds = ", ".join(f"{count} {kind}" for kind, count in told["failed_by_kind"].items() if count)
-    failed = f"{told['failed_picks']} failed" + (f" ({kinds})" if kinds else "")
     planning, hourly = told["planning_ms"], told["parts_per_hour"]
-    knocked = f", {told['knocked_out']} knocked out of the bin" if told["knocked_out"] else ""
-    rows = [
-        ("Taken", f"{told['taken']} of {told['parts']} parts, {told['taken_share']:.0%}{knocked}"),
-        ("Picks", f"{told['picks']}, {failed}, {_touches(told['touches'])}"),
+    share = told["taken_share"] or 0.0
+    picks = EmptyingText.PICKS(
+        count=told["picks"], failed=_failed(told), touches=_touches(told["touches"])
+    )
+    facts: list[tuple[str, Message | str]] = [
+        ("Taken", _taken(told, share)),
+        ("Picks", picks),
         *_warn(told),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
-        (
-            "Planning",
-            "-"
-            if planning is None
-            else f"{planning['median']:.0f} ms median, {planning['p95']:.0f} ms at 95 %",
-        ),
+        ("Planning", "-" if planning is None else _planning(planning)),
         ("Stay", _reasons(told["left_by_reason"])),
     ]
+    rows = [(name, words.render(fact)) for name, fact in facts]
     stale = "The cell has changed since; empty the piles again to see what that changes."
     warning = line(stale, kind="warn") if is_stale else ""
-    share = 100.0 * (told["taken_share"] or 0.0)
-    bar = f'<div class="wb-bar"><i style="width:{share:.1f}%"></i></div>'
-    return line(asked_words(found), kind="hint") + warning + table_html(rows) + bar
+    bar = f'<div class="wb-bar"><i style="width:{100.0 * share:.1f}%"></i></div>'
+    return line(words.render(asked_message(found)), kind="hint") + warning + table_html(rows) + bar
 
 
-def _warn(told: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _taken(told: Mapping[str, Any], share: float) -> Message:
+    count, total, knocked = told["taken"], told["parts"], told["knocked_out"]
+    if knocked:
+        return EmptyingText.TAKEN_KNOCKED(count=count, total=total, share=share, knocked=knocked)
+    return EmptyingText.TAKEN(count=count, total=total, share=share)
+
+
+def _failed(told: Mapping[str, Any]) -> Message:
+    count = told["failed_picks"]
+    kinds = [
+        EmptyingText.COUNTED(count=number, kind=plain(kind))
+        for kind, number in told["failed_by_kind"].items()
+        if number
+    ]
+    if kinds:
+        return EmptyingText.FAILED_KINDS(count=count, kinds=kinds)
+    return EmptyingText.FAILED(count=count)
+
+
+def _planning(milliseconds: Mapping[str, float]) -> Message:
+    median, most = milliseconds["median"] / 1000, milliseconds["p95"] / 1000
+    return EmptyingText.PLANNING(median=median, most=most)
+
+
+def _warn(told: Mapping[str, Any]) -> list[tuple[str, Message | str]]:
     """Picks beside something that was not found, in a row where there are any."""
     if not told["warned_picks"]:
         return []
     touches = _touches(told["warned_touches"])
-    words = f"of these {told['warned_picks']}, {touches}: something not found may go on there"
-    return [("Unseen", words)]
+    return [("Unseen", EmptyingText.UNSEEN(count=told["warned_picks"], touches=touches))]
 
 
-def _touches(count: int) -> str:
-    return "1 touch" if count == 1 else f"{count} touches"
+def _touches(count: int) -> Message:
+    return EmptyingText.TOUCHES(count=count)
 
 
-def _reasons(reasons: Mapping[str, int]) -> str:
+def _reasons(reasons: Mapping[str, int]) -> Message | str:
     if not reasons:
         return "nothing"
-    return ", ".join(f"{count} {kind}" for kind, count in reasons.items())
+    counts = (
+        EmptyingText.COUNTED(count=count, kind=plain(kind)) for kind, count in reasons.items()
+    )
+    return CommonText.LIST(items=counts)
 
 
 def piles_html(
@@ -141,6 +166,7 @@ def piles_html(
     *,
     headings: Mapping[Column, str],
     rows: Sequence[str],
+    words: Words = IN_ENGLISH,
 ) -> str:
     """The table of piles; a click on a row chooses it.
 
@@ -151,6 +177,7 @@ def piles_html(
         chosen: index of the one that is viewed.
         headings: ids of unseen buttons, by column.
         rows: ids of unseen buttons, by place.
+        words: of who reads it.
     """
     arrow = " ▾" if order.is_descending else " ▴"
     head = "".join(
@@ -159,7 +186,7 @@ def piles_html(
         for column, (title, tip) in COLUMNS.items()
     )
     body = "".join(
-        _pile_row(piles[number], rows[place], is_chosen=number == chosen)
+        _pile_row(piles[number], rows[place], words, is_chosen=number == chosen)
         for place, number in enumerate(shown)
     )
     return (
@@ -168,11 +195,14 @@ def piles_html(
     )
 
 
-def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
-    kinds = ", ".join(f"{left_part.part} {left_part.kind}" for left_part in pile.left)
+def _pile_row(pile: EmptiedPile, button: str, words: Words, *, is_chosen: bool) -> str:
+    parts = [
+        EmptyingText.LEFT_PART(part=left_part.part, kind=left_part.kind_message)
+        for left_part in pile.left
+    ]
     values = (
         f"{pile.task.seed}",
-        f"{pile.taken} of {pile.parts}",
+        words.render(EmptyingText.TAKEN_OF(count=pile.taken, total=pile.parts)),
         f"{len(pile.left)}",
         f"{sum(pile.failed)}",
         f"{pile.touches}",
@@ -180,7 +210,7 @@ def _pile_row(pile: EmptiedPile, button: str, *, is_chosen: bool) -> str:
         f"{pile.motion_seconds:.1f}",
     )
     cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    tip = f"stay: {kinds}" if kinds else "nothing stays"
+    tip = words.render(EmptyingText.LEFT(parts=parts)) if parts else "nothing stays"
     return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 
@@ -203,7 +233,8 @@ def left_html(
         f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
         f"{escape(words.render(left_part.kind_message))}</span> "
         f"{escape(sentence(words.render(left_part.reason)))}."
-        f'<div class="wb-pair">{escape(fix_words(left_part.nearest_fix))}</div></td></tr>'
+        f'<div class="wb-pair">{escape(words.render(fix_message(left_part.nearest_fix)))}</div>'
+        "</td></tr>"
         for place, left_part in enumerate(pile.left[: len(rows)])
     )
     return (
@@ -212,11 +243,11 @@ def left_html(
     )
 
 
-def fix_words(nearest_fix: str) -> str:
+def fix_message(nearest_fix: Message | str) -> Message | str:
     """The smallest change that takes a part, or that there is none."""
     if not nearest_fix:
         return "No small change of a grasp takes it."
-    return f"Smallest change that takes it: {nearest_fix}."
+    return EmptyingText.NEAREST_FIX(change=as_message(nearest_fix))
 
 
 def changes_html(rows: Sequence[Mapping[str, Any]], words: Words = IN_ENGLISH) -> str:

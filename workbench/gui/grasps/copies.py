@@ -38,14 +38,23 @@ class GraspCopies:
         self._through = gui.add_vector3(
             "Through [mm]", (0.0, 0.0, 0.0), step=0.1, hint="A point on the axis."
         )
-        lists = "0, 72, 144 or 5 x 72 or 3 x 13 from -28."
-        self._angles = gui.add_text("Around [deg]", "0", hint=f"Turns about the axis: {lists}")
-        self._offsets = gui.add_text("Along [mm]", "0", hint=f"Places along the axis: {lists}")
+        self._angles = gui.add_text(
+            "Around [deg]",
+            "0",
+            hint="Turns about the axis: 0, 72, 144 or 5 x 72 or 3 x 13 from -28.",
+        )
+        self._offsets = gui.add_text(
+            "Along [mm]",
+            "0",
+            hint="Places along the axis: 0, 72, 144 or 5 x 72 or 3 x 13 from -28.",
+        )
         self._across = gui.add_vector3(
             "Across", (1.0, 0.0, 0.0), step=0.01, hint="The second direction of a grid."
         )
         self._across_offsets = gui.add_text(
-            "Across [mm]", "0", hint=f"Places along the second direction: {lists}"
+            "Across [mm]",
+            "0",
+            hint="Places along the second direction: 0, 72, 144 or 5 x 72 or 3 x 13 from -28.",
         )
         gui.add_html('<div class="wb-buttons wb-three"></div>')
         self._repeat = gui.add_button("Repeat", icon=viser.Icon.GRID_DOTS)
@@ -113,7 +122,7 @@ class GraspCopies:
                 ),
             )
         except InputError as error:
-            self._visitor.tell("Refused", str(error))
+            self._visitor.tell("Refused", self._visitor.words.render(error.message))
             return
         self._editing.put(entry, pattern, f"{entry.name} repeated {pattern.count} times")
 

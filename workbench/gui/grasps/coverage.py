@@ -11,10 +11,13 @@ from workbench.gui.scene.stage import Stage
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, rgb_of
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
+from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
 
@@ -64,7 +67,9 @@ class CoverageControls:
         if found is None:
             self._line.content = line("Not looked at since the grasps were changed.", kind="hint")
             return
-        self._line.content = "".join(line(text) for text in coverage_words(found[1]))
+        self._line.content = "".join(
+            line(self._visitor.words.render(text)) for text in coverage_texts(found[1])
+        )
         if self._stage.is_open:
             self._stage.show_sphere(found[1].directions, sphere_colours(found[1]))
 
@@ -84,7 +89,7 @@ class CoverageControls:
             if not self._cancelled.is_set():
                 self._found = _key(part, cell), found
         except WorkbenchError as error:
-            self._visitor.tell("Coverage", str(error))
+            self._visitor.tell("Coverage", self._visitor.words.render(error.message))
         except Exception as error:
             # A rim: what cannot be looked at leaves the page as it is.
             log.exception("the coverage of a part could not be found")
@@ -93,7 +98,8 @@ class CoverageControls:
         self._editing.tell()
 
     def _report(self, done: float, note: str) -> None:
-        self._line.content = line(f"{done:.0%}: {note}", kind="hint")
+        progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
+        self._line.content = line(self._visitor.words.render(progress), kind="hint")
 
     def _add_missing(self) -> None:
         missing = self._found[1].missing if self._found is not None else None
@@ -107,31 +113,31 @@ def _key(part: Part, cell: Cell) -> str:
     return digest_of((part.digest, cell.digest))
 
 
-def coverage_words(found: Coverage) -> list[str]:
+def coverage_texts(found: Coverage) -> list[Message | str]:
     """How the part can lie so that a grasp works, and where none does."""
-    by_arm = ", ".join(
-        f"{arm} {share:.0%}"
+    arms = [
+        GraspText.ARM_SHARE(arm=arm, share=float(share))
         for arm, share in zip(found.arms, found.arm_shares.mean(axis=0), strict=True)
-    )
-    words = [f"Some grasp works in {found.share:.0%} of {found.poses} ways to lie ({by_arm})."]
+    ]
+    covered = GraspText.COVERED(share=found.share, poses=found.poses, arms=arms)
     missing = found.missing
     if missing is None:
-        return [*words, "There is no way to lie in which none works."]
-    words.append(
-        f"It works least often with the part's {axis_words(missing.direction)} up: in "
-        f"{missing.share:.0%} of the ways around there."
-    )
+        return [covered, "There is no way to lie in which none works."]
+    direction = axis_message(missing.direction)
+    worst = GraspText.WORST(direction=direction, share=missing.share)
     if missing.suggestion is None:
-        return [*words, "No grasp was found that would help there."]
-    return [*words, f"What helps: a grasp for the {missing.arm} arm, {missing.would_work:.0%}."]
+        return [covered, worst, "No grasp was found that would help there."]
+    return [covered, worst, GraspText.HELPS(arm=missing.arm, share=missing.would_work)]
 
 
-def axis_words(direction: Floats) -> str:
+def axis_message(direction: Floats) -> Message:
     """The axis of the part that is nearest to a unit direction (3,), and how far it is off."""
     k = int(np.abs(direction).argmax())
-    off = np.degrees(np.arccos(min(abs(float(direction[k])), 1.0)))
+    off = float(np.arccos(min(abs(float(direction[k])), 1.0)))
     name = f"{'+' if direction[k] >= 0 else '-'}{'xyz'[k]}"
-    return name if off < 0.5 else f"{name} (to within {off:.0f} degrees)"
+    if off < np.radians(0.5):
+        return plain(name)
+    return GraspText.AXIS_OFF(axis=name, angle=off)
 
 
 def sphere_colours(found: Coverage) -> np.ndarray:

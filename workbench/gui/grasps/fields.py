@@ -10,6 +10,7 @@ from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import no_grasp
 from workbench.gui.shared.typed_lists import direction_in, shown_vector
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.errors import InputError
 from workbench.model.part import Entry, Grasp
 from workbench.model.part_edits import grasp_of, with_grasp
@@ -37,7 +38,8 @@ class GraspFields:
             "Priority", 0, step=1, hint="Higher ones are tried first, whatever their way."
         )
         self._arms = {
-            arm.name: gui.add_checkbox(f"By the {arm.name} arm", True) for arm in visitor.cell.arms
+            arm.name: gui.add_checkbox(visitor.words.render(GraspText.BY_ARM(arm=arm.name)), True)
+            for arm in visitor.cell.arms
         }
         tools = (ANY, *editing.tools)
         self._tool = gui.add_dropdown("For the tool", tools, hint="Arms with another one refuse.")

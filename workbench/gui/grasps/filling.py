@@ -9,7 +9,10 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
+from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.message import as_message
 
 log = logging.getLogger(__name__)
 
@@ -65,7 +68,7 @@ class FillControls:
             says = [said(message, self._visitor.words) for message in filled_words(found)]
             count = len(found.entries)
             if self._editing.part.name != part.name:
-                says = [f"{part.name} is no longer in hand: nothing was added."]
+                says = [self._visitor.words.render(GraspText.OTHER_PART(part=part.name))]
             elif count:
                 self._editing.add(found.entries, f"{count} families of grasps fill the library")
             else:
@@ -73,7 +76,7 @@ class FillControls:
         except JobCancelled:
             says = ["Stopped: nothing was added."]
         except WorkbenchError as error:
-            says = [str(error)]
+            says = [self._visitor.words.render(error.message)]
         except Exception as error:
             # A rim: a library that cannot be filled stays as it is.
             log.exception("the library of a part could not be filled")
@@ -83,4 +86,5 @@ class FillControls:
         self._editing.tell()
 
     def _report(self, done: float, note: str) -> None:
-        self._line.content = line(f"{done:.0%}: {note}", kind="hint")
+        progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
+        self._line.content = line(self._visitor.words.render(progress), kind="hint")

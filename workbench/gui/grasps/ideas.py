@@ -10,12 +10,13 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import (
     MOST_SUGGESTIONS,
-    refused_text,
+    refused_message,
     suggestions_html,
     symmetry_line,
 )
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Mesh
@@ -60,7 +61,7 @@ class SymmetryControls:
     def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
         proposed = self._propose(part)
-        self._line.content = symmetry_line(part.symmetry, proposed)
+        self._line.content = symmetry_line(part.symmetry, proposed, self._visitor.words)
         allow, said = self._visitor.allow, ""
         if proposed is None:
             said = "press Look first"
@@ -143,18 +144,23 @@ class Suggestions:
                 refused=refused.append,
             )
         except (WorkbenchError, ValueError) as error:
-            self._table.content = line(str(error), kind="bad")
+            why = error.message if isinstance(error, WorkbenchError) else str(error)
+            self._table.content = line(self._visitor.words.render(why), kind="bad")
             return
         self._about = part.mesh, tool.name
-        self._left_out = line(refused_text(refused), kind="hint") if refused else ""
+        self._left_out = ""
+        if refused:
+            left_out = self._visitor.words.render(refused_message(refused))
+            self._left_out = line(left_out, kind="hint")
         self._show(found, 0)
 
     def _show(self, found: tuple[Suggestion, ...], chosen: int) -> None:
         self._found, self._chosen = found, chosen
         self._admit()
         if not found:
-            says = f"Nothing new that {self._editing.tool.name} could hold well was found."
-            self._table.content = line(says, kind="hint") + self._left_out
+            nothing = GraspText.NOTHING_NEW(tool=self._editing.tool.name)
+            hint = line(self._visitor.words.render(nothing), kind="hint")
+            self._table.content = hint + self._left_out
             return
         self._table.content = suggestions_html(found, chosen, self._rows) + self._left_out
         self._preview(found[chosen].grasp)

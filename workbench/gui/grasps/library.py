@@ -8,18 +8,20 @@ import viser
 
 from workbench.app.core.cell.changes import SaveCell
 from workbench.app.core.cell.part_edits import DropDraft
-from workbench.app.core.state import State, counted
+from workbench.app.core.state import State
 from workbench.app.picking.part_import import PARTS
 from workbench.formats.parts.grasp_words import changes_in_words
 from workbench.formats.parts.saves import Version, draft_of, versions
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.grasps.views import pairs_html, versions_html, words_html
+from workbench.gui.grasps.views import pairs_html, texts_html, versions_html
 from workbench.gui.help.groups import group
 from workbench.gui.shared.views import line, not_saved
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.part import GraspLibrary, GraspPair, Part
+from workbench.words.words import Words
 
 NONE: str = "-"
 NOW: str = "as it is in the file"
@@ -54,7 +56,7 @@ class PairControls:
         for dropdown in (self._first, self._second):
             if dropdown.options != names:
                 dropdown.options = names
-        self._list.content = pairs_html(part.library.pairs)
+        self._list.content = pairs_html(part.library.pairs, self._visitor.words)
         allow, missing = self._visitor.allow, "put a grasp on the part first"
         allow(self._add, problem or (missing if names == (NONE,) else ""))
         allow(self._clear, problem or ("" if part.library.pairs else "there are no pairs"))
@@ -135,7 +137,8 @@ class LibraryControls:
         self._visitor.allow(self._back, problem)
         if is_changed:
             says = "Changed and not saved; kept as a draft."
-            self._changes.content = _changes_html(known[-1] if known else None, part, says)
+            last = known[-1] if known else None
+            self._changes.content = _changes_html(last, part, says, self._visitor.words)
         else:
             self._changes.content = line("As in the files.", kind="hint")
 
@@ -148,9 +151,8 @@ class LibraryControls:
         if draft is None:
             self._draft.content = ""
             return
-        count = counted(len(changes_in_words(part.library, draft)), "change")
-        says = f"An earlier session has left a draft with {count} that nobody saved."
-        self._draft.content = line(says)
+        count = len(changes_in_words(part.library, draft))
+        self._draft.content = line(self._visitor.words.render(GraspText.DRAFT(count=count)))
 
     def _chosen_version(self) -> Version | None:
         number = self._version.value.partition(":")[0]
@@ -159,7 +161,9 @@ class LibraryControls:
     def _show_words(self, part: Part) -> None:
         version = self._chosen_version()
         says = "The grasps are as in this version."
-        self._words.content = "" if version is None else _changes_html(version, part, says)
+        self._words.content = (
+            "" if version is None else _changes_html(version, part, says, self._visitor.words)
+        )
 
     def _gone_back(self) -> None:
         version = self._chosen_version()
@@ -178,7 +182,7 @@ class LibraryControls:
         try:
             library = read()
         except InputError as error:
-            self._visitor.tell("Refused", str(error))
+            self._visitor.tell("Refused", self._visitor.words.render(error.message))
             return
         if library is None:
             return
@@ -188,10 +192,10 @@ class LibraryControls:
         self._editing.take_library(library.entries, library.pairs, says)
 
 
-def _changes_html(version: Version | None, part: Part, otherwise: str) -> str:
+def _changes_html(version: Version | None, part: Part, otherwise: str, words: Words) -> str:
     """What a part's grasps have otherwise than a version, if there is one that can be read."""
     try:
-        words = () if version is None else changes_in_words(version.library, part.library)
+        changes = () if version is None else changes_in_words(version.library, part.library)
     except InputError as error:
-        return line(str(error), kind="bad")
-    return words_html(words, otherwise)
+        return line(words.render(error.message), kind="bad")
+    return texts_html(changes, otherwise, words)

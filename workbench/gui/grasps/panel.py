@@ -171,8 +171,10 @@ class GraspsPanel:
         copy = self._steps.show(state, part, entry)
         self._upload.show(state)
         self._look_at_all(part)
-        self._table.content = grasps_html(part, name, self._checks, self._rows, self._uses)
-        self._line.content = check_line(name, self._checks.get(name))
+        self._table.content = grasps_html(
+            part, name, self._checks, self._rows, self._uses, self._visitor.words
+        )
+        self._line.content = check_line(name, self._checks.get(name), self._visitor.words)
         admit = self._visitor.admit
         admit(self._add, state, EditPart)
         for button in (self._duplicate, self._delete):
@@ -322,7 +324,7 @@ class GraspsPanel:
     def _preview(self, grasp: Grasp) -> None:
         """Show a grasp that is not, or not yet, in the library."""
         check = self._editing.checked(grasp)
-        self._line.content = check_line(grasp.name, check)
+        self._line.content = check_line(grasp.name, check, self._visitor.words)
         if self._stage.is_open:
             tool = self._editing.tool
             self._stage.show_tool(tool, grasp.T_part_tcp, grasp.opening, check.is_ok)

@@ -8,6 +8,7 @@ from workbench.app.core.state import State
 from workbench.formats.parts.new_part import PLASTIC
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.parts import UploadText
 from workbench.gui.uploads.cad_pick import CadPick
 from workbench.model.errors import InputError
 
@@ -60,7 +61,7 @@ class PartUpload:
             self._mass.content = ""
             return
         mass = look.surface.volume * self._density.value * 1e6
-        self._mass.content = line(f"It would weigh {mass:.4g} g.")
+        self._mass.content = line(self._visitor.words.render(UploadText.MASS(mass=f"{mass:.4g}")))
 
     def _make_command(self) -> Command:
         drawing = self._pick.drawing

@@ -18,9 +18,11 @@ from workbench.gui.scene.stage import T_WORLD_STAGE
 from workbench.gui.shared.look import View
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.part import Entry
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasps.grasp_frames import snap_to_surface
@@ -89,7 +91,8 @@ class GraspPose:
         self._snap.on_click(lambda _: self._on_snap())
         self._axes.on_update(lambda _: self._place_gizmo())
         for key, (says, step) in NUDGES.items():
-            visitor.on_key(key, f"Grasp 1 mm along {says}", lambda step=step: self._nudge(step))
+            label = visitor.words.render(GraspText.NUDGE(direction=plain(says)))
+            visitor.on_key(key, label, lambda step=step: self._nudge(step))
 
     def show(self, entry: Entry | None, *, problem: str, is_open: bool, size: float) -> None:
         """The chosen grasp is `entry` now; the gizmo is there while the stage is open."""

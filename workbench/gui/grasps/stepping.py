@@ -10,15 +10,16 @@ import viser
 
 from workbench.app.core.state import State
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.shared.views import line, mm
+from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 from workbench.model.part import TURNED, Entry, Grasp, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.collision.legs import grips
-from workbench.words.words import IN_ENGLISH, Words
 
 NO_TURN, NO_SHIFT = np.deg2rad(0.05), 5e-5
 """[rad, m] Turns and shifts below this are shown as 0."""
@@ -39,7 +40,7 @@ def copies_of(part: Part, entry: Entry, tool: Tool) -> tuple[Grasp, ...]:
     )
 
 
-def way_to(copy: Grasp, entry: Entry, part: Part) -> str:
+def way_to(copy: Grasp, entry: Entry, part: Part) -> Message:
     """How the hand comes from where an entry was put to a copy: by which turn, and how far along.
 
     As a screw: a turn about some axis and a shift along it.  The turn is counted about the
@@ -50,12 +51,13 @@ def way_to(copy: Grasp, entry: Entry, part: Part) -> str:
     angle, shift = float(np.linalg.norm(turn)), T_first_copy.translation
     if angle < NO_TURN:
         far = float(np.linalg.norm(shift))
-        return f"moved {mm(far)}" if far > NO_SHIFT else "where it was put"
+        return GraspText.MOVED(distance=far) if far > NO_SHIFT else GraspText.UNMOVED()
     along = abs(float(turn @ shift)) / angle
     if angle < np.pi - NO_TURN and turn @ _axis(entry, part) < 0:
         angle = 2 * np.pi - angle
-    turned = f"turned {round(np.rad2deg(angle), 1):g} deg"
-    return f"{turned}, moved {mm(along)}" if along > NO_SHIFT else turned
+    if along > NO_SHIFT:
+        return GraspText.TURNED_MOVED(angle=angle, distance=along)
+    return GraspText.TURNED(angle=angle)
 
 
 def _axis(entry: Entry, part: Part) -> Floats:
@@ -66,8 +68,8 @@ def _axis(entry: Entry, part: Part) -> Floats:
     return part.symmetry.axis if has_turns else grasp_of(entry).T_part_tcp.rotation[:, 2]
 
 
-def judged(copy: Grasp, part: Part, state: State, words: Words = IN_ENGLISH) -> str:
-    """What became of a grasp for the parts found, arm by arm; empty where nothing was judged.
+def judged(copy: Grasp, part: Part, state: State) -> Message | None:
+    """What became of a grasp for the parts found, arm by arm; None where nothing was judged.
 
     What it leaves free is tried within one candidate, so the verdict is of all of that together.
     """
@@ -77,10 +79,11 @@ def judged(copy: Grasp, part: Part, state: State, words: Words = IN_ENGLISH) -> 
         for candidate in state.candidates or ()
         if candidate.grasp.name == copy.name and found[candidate.detection].part == part.name
     )
-    said = ", ".join(
-        f"{words.render(reason.message)} {count}" for reason, count in reasons.most_common()
-    )
-    return f"In the bin: {said}" if said else ""
+    verdicts = [
+        GraspText.VERDICTS(verdict=reason.message, count=count)
+        for reason, count in reasons.most_common()
+    ]
+    return GraspText.IN_BIN(verdicts=verdicts) if verdicts else None
 
 
 class CopySteps:
@@ -138,11 +141,12 @@ class CopySteps:
             self._line.content = ""
             return None
         copy = self._copies[place]
-        says = f"Copy {place + 1} of {count}, {copy.name}: {way_to(copy, entry, part)}"
-        verdict = judged(copy, part, state, self._visitor.words)
-        self._line.content = line(says, kind="result") + (
-            line(verdict, kind="hint") if verdict else ""
+        words, verdict = self._visitor.words, judged(copy, part, state)
+        text = GraspText.COPY(
+            number=place + 1, count=count, name=copy.name, pose=way_to(copy, entry, part)
         )
+        hint = "" if verdict is None else line(words.render(verdict), kind="hint")
+        self._line.content = line(words.render(text), kind="result") + hint
         return copy
 
     def _go(self, step: int) -> None:

@@ -12,13 +12,17 @@ from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import day_and_time, line, mm, sentence
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.part import Entry, GraspPair, GraspPattern, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.firmness import in_words
 from workbench.planning.grasps.grasp_check import GraspCheck
 from workbench.planning.grasps.grasp_suggestions import Suggestion
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_ROWS = 40
 """Entries that can be listed; each has an unseen button."""
@@ -42,6 +46,7 @@ def grasps_html(
     checks: Mapping[str, GraspCheck | None],
     rows: Sequence[str],
     uses: Uses = NO_USES,
+    words: Words = IN_ENGLISH,
 ) -> str:
     """A table with a row for each entry of a part's library.
 
@@ -51,6 +56,7 @@ def grasps_html(
         checks: what was found about each entry; None while nobody has looked.
         rows: ids of the unseen buttons, by row.
         uses: how grasps have done in this session.
+        words: of who reads it.
     """
     if not part.library.entries:
         return line("No grasps yet: press Add grasp, then click on the part.", kind="hint")
@@ -64,11 +70,12 @@ def grasps_html(
             checks.get(entry.name),
             rows[number],
             use_of(part.name, entry, uses),
+            words,
         )
         for number, entry in enumerate(part.library.entries[:MOST_ROWS])
     )
     more = len(part.library.entries) - MOST_ROWS
-    rest = line(f"and {more} more, not listed", kind="hint") if more > 0 else ""
+    rest = line(words.render(GraspText.MORE(count=more)), kind="hint") if more > 0 else ""
     return (
         f'<div class="wb-list"><table class="wb-table wb-parts"><thead><tr>{head}</tr></thead>'
         f"<tbody>{body}</tbody></table></div>{rest}"
@@ -82,7 +89,12 @@ def use_of(part: str, entry: Entry, uses: Uses) -> GraspUse:
 
 
 def _row(
-    entry: Entry, is_chosen: bool, check: GraspCheck | None, button: str, use: GraspUse
+    entry: Entry,
+    is_chosen: bool,
+    check: GraspCheck | None,
+    button: str,
+    use: GraspUse,
+    words: Words,
 ) -> str:
     grasp = grasp_of(entry)
     if not grasp.is_enabled:
@@ -90,8 +102,11 @@ def _row(
     elif check is None:
         light, tip = BUSY, "not looked at yet"
     else:
-        light, tip = (GOOD if check.is_ok else BAD), findings_text(check)
+        light, tip = (GOOD if check.is_ok else BAD), words.render(findings_message(check))
     kind = f" <small>× {entry.count}</small>" if isinstance(entry, GraspPattern) else ""
+    possible = GraspText.POSSIBLE(count=use.possible, total=use.tried)
+    uses = GraspText.USES(planned=use.planned, taken=use.picked, failed=use.failed)
+    taken = GraspText.TAKEN_OF(taken=use.picked, planned=use.planned) if use.planned else None
     return (
         f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
         f'<td><i class="wb-dot" style="background:{light}"></i></td>'
@@ -99,10 +114,10 @@ def _row(
         f'<td class="wb-number">{grasp.priority}</td>'
         f'<td class="wb-number">{escape(mm(grasp.opening))}</td>'
         f"<td>{escape(', '.join(grasp.arms) or 'all')}</td>"
-        f'<td class="wb-number" title="worked for {use.possible} of {use.tried} parts and arms">'
+        f'<td class="wb-number" title="{escape(words.render(possible))}">'
         f"{_share(use.possible, use.tried)}</td>"
-        f'<td class="wb-number" title="planned {use.planned}, taken {use.picked}, '
-        f'failed {use.failed}">{f"{use.picked} of {use.planned}" if use.planned else ""}</td></tr>'
+        f'<td class="wb-number" title="{escape(words.render(uses))}">'
+        f"{escape(words.render(taken))}</td></tr>"
     )
 
 
@@ -115,40 +130,51 @@ def no_grasp(entry: Entry | None) -> str:
     return "put a grasp on the part first" if entry is None else ""
 
 
-def findings_text(check: GraspCheck) -> str:
+def findings_message(check: GraspCheck) -> Message:
     """What speaks against a grasp with the tool that it was tried with, or that nothing does."""
     if check.findings:
-        return f"with the {check.tool}: " + "; ".join(finding.text for finding in check.findings)
-    wide = "" if check.width is None else f", holds {mm(check.width)}"
-    firm = "" if check.firmness is None else f", {in_words(check.firmness)}"
-    return f"the {check.tool} can take it{wide}, {mm(check.clearance)} clear on arrival{firm}"
+        first, *others = (as_message(finding.text) for finding in check.findings)
+        findings = all_of((first, *others)) or first
+        return GraspText.FINDINGS(tool=check.tool, findings=findings)
+    facts = [GraspText.CLEARANCE(clearance=check.clearance)]
+    if check.width is not None:
+        facts.insert(0, GraspText.HOLDS(width=check.width))
+    if check.firmness is not None:
+        facts.append(as_message(in_words(check.firmness)))
+    return GraspText.TAKES(tool=check.tool, facts=facts)
 
 
-def check_line(name: str, check: GraspCheck | None) -> str:
+def check_line(name: str, check: GraspCheck | None, words: Words = IN_ENGLISH) -> str:
     """What the close look at the chosen grasp says."""
     if check is None:
         return line("", kind="hint")
-    text = sentence(f"{name}: {findings_text(check)}.")
+    checked = GraspText.CHECKED(name=name, text=findings_message(check))
+    text = sentence(words.render(CommonText.SENTENCE(text=checked)))
     return line(text, kind="result" if check.is_ok else "bad")
 
 
-def symmetry_line(symmetry: Symmetry, proposed: Symmetry | None) -> str:
+def symmetry_line(symmetry: Symmetry, proposed: Symmetry | None, words: Words = IN_ENGLISH) -> str:
     """The symmetry that is said, and what the mesh looks like."""
-    said = f"Now: {symmetry_text(symmetry)}."
-    seen = f" The mesh looks like: {symmetry_text(proposed)}." if proposed is not None else ""
-    return line(said + seen)
+    texts = [GraspText.SYMMETRY(symmetry=symmetry_message(symmetry))]
+    if proposed is not None:
+        texts.append(GraspText.MESH_SYMMETRY(symmetry=symmetry_message(proposed)))
+    return line(" ".join(map(words.render, texts)))
 
 
-def symmetry_text(symmetry: Symmetry) -> str:
-    """A symmetry in words."""
+def symmetry_message(symmetry: Symmetry) -> Message:
+    """A symmetry for people."""
     if symmetry.is_none:
-        return "no symmetry"
-    each = " and ".join(
-        f"{f'at {axis.fold} turns' if axis.fold else 'at any turn'} about {_triple(axis.axis)}"
+        return GraspText.NO_SYMMETRY()
+    turns = [
+        GraspText.FOLDS(count=axis.fold, axis=_triple(axis.axis))
+        if axis.fold
+        else GraspText.ANY_TURN(axis=_triple(axis.axis))
         for axis in symmetry.axes
-    )
-    through = f" through {_triple(1000 * np.array(symmetry.point))} mm"
-    return f"alike {each}{through if any(symmetry.point) else ''} ({symmetry})"
+    ]
+    if not any(symmetry.point):
+        return GraspText.ALIKE(turns=turns, symmetry=str(symmetry))
+    point = _triple(1000 * np.array(symmetry.point))
+    return GraspText.ALIKE_THROUGH(turns=turns, point=point, symmetry=str(symmetry))
 
 
 def _triple(values: Floats) -> str:
@@ -181,21 +207,24 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     )
 
 
-def refused_text(refused: Sequence[GraspCheck]) -> str:
+def refused_message(refused: Sequence[GraspCheck]) -> Message:
     """How many suggestions are not made since the part weighs too much, and the firmest of them."""
     best = max(refused, key=lambda check: check.findings[0].amount)
-    return f"Left out for the weight: {len(refused)}; the firmest {best.findings[0].text}."
+    finding = as_message(best.findings[0].text)
+    return GraspText.TOO_HEAVY(count=len(refused), finding=finding)
 
 
-def pairs_html(pairs: Sequence[GraspPair]) -> str:
+def pairs_html(pairs: Sequence[GraspPair], words: Words = IN_ENGLISH) -> str:
     """Which grasps go together."""
     if not pairs:
         return line("No pairs: two arms may take parts by any grasps.", kind="hint")
-    items = "".join(
-        f"<li>{escape(pair.first)} {'then' if pair.is_ordered else 'with'} "
-        f"{escape(pair.second)}</li>"
+    texts = (
+        (GraspText.PAIR_ORDERED if pair.is_ordered else GraspText.PAIR)(
+            first=pair.first, second=pair.second
+        )
         for pair in pairs
     )
+    items = "".join(f"<li>{escape(words.render(text))}</li>" for text in texts)
     return f'<div class="wb-tree"><ul>{items}</ul></div>'
 
 
@@ -222,9 +251,9 @@ def _when(version: Version) -> str:
         return version.at
 
 
-def words_html(words: Sequence[str], otherwise: str) -> str:
+def texts_html(texts: Sequence[Message | str], otherwise: str, words: Words = IN_ENGLISH) -> str:
     """Sentences as a list."""
-    if not words:
+    if not texts:
         return line(otherwise, kind="hint")
-    items = "".join(f"<li>{escape(word)}</li>" for word in words[:MOST_ROWS])
+    items = "".join(f"<li>{escape(words.render(text))}</li>" for text in texts[:MOST_ROWS])
     return f'<div class="wb-tree"><ul>{items}</ul></div>'

@@ -211,7 +211,7 @@ def help_html(name: str) -> str:
     text, section = HELP[name]
     return (
         f'<details class="wb-help"><summary title="What this is for" '
-        f'aria-label="Help: {escape(name)}">?</summary><p>{escape(text)} '
+        f'aria-label="Help">?</summary><p>{escape(text)} '
         f'<a href="/manual#{section}" target="_blank" rel="noopener">In the manual</a></p>'
         "</details>"
     )

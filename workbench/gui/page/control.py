@@ -15,7 +15,9 @@ from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
 from workbench.model.errors import InputError
+from workbench.model.messages.message import Message
 
 STYLE = "div:has(> div > .wb-head) > div:has(> .wb-control) { grid-column: span 1; }"
 """One line beside one button, as the status above it has it."""
@@ -55,8 +57,9 @@ class ControlStrip:
         acts = self._visitor.is_known and me.role.covers(Role.OPERATOR)
         is_mine = acts and state.control == me.name
         is_free = not state.control
-        words = line(control_words(state, me.name), span=1)
-        self._line.content = f'<div class="wb-control">{words}</div>'
+        words = self._visitor.words
+        held = line(words.render(control_message(state, me.name)), span=1)
+        self._line.content = f'<div class="wb-control">{held}</div>'
         self._line.visible = self._visitor.is_known or not is_free
         self._take.visible = acts and not is_mine and (is_free or me.role.covers(Role.ENGINEER))
         self._take.label = "Take control" if is_free else "Take over"
@@ -65,11 +68,10 @@ class ControlStrip:
         self._back.visible = is_mine
         asks = state.asking[0] if is_mine and state.asking else ""
         self._give.visible = self._keep.visible = bool(asks)
-        self._give.label = f"Hand over to {asks}"
+        self._give.label = words.render(PageText.HAND_OVER(person=asks))
         if asks and asks != self._told:
-            self._visitor.tell(
-                f"{asks} asks for control", "Hand over or Keep, above.", color="blue"
-            )
+            title = words.render(PageText.ASKS(person=asks))
+            self._visitor.tell(title, "Hand over or Keep, above.", color="blue")
         self._told = asks
 
     def _handed_over(self) -> Command:
@@ -85,15 +87,17 @@ class ControlStrip:
         return self._told
 
 
-def control_words(state: State, me: str) -> str:
+def control_message(state: State, me: str) -> Message | str:
     """Who is in control, as the person of that name reads it."""
     if not state.control:
         return "Nobody is in control."
     if state.control == me:
-        asks = f" {state.asking[0]} asks for it." if state.asking else ""
-        return f"You are in control.{asks}"
-    waits = ", you have asked" if me in state.asking else ""
-    return f"{state.control} is in control{waits}."
+        if state.asking:
+            return PageText.IN_CONTROL_ASKED(person=state.asking[0])
+        return PageText.IN_CONTROL()
+    is_asking = me in state.asking
+    text = PageText.OTHER_ASKED if is_asking else PageText.OTHER_IN_CONTROL
+    return text(person=state.control)
 
 
 def _about(state: State) -> tuple[object, ...]:

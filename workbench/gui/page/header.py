@@ -63,7 +63,7 @@ class Header:
         """Bring what is shown from `old` to `new`."""
         state, live = new.state, new.live
         is_comparing = new.look.searcher == self._visitor.number
-        mode = mode_html(new, self._ends_comparing if is_comparing else "")
+        mode = mode_html(new, self._ends_comparing if is_comparing else "", self._visitor.words)
         if mode != self._mode.content:
             self._mode.content = mode
         self._control.show(old, new)
@@ -94,7 +94,7 @@ class Header:
     def _show_changes(self, state: State) -> None:
         self._shown = "" if state.ran is None else state.ran.digest
         self._changes.visible = self._seen.visible = bool(state.changed)
-        self._changes.content = changes_html(state)
+        self._changes.content = changes_html(state, self._visitor.words)
         self._visitor.admit(self._seen, state, AcknowledgeChanges)
 
     def _turn(self) -> None:

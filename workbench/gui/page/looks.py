@@ -8,6 +8,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -22,9 +23,11 @@ from workbench.gui.shared.look import Look, View
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.things import pose_of, things
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.scene import LegendText
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import plain
 
 Camera = tuple[Floats, Floats]
 """Position of a camera and the point it looks at, each (3,) [m]."""
@@ -143,13 +146,12 @@ class Looks:
         pressed: dict[str, Callable[[], None]] = {name: partial(self._go, name) for name in KEYS}
         buttons = {name: visitor.unseen(go) for name, go in pressed.items()}
         visitor.hide(buttons.values())
+        shown = ""
         for name, (key, says) in KEYS.items():
-            visitor.on_key(key, f"Look {says}", partial(self._typed, name))
-        shown = "".join(
-            f'<span title="Look {KEYS[name][1]} (key {KEYS[name][0]})" {clickable(button)}>'
-            f"{name}</span>"
-            for name, button in buttons.items()
-        )
+            look = visitor.words.render(LegendText.LOOK(direction=plain(says)))
+            visitor.on_key(key, look, partial(self._typed, name))
+            tip = visitor.words.render(LegendText.LOOK_KEY(direction=plain(says), key=key))
+            shown += f'<span title="{escape(tip)}" {clickable(buttons[name])}>{name}</span>'
         visitor.gui.add_html(f'<div class="wb-looks">{shown}</div>')
         scene = visitor.client.scene
 

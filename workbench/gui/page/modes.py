@@ -9,7 +9,7 @@ import enum
 from html import escape
 
 from workbench.app.core.state import Phase
-from workbench.gui.drawing.play_button import missed_words
+from workbench.gui.drawing.play_button import missed_message
 from workbench.gui.shared.colours import (
     BAD,
     CHECKED,
@@ -21,6 +21,9 @@ from workbench.gui.shared.colours import (
 from workbench.gui.shared.look import AFTER_CYCLE, View
 from workbench.gui.shared.solids import Colour
 from workbench.gui.shared.views import when
+from workbench.gui.texts.scene import LegendText
+from workbench.model.messages.message import Message, plain
+from workbench.words.words import IN_ENGLISH, Words
 
 
 class Mode(enum.StrEnum):
@@ -71,6 +74,9 @@ NOTES = {
 }
 
 
+Entry = tuple[Message | str, str]
+"""A line of the legend, and the style of its mark."""
+
 HIDDEN_NOW = "The hands are out of view: this part does not count as watched"
 
 
@@ -92,13 +98,14 @@ def mode_of(view: View) -> Mode:
     return Mode.LIVE if view.is_reported else Mode.NO_REPORT
 
 
-def mode_html(view: View, ends_comparing: str = "") -> str:
+def mode_html(view: View, ends_comparing: str = "", words: Words = IN_ENGLISH) -> str:
     """The mode with its legend, to be laid over the scene.
 
     Args:
         view: what this browser looks at.
         ends_comparing: id of a button, which the page around the scene presses when the table of
             the searches that are compared here is out of sight; empty: another browser has it.
+        words: of who reads it.
     """
     mode = mode_of(view)
     lines = _robots(view, mode)
@@ -111,14 +118,14 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     lines += _of_searches(view)
     is_preview = mode in (Mode.PREVIEW, Mode.END)
     is_after = is_preview and view.state.phase in AFTER_CYCLE
-    ends = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
+    ends: Message | str = ENDS_AFTER_CYCLE if is_after else ENDS.get(mode, "")
     if mode is Mode.WAITS:
-        ends = f"Ends with Run step {view.state.waits}, or Stop"
-    missed = _missing_words(view, mode) if is_preview else ""
+        ends = LegendText.ENDS_WITH_STEP(number=view.state.waits)
+    missed = _missing(view, mode) if is_preview else None
     rows = "".join(
-        f'<li><i style="{style}"></i>{escape(text)}</li>' for text, style in lines if text
+        f'<li><i style="{style}"></i>{escape(words.render(text))}</li>' for text, style in lines
     )
-    notes = (NOTES.get(mode, ""), missed, ends)
+    notes = map(words.render, (NOTES.get(mode), missed, ends))
     rows += "".join(f'<li class="wb-ends">{escape(text)}</li>' for text in notes if text)
     if ends_comparing and view.look.search is not None:
         rows += f'<li class="wb-compares" data-ends="{escape(ends_comparing)}"></li>'
@@ -129,62 +136,61 @@ def mode_html(view: View, ends_comparing: str = "") -> str:
     )
 
 
-def _missing_words(view: View, mode: Mode) -> str:
+def _missing(view: View, mode: Mode) -> Message | str | None:
     """What has to be played before the plan counts as watched; while it plays, what does not."""
     if view.state.phase not in (Phase.PLANNED, Phase.APPROVED) or not view.unseen:
-        return ""
+        return None
     if mode is not Mode.END:
         is_now = bool(view.hidden) and view.hidden[-1][1] == view.look.time
-        return HIDDEN_NOW if is_now and view.look.is_playing else ""
-    return missed_words(view)
+        return HIDDEN_NOW if is_now and view.look.is_playing else None
+    return missed_message(view)
 
 
-def _of_searches(view: View) -> list[tuple[str, str]]:
+def _of_searches(view: View) -> list[Entry]:
     """What searches have found besides, or have rejected, as far as it is drawn."""
-    lines: list[tuple[str, str]] = []
+    lines: list[Entry] = []
     searches = view.state.searches
     for place, search in enumerate(searches, 1):
         if search.number == view.look.search:
             style = f"background:rgba({_rgb(COMPARED)},0.55)"
-            lines.append((f"Violet: parts of search {place}, to be compared; not taken", style))
+            lines.append((LegendText.SEARCH(number=place), style))
     if view.look.rejected and view.rejected:
         lines.append(("Red, see-through: poses that the search rejected", f"background:{BAD}40"))
     return lines
 
 
-def _robots(view: View, mode: Mode) -> list[tuple[str, str]]:
+def _robots(view: View, mode: Mode) -> list[Entry]:
     """What robots are drawn, each with the style of its mark."""
     is_planned = bool(view.planned_arms) or mode in (Mode.JOG, Mode.POSE, Mode.FILM)
     if view.look.shapes:
         # There is one robot of these: where another one would be see-through, or else the real one.
-        stands = STANDS[mode] if is_planned else _real(view)
-        return [(f"Collision shapes: {stands}", f"background:rgb({_rgb(CHECKED)})")]
+        where = plain(STANDS[mode]) if is_planned else _real(view)
+        return [(LegendText.SHAPES(where=where), f"background:rgb({_rgb(CHECKED)})")]
     is_placed = view.is_reported or view.was_reported
     is_alone = view.is_recorded or not (is_placed or view.own.hides_robot)
     lines = [] if view.planned_arms and is_alone else [_solid(view)]
     if is_planned:
-        lines.append(
-            (f"See-through: {STANDS[mode]}", f"background:rgba({_rgb(PLANNED_ROBOT)},0.55)")
-        )
+        style = f"background:rgba({_rgb(PLANNED_ROBOT)},0.55)"
+        lines.append((LegendText.TRANSPARENT(where=plain(STANDS[mode])), style))
     return lines
 
 
-def _solid(view: View) -> tuple[str, str]:
+def _solid(view: View) -> Entry:
     """What the solid robot is, with the style of its mark."""
     if view.is_reported:
-        return f"Solid: {_real(view)}", ""
-    return f"Grey: {_real(view)}", f"background:rgb({_rgb(NOT_REPORTED)})"
+        return LegendText.SOLID(where=_real(view)), ""
+    return LegendText.GREY(where=_real(view)), f"background:rgb({_rgb(NOT_REPORTED)})"
 
 
-def _real(view: View) -> str:
+def _real(view: View) -> Message:
     """Where the robot is drawn that is real."""
     if view.is_recorded:
-        return "at home; where it stood is not recorded"
+        return plain("at home; where it stood is not recorded")
     if view.is_reported:
-        return "the robot, as its controller reports it"
+        return plain("the robot, as its controller reports it")
     if view.was_reported:
-        return f"last reported at {when(view.live.reported_at, view.at)}; it may be elsewhere now"
-    return "drawn at home; the controller does not report where it is"
+        return LegendText.REPORTED_LAST(at=when(view.live.reported_at, view.at))
+    return plain("drawn at home; the controller does not report where it is")
 
 
 def _rgb(colour: Colour) -> str:

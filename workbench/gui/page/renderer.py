@@ -37,6 +37,7 @@ from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.viser_server import language_of, person_of
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import Counted
+from workbench.gui.texts.page import PageText
 from workbench.gui.words.spoken import speak
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
@@ -309,7 +310,8 @@ class Renderer:
         self._visitors[client.client_id] = visitor
         # All at once: what is pressed before somebody listens would be lost.
         with client.atomic():
-            client.gui.set_panel_label(f"Cell {view.state.cell.name}")
+            title = PageText.CELL(name=view.state.cell.name)
+            client.gui.set_panel_label(visitor.words.render(title))
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
             panels = (header, *scenes, *tabs_of(visitor, self._woken.set))

@@ -20,6 +20,8 @@ from workbench.gui.robot.panel import RobotPanel
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.panel import StatisticsPanel
+from workbench.gui.texts.page import PageText
+from workbench.model.messages.message import plain
 from workbench.plugins.found import load
 from workbench.plugins.tab import GROUP as TABS
 from workbench.plugins.tab import tab_names
@@ -65,7 +67,8 @@ class _Broken:
     """Instead of a tab that could not be made: what is the matter."""
 
     def __init__(self, visitor: Visitor, problem: str):
-        visitor.gui.add_markdown(f"**This tab does not work.** {problem}")
+        broken = PageText.TAB_BROKEN(problem=plain(problem))
+        visitor.gui.add_markdown(visitor.words.render(broken))
 
     def show(self, old: View | None, new: View) -> None:
         """Nothing changes."""

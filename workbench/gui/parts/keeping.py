@@ -14,6 +14,7 @@ from workbench.gui.help.groups import group
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import RECORDED, Visitor
+from workbench.gui.texts.parts import PartsText
 from workbench.model.errors import FileError, InputError
 
 THERE: Mapping[str, There] = {
@@ -74,7 +75,8 @@ class KeepInputs:
         if self._visitor.attempt(lambda: kept.append(self._write_case())):
             self._comment.value, self._there.value = "", next(iter(THERE))
             self._list()
-            self._visitor.tell("Kept", f"kept as {kept[0]}", color="blue")
+            stored = self._visitor.words.render(PartsText.STORED(path=str(kept[0])))
+            self._visitor.tell("Kept", stored, color="blue")
 
     def _write_case(self) -> Path:
         bench, person = self._visitor.bench, self._visitor.person

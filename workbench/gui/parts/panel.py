@@ -142,7 +142,7 @@ class PartsPanel:
         found = state.detections or ()
         self._searches.show(old, new)
         self._keeping.show(old, new)
-        self._avoided.content = avoided_html(state, new.at)
+        self._avoided.content = avoided_html(state, new.at, self._visitor.words)
         if old is not None and old.state is state:
             return
         self._forget.visible = bool(state.avoided)
@@ -162,12 +162,14 @@ class PartsPanel:
         may_look = not self._visitor.lacks(state, TakeScan)
         self._show_rejected.disabled = self._scan_colours.disabled = not may_look
         self._scan_colours.visible = state.scan is not None and state.scan.colours is not None
-        self._remarks.content = remarks_html(state.remarks, state.cell.poses_folder)
+        self._remarks.content = remarks_html(
+            state.remarks, state.cell.poses_folder, self._visitor.words
+        )
         self._draw(found)
 
     def _draw_discarded(self, old: View | None, new: View) -> None:
         if old is None or old.rejected is not new.rejected:
-            self._rejected.content = rejected_html(new.rejected)
+            self._rejected.content = rejected_html(new.rejected, self._visitor.words)
             self._rejected.visible = self._show_rejected.visible = bool(new.rejected)
         if self._show_rejected.value != new.look.rejected:
             self._show_rejected.value = new.look.rejected
@@ -183,7 +185,9 @@ class PartsPanel:
     def _draw(self, found: tuple[Detection, ...]) -> None:
         chosen, visitor = self._chosen, self._visitor
         if found:
-            self._table.content = parts_html(found, _place(found, chosen), self._rows)
+            self._table.content = parts_html(
+                found, _place(found, chosen), self._rows, self._visitor.words
+            )
         else:
             hint = "The parts found appear here; one can be vetoed, corrected, or added."
             self._table.content = line(hint, kind="hint")

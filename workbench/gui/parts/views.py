@@ -8,19 +8,25 @@ from workbench.app.core.state import State
 from workbench.gui.shared.colours import part_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import clock, line, mm, table_html
+from workbench.gui.texts.parts import PartsText
+from workbench.model.messages.message import as_message
 from workbench.model.scan import Detection, PosesFolder, RejectedHypothesis, Remark
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_ROWS = 30
 """Parts that can be listed: as many as a bin may hold."""
 
 
-def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[str]) -> str:
+def parts_html(
+    found: Sequence[Detection], chosen: int | None, rows: Sequence[str], words: Words = IN_ENGLISH
+) -> str:
     """A table with a row for each part.
 
     Args:
         found: the parts.
         chosen: which row is marked, None: none is.
         rows: ids of the unseen buttons, by row.
+        words: of who reads it.
     """
     heads = (
         ("", "", ""),
@@ -37,7 +43,7 @@ def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[st
         f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in heads
     )
     body = "".join(
-        _row(number, detection, number == chosen, rows[number])
+        _row(number, detection, number == chosen, rows[number], words)
         for number, detection in enumerate(found[:MOST_ROWS])
     )
     return (
@@ -46,61 +52,71 @@ def parts_html(found: Sequence[Detection], chosen: int | None, rows: Sequence[st
     )
 
 
-def avoided_html(state: State, at: float) -> str:
+def avoided_html(state: State, at: float, words: Words = IN_ENGLISH) -> str:
     """Where picks have failed, and how much longer parts are left alone there; `at` is now [s]."""
     rows: list[tuple[str, str]] = []
     for entry in state.avoided:
         minutes = math.ceil((entry.until - at) / 60)
         if minutes <= 0:
             continue
-        x, y, _ = (1000 * value for value in entry.p_bin)
-        scans = "the next scan" if entry.scans == 1 else f"{entry.scans} more scans"
-        ends = f"for {scans}" if entry.scans else "in this scan"
-        why = f" ({entry.why})" if entry.why else ""
-        place = f"{entry.part} at {x:.0f}, {y:.0f} mm in the bin"
-        rows.append((place, f"avoided {ends}, at most {minutes} min{why}"))
+        x, y, _ = (round(1000 * value) for value in entry.p_bin)
+        avoided = PartsText.AVOIDED_NOW(minutes=minutes)
+        if entry.scans:
+            avoided = PartsText.AVOIDED_FOR(scans=entry.scans, minutes=minutes)
+        if entry.why:
+            avoided = PartsText.NOTED(text=avoided, why=as_message(entry.why))
+        place = PartsText.PLACE(part=entry.part, x=x, y=y)
+        rows.append((words.render(place), words.render(avoided)))
     return table_html(rows) if rows else ""
 
 
-def remarks_html(remarks: Sequence[Remark], folder: PosesFolder | None) -> str:
+def remarks_html(
+    remarks: Sequence[Remark], folder: PosesFolder | None, words: Words = IN_ENGLISH
+) -> str:
     """Who has changed what was found, the latest first, and which folder is watched for poses."""
     rows = "".join(
-        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td><td>{escape(remark.says)}</td></tr>"
+        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td>"
+        f"<td>{escape(words.render(remark.says))}</td></tr>"
         for remark in reversed(remarks)
     )
     table = f'<table class="wb-facts wb-remarks">{rows}</table>' if rows else ""
-    watched = f"Poses that come into {folder.path} are taken." if folder is not None else ""
-    return table + (line(watched, kind="hint") if watched else "")
+    if folder is None:
+        return table
+    watched = words.render(PartsText.WATCHED(folder=str(folder.path)))
+    return table + line(watched, kind="hint")
 
 
-def rejected_html(rejected: Sequence[RejectedHypothesis]) -> str:
+def rejected_html(rejected: Sequence[RejectedHypothesis], words: Words = IN_ENGLISH) -> str:
     """A fold that lists the rejected hypotheses, and why they are no parts."""
-    rows = "".join(
-        f"<li>{hypothesis.score:.2f} {escape(hypothesis.part)}: {escape(hypothesis.words)}</li>"
+    texts = (
+        PartsText.HYPOTHESIS(
+            score=hypothesis.score, part=hypothesis.part, why=as_message(hypothesis.words)
+        )
         for hypothesis in rejected
     )
+    rows = "".join(f"<li>{escape(words.render(text))}</li>" for text in texts)
+    title = words.render(PartsText.REJECTED(count=len(rejected)))
     return (
         '<div class="wb-tree wb-rejected"><details>'
-        f"<summary>{len(rejected)} poses rejected</summary><ul>{rows}</ul></details></div>"
+        f"<summary>{escape(title)}</summary><ul>{rows}</ul></details></div>"
     )
 
 
-def _deviations(detection: Detection) -> str:
+def _deviations(detection: Detection, words: Words) -> str:
     if detection.deviations is None:
         return ""
     place, turn = detection.deviations
-    # Where it does not fit it goes on below, number and unit together.
-    return f"{mm(place, 2)}, {math.degrees(turn):.1f}°".replace(" mm", "\u00a0mm")
+    return words.render(PartsText.DEVIATIONS(place=place, turn=turn))
 
 
-def _row(number: int, detection: Detection, is_chosen: bool, button: str) -> str:
+def _row(number: int, detection: Detection, is_chosen: bool, button: str, words: Words) -> str:
     values = (
         f"{detection.score:.2f}",
         f"{detection.visible:.0%}",
         "" if detection.gap is None else f"{detection.gap:.2f}",
         "by hand" if detection.residual is None else mm(detection.residual, 2),
         "" if detection.probability is None else f"{detection.probability:.0%}",
-        _deviations(detection),
+        _deviations(detection, words),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'

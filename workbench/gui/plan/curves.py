@@ -5,7 +5,6 @@ from html import escape
 
 import numpy as np
 
-from workbench.app.core.state import counted
 from workbench.gui.shared.colours import JOINTS, arm_colour
 from workbench.gui.shared.playback import (
     AGAIN,
@@ -17,10 +16,15 @@ from workbench.gui.shared.playback import (
     sync_points,
 )
 from workbench.gui.shared.plots import Curve, Plot
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.plan import PlanText
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message, plain
+from workbench.model.messages.plans import leg_message, motion_message
 from workbench.model.plan import Proof
 from workbench.proof.stages import NEAR_MARGIN_LEGS
+from workbench.words.words import IN_ENGLISH, Words
 
 LEGS: Mapping[str, str] = {
     "reach": "#4dabf7",
@@ -46,12 +50,12 @@ NARROW = 0.045
 """[of the whole time] Names of sync points that are nearer to each other would overlap."""
 
 
-def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
+def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words = IN_ENGLISH) -> str:
     """A lane an arm, a block a leg, in proportion to the time; sync points across the lanes."""
     syncs = sync_points(runs)
-    lanes = [_syncs(syncs, seconds)] if syncs else []
+    lanes = [_syncs(syncs, seconds, words)] if syncs else []
     for arm in cell.arms:
-        blocks = "".join(_block(run, seconds) for run in runs if run.arm == arm.name)
+        blocks = "".join(_block(run, seconds, words) for run in runs if run.arm == arm.name)
         lanes.append(
             f'<div class="wb-lane"><span class="wb-lane-name">{escape(arm.name)}</span>'
             f'<div class="wb-track">{blocks}<i class="wb-at"></i></div></div>'
@@ -63,22 +67,24 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float) -> str:
         if name in used
     )
     legend += '<span class="wb-leg"><i style="background:var(--wb-faint)"></i>waiting</span>'
-    table = _sync_table(syncs) if syncs else ""
+    table = _sync_table(syncs, words) if syncs else ""
     return (
         f'<div class="wb-lanes" style="--wb-lanes:{len(cell.arms)}">{"".join(lanes)}'
         f'<div class="wb-legend">{legend}</div></div>{table}'
     )
 
 
-def _syncs(syncs: tuple[SyncPoint, ...], seconds: float) -> str:
+def _syncs(syncs: tuple[SyncPoint, ...], seconds: float, words: Words) -> str:
     """Names of sync points above the lanes, each with a line down through them."""
     marks, last = "", -1.0
     for sync in syncs:
         at = sync.time / seconds
         name = sync.name if at - last >= NARROW else ""
         last = at if name else last
+        before, after = _who(sync.before), _who(sync.after)
+        tip = PlanText.SYNC_POINT(name=sync.name, time=sync.time, before=before, after=after)
         marks += (
-            f'<i class="wb-sync" style="left:{100 * at:.3f}%" title="{escape(_sync_words(sync))}">'
+            f'<i class="wb-sync" style="left:{100 * at:.3f}%" title="{escape(words.render(tip))}">'
             f"{name}</i>"
         )
     return (
@@ -86,53 +92,63 @@ def _syncs(syncs: tuple[SyncPoint, ...], seconds: float) -> str:
     )
 
 
-def _sync_words(sync: SyncPoint) -> str:
-    return f"{sync.name}, {sync.time:.2f} s; {_who(sync.before)}; {_who(sync.after)}"
+def _who(runs: tuple[Run, ...]) -> Message:
+    """The legs and their arms: `right: extract and left: home`."""
+    return PlanText.LEGS(legs=map(_leg_of, runs))
 
 
-def _who(runs: tuple[Run, ...]) -> str:
-    """What legs are of whom, in pieces that can be translated: `right: extract and left: home`."""
-    return " and ".join(f"{run.arm}: {run.words}" for run in runs)
+def _leg_of(run: Run) -> Message:
+    return PlanText.LEG_OF(arm=run.arm, leg=leg_of(run))
 
 
-def _sync_table(syncs: tuple[SyncPoint, ...]) -> str:
+def leg_of(run: Run) -> Message:
+    """What a leg is called on the page."""
+    return plain(run.does) if run.does else leg_message(run.leg.name)
+
+
+def _sync_table(syncs: tuple[SyncPoint, ...], words: Words) -> str:
     """Every sync point in a row, to be unfolded."""
     rows = "".join(
         f'<tr><td>{sync.name}</td><td class="wb-number">{sync.time:.2f} s</td>'
-        f"<td>{escape(_who(sync.before))}</td><td>{escape(_who(sync.after))}</td></tr>"
+        f"<td>{escape(words.render(_who(sync.before)))}</td>"
+        f"<td>{escape(words.render(_who(sync.after)))}</td></tr>"
         for sync in syncs
     )
+    title = words.render(PlanText.SYNC_POINTS(count=len(syncs)))
     return (
-        f'<details class="wb-folded"><summary>Where the arms wait for each other: '
-        f"{counted(len(syncs), 'sync point')}</summary>"
+        f'<details class="wb-folded"><summary>{escape(title)}</summary>'
         '<table class="wb-facts wb-plans"><thead><tr><th></th>'
         '<th class="wb-number">At</th><th>Once this has ended</th><th>this begins</th></tr></thead>'
         f"<tbody>{rows}</tbody></table></details>"
     )
 
 
-def _block(run: Run, seconds: float) -> str:
+def _block(run: Run, seconds: float, words: Words) -> str:
     left, width = 100 * run.start / seconds, 100 * (run.end - run.start) / seconds
-    held = ", part in hand" if run.leg.holding else ""
-    tip = f"{run.words}: {run.start:.2f} s to {run.end:.2f} s, {run.leg.motion}{held}"
+    block = PlanText.BLOCK_HELD if run.leg.holding else PlanText.BLOCK
+    motion = motion_message(run.leg.motion)
+    tip = words.render(block(leg=leg_of(run), start=run.start, end=run.end, motion=motion))
     return (
         f'<div class="wb-block" title="{escape(tip)}" style="left:{left:.3f}%;'
         f'width:{width:.3f}%;background:{LEGS[run.words]}"></div>'
     )
 
 
-def now_html(time: float, seconds: float, doing: str) -> str:
+def now_html(time: float, seconds: float, doing: Message | str, words: Words = IN_ENGLISH) -> str:
     """Where the scrubber stands, and what happens there."""
     return (
-        f'<div class="wb-now"><b>{time:.2f} s</b> of {seconds:.2f} s'
-        f"<span>{escape(doing)}</span></div>"
+        f'<div class="wb-now"><b>{time:.2f} s</b> '
+        f"{escape(words.render(PlanText.OF_SECONDS(total=seconds)))}"
+        f"<span>{escape(words.render(doing))}</span></div>"
     )
 
 
-def doing(runs: tuple[Run, ...], time: float) -> str:
+def doing(runs: tuple[Run, ...], time: float) -> Message | str:
     """Which legs are under way at `time` [s]."""
-    active = [f"{run.arm}: {run.words}" for run in runs if run.start <= time < run.end]
-    return ", ".join(active) or ("at the end" if runs and time > 0 else "at home")
+    active = [_leg_of(run) for run in runs if run.start <= time < run.end]
+    if active:
+        return CommonText.LIST(items=active)
+    return "at the end" if runs and time > 0 else "at home"
 
 
 def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
@@ -199,7 +215,11 @@ def speed_curve(arm: Arm, cell: Cell, runs: tuple[Run, ...], seconds: float) -> 
 
 
 def plots_of(
-    cell: Cell, runs: tuple[Run, ...], seconds: float, proofs: Sequence[Proof]
+    cell: Cell,
+    runs: tuple[Run, ...],
+    seconds: float,
+    proofs: Sequence[Proof],
+    words: Words = IN_ENGLISH,
 ) -> tuple[Plot, ...]:
     """The curves of a plan: what it keeps clear, how far apart arms are, speeds, and axes.
 
@@ -231,5 +251,6 @@ def plots_of(
     for arm in cell.arms:
         times, *angles = joint_curves(arm, runs, seconds)
         axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], angle) for k, angle in enumerate(angles))
-        found.append(Plot(f"Axes of the {arm.name} arm", "deg", times, tuple(axes)))
+        title = words.render(PlanText.ARM_AXES(arm=arm.name))
+        found.append(Plot(title, "deg", times, tuple(axes)))
     return tuple(found)

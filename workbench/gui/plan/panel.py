@@ -72,7 +72,9 @@ class PlanPanel:
         is_moved = old is None or old.runs is not new.runs or old.look.time != new.look.time
         if is_moved and new.runs:
             now = doing(new.runs, new.look.time)
-            self._cursor.content = now_html(new.look.time, new.plan_seconds, now)
+            self._cursor.content = now_html(
+                new.look.time, new.plan_seconds, now, self._visitor.words
+            )
             self._at.content = cursor_style(new.look.time, new.plan_seconds)
             # Values are read when it stands still.
             if not new.look.is_playing:
@@ -99,13 +101,17 @@ class PlanPanel:
             self._time.value = 0.0
             return
         self._summary.content = plan_html(state, self._visitor.words) + outlines
-        self._lanes.content = lanes_html(cell, runs, seconds)
+        self._lanes.content = lanes_html(cell, runs, seconds, self._visitor.words)
         self._end = seconds
         # To the next step: the end can be reached, whatever comes after its second decimal.
         self._time.max = max(round(math.ceil(round(seconds / STEP, 6)) * STEP, 2), STEP)
         self._nearest.content = proof_html(state, self._links) if state.whole_row else ""
         self._plots = plots_of(
-            cell, runs, seconds, [proven_plan.proof for proven_plan in state.whole_row]
+            cell,
+            runs,
+            seconds,
+            [proven_plan.proof for proven_plan in state.whole_row],
+            self._visitor.words,
         )
         slider = element_id(self._time)
         for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):

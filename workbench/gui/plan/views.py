@@ -3,13 +3,16 @@
 from collections.abc import Sequence
 from html import escape
 
-from workbench.app.core.state import Outline, State, counted
+from workbench.app.core.state import Outline, State
 from workbench.app.picking.numbers import renumber
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.plan import PlanText
+from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
-from workbench.model.plan import Plan, Strategy, count_taken, floored, parts_taken
+from workbench.model.plan import ArmPlan, Plan, Strategy, count_taken, floored, parts_taken
 from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {
@@ -26,14 +29,18 @@ STAGES = {
 def plan_html(state: State, words: Words = IN_ENGLISH) -> str:
     """The plan in a few chips, or each plan of a row: what it takes, and what computing took."""
     row = state.plans
-    times = ", ".join(f"{STAGES.get(k, k)} {value * 1000:.0f} ms" for k, value in state.seconds)
+    times = [
+        PlanText.STAGE_TIME(stage=plain(STAGES.get(stage, stage)), time=time)
+        for stage, time in state.seconds
+    ]
+    computed = words.render(PlanText.COMPUTED(times=times))
     said = "".join(_plan_html(state, number, words) for number in range(len(row)))
     if len(row) > 1:
         seconds = sum(proven_plan.cycle_seconds for proven_plan in row)
-        parts = counted(count_taken(row), "part")
-        whole = f"{len(row)} plans in a row, {parts}, {seconds:.1f} s in all"
+        parts = CommonText.PARTS(count=count_taken(row))
+        whole = words.render(PlanText.ROW(count=len(row), parts=parts, time=seconds))
         said = f"<div><b>{escape(whole)}</b></div>{said}"
-    return f'<div class="wb-pad">{said}<div class="wb-small">Computed: {escape(times)}</div></div>'
+    return f'<div class="wb-pad">{said}<div class="wb-small">{escape(computed)}</div></div>'
 
 
 def _plan_html(state: State, number: int, words: Words) -> str:
@@ -42,39 +49,47 @@ def _plan_html(state: State, number: int, words: Words) -> str:
     plan, first = row[number], row[0]
     chips = [
         f'<span class="wb-chip" style="background:{arm_colour(arms.index(arm.arm))}">'
-        f"{escape(arm.arm)}: part-{part + 1}, {escape(arm.grasp)}</span>"
+        f"{escape(words.render(_chip(part, arm)))}</span>"
         for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
     ]
-    strategy = words.render(strategy_message(plan.strategy))
-    guarantee = words.render(guarantee_message(plan.guarantee))
-    how = f"{strategy}, {guarantee}, plan {short(plan.digest)}"
+    strategy, guarantee = strategy_message(plan.strategy), guarantee_message(plan.guarantee)
+    summary = PlanText.SUMMARY(strategy=strategy, guarantee=guarantee, digest=short(plan.digest))
     if len(row) > 1:
         # One line each: many plans leave room for the film.
         remarks = (renumber(remark, first, plan.detections) for remark in plan.remarks)
-        tip = "; ".join(map(words.render, remarks)) or plan.digest
-        how = f"Plan {number + 1}: {plan.cycle_seconds:.1f} s, {how}"
+        tip = words.render(all_of(remarks)) or plan.digest
+        numbered = PlanText.SUMMARY_NUMBERED(
+            number=number + 1, time=plan.cycle_seconds, summary=summary
+        )
+        how = words.render(numbered)
         return f'<div class="wb-small" title="{escape(tip)}">{escape(how)}</div>{"".join(chips)}'
-    note = sentence("; ".join(map(words.render, plan.remarks)))
+    how, note = words.render(summary), sentence(words.render(all_of(plan.remarks)))
     note = f'<div class="wb-small">{escape(note)}</div>' if note else ""
     small = f'<div class="wb-small" title="{escape(plan.digest)}">{escape(how)}</div>'
-    return f"{''.join(chips)}{small}{note}{_loads_html(state, plan)}"
+    return f"{''.join(chips)}{small}{note}{_loads_html(state, plan, words)}"
 
 
-def _loads_html(state: State, plan: Plan) -> str:
+def _chip(part: int, arm: ArmPlan) -> Message:
+    return PlanText.CHIP(arm=arm.arm, part=FoundPart(part), grasp=arm.grasp)
+
+
+def _loads_html(state: State, plan: Plan, words: Words) -> str:
     """What each arm carries, a line each, and one line where a mass is missing."""
     controller, lines = state.cell.controller, ""
     for arm in plan.arms:
         if arm.loads is None:
             continue
-        tool, both = arm.loads.tool.mass, arm.loads.carried(True).mass
-        words = f"{arm.arm} arm: load {tool:.3g} kg, {both:.3g} kg with the part"
+        masses = arm.loads.tool.mass, arm.loads.carried(True).mass
+        tool, both = (f"{mass:.3g}" for mass in masses)
+        text = PlanText.LOAD(arm=arm.arm, tool=tool, both=both)
         if not controller.motion.takes_loads:
-            words += f", not sent by {controller.link}"
-        lines += f'<div class="wb-small" title="{escape(arm.loads.words)}">{escape(words)}</div>'
+            text = PlanText.LOAD_NOT_SENT(arm=arm.arm, tool=tool, both=both, link=controller.link)
+        tip = escape(words.render(as_message(arm.loads.words)))
+        lines += f'<div class="wb-small" title="{tip}">{escape(words.render(text))}</div>'
     tools = {state.cell.arm(arm.arm).tool.name for arm in plan.arms if arm.loads is None}
     if tools and controller.motion.takes_loads:
-        words = f"No load is sent: mass_g of {', '.join(sorted(tools))} is missing"
-        lines += f'<div class="wb-small">{escape(words)}</div>'
+        missing = words.render(PlanText.NO_MASS(tools=sorted(tools)))
+        lines += f'<div class="wb-small">{escape(missing)}</div>'
     return lines
 
 
@@ -119,10 +134,12 @@ def outlines_html(
 def _outline_row(outline: Outline, taken: str, button: str, words: Words) -> str:
     what = words.render(outline.verdict)
     if not what:
-        strategy = words.render(strategy_message(Strategy(outline.strategy)))
-        what = f"{strategy}, {counted(outline.parts, 'part')}"
+        strategy = strategy_message(Strategy(outline.strategy))
+        parts = CommonText.PARTS(count=outline.parts)
+        text = PlanText.OUTLINE(strategy=strategy, parts=parts)
         if outline.plans > 1:
-            what += f", {counted(outline.plans, 'plan')}"
+            text = PlanText.OUTLINE_ROW(strategy=strategy, parts=parts, count=outline.plans)
+        what = words.render(text)
     values = (
         "" if outline.cycle is None else f"{outline.cycle:.1f} s",
         f"{outline.planning * 1000:.0f} ms",

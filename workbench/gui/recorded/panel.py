@@ -6,8 +6,10 @@ from workbench.app.review.history import History
 from workbench.gui.recorded.views import PAGE, events_html, events_of, place_of
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import chosen_html
-from workbench.gui.shared.views import clock, line, said
+from workbench.gui.shared.views import clock, line
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
+from workbench.model.messages.message import as_message
 
 
 class RecordedPanel:
@@ -46,15 +48,24 @@ class RecordedPanel:
         if old is not None and old.state is new.state:
             return
         number, moment = self._history.number, self._history.entry
-        words = f"Entry {number + 1} of {self._history.count}"
+        total = self._history.count
+        entry = PageText.ENTRY(number=number + 1, total=total)
         if moment is not None:
-            message = said(new.state.message, self._visitor.words)
-            words += f", {clock(moment.at)}, {moment.actor}: {message}"
-        self._facts.content = line(words)
+            entry = PageText.ENTRY_AT(
+                number=number + 1,
+                total=total,
+                at=clock(moment.at),
+                person=moment.actor,
+                message=as_message(new.state.message),
+            )
+        self._facts.content = line(self._visitor.words.render(entry))
         page, place = divmod(place_of(self._events, number), PAGE)
         self._mark.content = chosen_html(place if number else None)
         if page != self._page:
-            self._list.content, self._page = events_html(self._events, page, self._rows), page
+            self._list.content, self._page = (
+                events_html(self._events, page, self._rows, self._visitor.words),
+                page,
+            )
         if self._entry.value != number:
             self._entry.value = number
 

@@ -8,7 +8,8 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.record import COMMANDS
 from workbench.app.review.history import Moment
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import said, sentence, time_of_day, zone
+from workbench.gui.shared.views import said, time_of_day, zone
+from workbench.gui.texts.page import PageText
 from workbench.words.words import IN_ENGLISH, Words
 
 PAGE = 50
@@ -45,9 +46,9 @@ def events_of(
             continue
         is_more = moment.kind in MANY and moment.kind == before
         first = found.pop().first if is_more else number
-        what = sentence(COMMANDS[moment.kind].right.says)
+        what = said(COMMANDS[moment.kind].right.says, words)
         is_fault = state.phase is Phase.FAULT
-        says = state.fault if is_fault else said(state.message, words)
+        says = words.render(state.fault) if is_fault else said(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))
         before = moment.kind
     return tuple(found)
@@ -59,19 +60,22 @@ def place_of(events: Sequence[Event], number: int) -> int:
     return max(place, 0)
 
 
-def events_html(events: Sequence[Event], page: int, buttons: Sequence[str]) -> str:
+def events_html(
+    events: Sequence[Event], page: int, buttons: Sequence[str], words: Words = IN_ENGLISH
+) -> str:
     """One page of the list.
 
     Args:
         events: all of them.
         page: which one.
         buttons: unseen ones, by place on the page.
+        words: of who reads it.
     """
     rows = "".join(
         _row(event, buttons[place])
         for place, event in enumerate(events[page * PAGE : (page + 1) * PAGE])
     )
-    head = f"At [{zone(events[0].at)}]" if events else "At"
+    head = words.render(PageText.AT_ZONE(zone=zone(events[0].at))) if events else "At"
     return (
         f'<div class="wb-rows"><table class="wb-table wb-events"><thead><tr><th>{escape(head)}</th>'
         f"<th>Who</th><th>What</th></tr></thead><tbody>{rows}</tbody></table></div>"

@@ -5,10 +5,11 @@ import viser
 from workbench.app.core.cell.changes import EmptyPallets
 from workbench.app.core.state import Phase
 from workbench.app.picking.pallets import pallets_of
-from workbench.gui.shared.link_views import link_html
+from workbench.gui.shared.link_views import joints_html, link_html
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import joints_html, line, when
+from workbench.gui.shared.views import line, when
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
 
 
 class RobotPanel:
@@ -26,15 +27,18 @@ class RobotPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         if old is None or _link_shown(old) != _link_shown(new):
-            self._link.content = link_html(new)
+            self._link.content = link_html(new, self._visitor.words)
         if old is None or old.state is not new.state:
             count = len(new.state.placed)
             cell = new.state.cell
             keeps = bool(cell.stations) or any(arm.keeps_parts for arm in cell.arms)
-            parts = "1 part lies" if count == 1 else f"{count} parts lie"
             fills = pallets_of(cell, new.state.placed)
-            lines = [f"{parts} on the pallets.", *(words for fill in fills for words in fill.words)]
-            self._pallets.content = "".join(map(line, lines)) if keeps else ""
+            texts = [
+                PageText.PALLETS(count=count),
+                *(text for fill in fills for text in fill.words),
+            ]
+            lines = (line(self._visitor.words.render(text)) for text in texts)
+            self._pallets.content = "".join(lines) if keeps else ""
             self._empty.visible = keeps
             missing = "" if count else "no part lies on the pallets"
             self._visitor.admit(self._empty, new.state, EmptyPallets, otherwise=missing)
@@ -43,7 +47,7 @@ class RobotPanel:
             joints, at = live.joints, ""
             if not joints and live.last_joints:
                 joints, at = live.last_joints, when(live.reported_at, new.at)
-            self._joints.content = joints_html(new.state.cell, joints, at)
+            self._joints.content = joints_html(new.state.cell, joints, at, self._visitor.words)
 
 
 def _link_shown(view: View) -> tuple[object, ...]:

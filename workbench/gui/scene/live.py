@@ -15,8 +15,10 @@ from workbench.gui.scene.surroundings import Camera
 from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
 from workbench.gui.shared.own import Carried, Dragged
 from workbench.gui.shared.solids import with_hard_edges
+from workbench.gui.texts.scene import PoseText
 from workbench.model.candidate import Reason, kind_of
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 
 WORDS = "/dragged"
 
@@ -62,7 +64,7 @@ class DrawnVerdicts:
             self._words = self._scene.add_label(
                 WORDS, "", font_screen_scale=1.0, anchor="center-left", depth_test=False
             )
-        text = short_words(glance)
+        text = str(short_message(glance))
         if self._words.text != text:
             self._words.text = text
         self._words.position = beside(self._camera, _covered(dragged))
@@ -152,12 +154,11 @@ def kinds_in(glance: Glance) -> list[Reason]:
     ]
 
 
-def live_words(glance: Glance) -> str:
+def live_message(glance: Glance) -> Message:
     """How many would work, and how far that was checked, in one sentence."""
-    count, whole = int(glance.working.sum()), len(glance.reasons)
-    return f"while you drag: {count} of {whole} work, as far as hand, reach and place say"
+    return PoseText.DRAGGED(count=int(glance.working.sum()), total=len(glance.reasons))
 
 
-def short_words(glance: Glance) -> str:
+def short_message(glance: Glance) -> Message:
     """The same in the scene, where there is little room beside the bin; the panel says it whole."""
-    return f"{int(glance.working.sum())} of {len(glance.reasons)} work"
+    return PoseText.WORKING(count=int(glance.working.sum()), total=len(glance.reasons))

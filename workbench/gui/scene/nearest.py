@@ -15,11 +15,15 @@ from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import line, mm, short, straight_bound, table_html
+from workbench.gui.shared.views import line, short, straight_bound, table_html
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
-from workbench.model.messages.message import Message
-from workbench.model.plan import Plan, Proof, Proven, at_least
+from workbench.model.messages.message import Message, found_part
+from workbench.model.messages.plans import leg_message
+from workbench.model.plan import Plan, Proof, Proven, at_least, floored
 from workbench.proof.spot import Spot
 from workbench.proof.stages import NEAR_MARGIN_LEGS
 
@@ -30,60 +34,72 @@ TOUCH = 0.0001
 """[m] Bodies that are nearer than this touch, for people."""
 
 
-def free_words(state: State) -> str:
+def free_message(state: State) -> Message:
     """The smallest clearance on free legs of all that is to be carried out, with its place."""
     row = state.whole_row
     number = nearest_of(row)
-    return _of_plan(row, number, _nearest_words(state, row[number].plan, row[number].proof))
+    return _of_plan(row, number, _nearest_message(state, row[number].plan, row[number].proof))
 
 
-def straight_words(state: State) -> str:
+def straight_message(state: State) -> Message:
     """How near hand and part come on the straight ways of all that is to be carried out."""
     row = state.whole_row
     bounds = [straight_bound(proven_plan.proof) for proven_plan in row]
     number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
-    return _of_plan(row, number, _straight_words(state, row[number].proof))
+    return _of_plan(row, number, _straight_message(state, row[number].proof))
 
 
 def _or_far(bound: float | None) -> float:
     return math.inf if bound is None else bound
 
 
-def _of_plan(row: Sequence[Proven], number: int, words: str) -> str:
+def _of_plan(row: Sequence[Proven], number: int, text: Message) -> Message:
     """What is said of one plan, with its number where there are others."""
-    return f"plan {number + 1}: {words}" if len(row) > 1 else words
+    return NearestText.OF_PLAN(number=number + 1, text=text) if len(row) > 1 else text
 
 
-def _nearest_words(state: State, plan: Plan, proof: Proof) -> str:
+def _nearest_message(state: State, plan: Plan, proof: Proof) -> Message:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
-    place = proof.nearest
+    place, distance = proof.nearest, CommonText.AT_LEAST(distance=floored(proof.clearance))
     if place is None or place.pair is None:
-        return f"{at_least(proof.clearance)} from everything"
-    words = f"{at_least(proof.clearance)}, {place.arm} arm on {place.leg}"
-    spot = nearest_place(state.cell, plan, proof)
-    if spot is not None:
-        runs = _runs_of(state, plan)
-        run = _run(runs, place.arm, place.leg)
-        words += f" at {run.start + spot.seconds:.2f} s{_others(runs, run, spot)}"
+        return NearestText.FROM_EVERYTHING(distance=distance)
     # Parts by the numbers of the scan, that of the first plan.
     first, second = (label_in(body, state.plans[0], plan.detections) for body in place.pair)
-    return f"{words}: {first} and {second}"
+    args = {
+        "distance": distance,
+        "arm": place.arm,
+        "leg": leg_message(place.leg),
+        "first": found_part(first),
+        "second": found_part(second),
+    }
+    spot = nearest_place(state.cell, plan, proof)
+    if spot is None:
+        return NearestText.PLACE(**args)
+    runs = _runs_of(state, plan)
+    run = _run(runs, place.arm, place.leg)
+    time, others = run.start + spot.seconds, _others(runs, run, spot)
+    if others:
+        return NearestText.PLACE_IF(**args, time=time, others=others)
+    return NearestText.PLACE_AT(**args, time=time)
 
 
-def _straight_words(state: State, proof: Proof) -> str:
+def _straight_message(state: State, proof: Proof) -> Message:
     """How near hand and part come on their straight ways, where they may come near."""
-    asked = f"{mm(state.cell.policy.near_margin)} asked"
+    margin = state.cell.policy.near_margin
     kept = [
         (float(bounds.min()), arm, leg)
         for arm, leg, bounds in proof.clearances
         if leg in NEAR_MARGIN_LEGS
     ]
     if not kept:
-        return asked
+        return NearestText.REQUIRED(margin=margin)
     bound, arm, leg = min(kept)
-    near = "touching" if bound < TOUCH else at_least(bound)
-    within = f"met to within {mm(proof.resolution)}"
-    return f"{near}, {arm} arm on {leg} ({asked}, {within}; not of the part taken and its bed)"
+    near = CommonText.AT_LEAST(distance=floored(bound))
+    if bound < TOUCH:
+        near = CommonText.TOUCHING()
+    return NearestText.LINEAR(
+        near=near, arm=arm, leg=leg_message(leg), margin=margin, resolution=proof.resolution
+    )
 
 
 def go_html(text: str, button: str, tip: str) -> str:
@@ -95,24 +111,26 @@ def proof_html(state: State, links: "PlanLinks") -> str:
     """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
     for number, proven_plan in enumerate(state.whole_row):
         if not proven_plan.proof.holds:
-            words = (
-                f"The proof does not hold: {links.render(proven_plan.proof.violations[0].message)}"
-            )
-            return line(_of_plan(state.whole_row, number, words), kind="bad")
+            fails = CycleText.PROOF_FAILS(violation=proven_plan.proof.violations[0].message)
+            text = _of_plan(state.whole_row, number, fails)
+            return line(links.render(text), kind="bad")
+    name, certificates = certificates_of(state)
     rows = [
-        ("Free ways", free_words(state)),
-        ("Straight ways", straight_words(state)),
-        certificate_row(state),
+        ("Free ways", links.render(free_message(state))),
+        ("Straight ways", links.render(straight_message(state))),
+        (name, ", ".join(map(links.render, certificates))),
     ]
     return table_html(rows, made=links.made(state))
 
 
-def certificate_row(state: State) -> tuple[str, str]:
-    """Name and value of the line from which certificates are saved."""
+def certificates_of(state: State) -> tuple[str, tuple[Message, ...]]:
+    """Name of the line from which certificates are saved, and what each of them is called there."""
     row = state.whole_row
     if len(row) == 1:
-        return "Certificate", f"certificate-{short(row[0].plan.digest)}.json"
-    return "Certificates", ", ".join(f"plan {number}" for number in range(1, len(row) + 1))
+        digest = short(row[0].plan.digest)
+        return "Certificate", (NearestText.CERTIFICATE(digest=digest),)
+    numbers = range(1, len(row) + 1)
+    return "Certificates", tuple(NearestText.PLANS(number=number) for number in numbers)
 
 
 class PlanLinks:
@@ -142,12 +160,13 @@ class PlanLinks:
 
     def made(self, state: State) -> Mapping[str, str]:
         """HTML of what can be clicked, by the names of the lines that it stands in."""
-        name, value = certificate_row(state)
-        saves = zip(value.split(", "), self._certificates, strict=False)
+        name, certificates = certificates_of(state)
+        saves = zip(map(self.render, certificates), self._certificates, strict=False)
+        free = self.render(free_message(state))
         tip = "Saves what another machine can check"
         return {
-            "Free ways": go_html(free_words(state), self._nearest, "Shows the plan there"),
-            name: ", ".join(go_html(words, button, tip) for words, button in saves),
+            "Free ways": go_html(free, self._nearest, "Shows the plan there"),
+            name: ", ".join(go_html(text, button, tip) for text, button in saves),
         }
 
     def render(self, message: Message) -> str:
@@ -205,14 +224,13 @@ def _run(runs: tuple[Run, ...], arm: str, leg: str) -> Run:
     return next(run for run in runs if (run.arm, run.leg.name) == (arm, leg))
 
 
-def _others(runs: tuple[Run, ...], run: Run, spot: Spot) -> str:
+def _others(runs: tuple[Run, ...], run: Run, spot: Spot) -> list[Message]:
     """Where another arm is meanwhile, if that is not where the plan has it then."""
-    said = ""
+    found: list[Message] = []
     for other in runs:
         if other.start != run.start or other.arm == run.arm:
             continue
         seconds = spot.others.get(other.arm, 0.0)
         if not np.isclose(seconds, min(spot.seconds, other.leg.seconds)):
-            said += f" if the {other.arm} arm is then where it should be at "
-            said += f"{other.start + seconds:.2f} s"
-    return said
+            found.append(NearestText.OTHER_ARM(arm=other.arm, time=other.start + seconds))
+    return found

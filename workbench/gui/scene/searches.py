@@ -17,8 +17,11 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
+from workbench.gui.texts.scene import SearchText
 from workbench.model.errors import InputError
+from workbench.model.messages.message import all_of, plain
 from workbench.model.scan import Search, SearchOverrides
+from workbench.words.words import IN_ENGLISH, Words
 
 MOST_ROWS = 6
 
@@ -86,7 +89,7 @@ class SearchInputs:
         self._visitor.admit(self._search, state, FindParts, otherwise=missing)
         missing = "" if searched(state, chosen) is not None else CHOOSE
         self._visitor.admit(self._take, state, UseDetections, otherwise=missing)
-        self._table.content = searches_html(state.searches, chosen, self._rows)
+        self._table.content = searches_html(state.searches, chosen, self._rows, self._visitor.words)
 
     def _chosen(self, place: int) -> None:
         """Look at a search of the table, or away from it."""
@@ -126,14 +129,19 @@ def searched(state: State, number: int | None) -> Search | None:
     return next((search for search in state.searches if search.number == number), None)
 
 
-def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence[str]) -> str:
+def searches_html(
+    searches: Sequence[Search],
+    chosen: int | None,
+    rows: Sequence[str],
+    words: Words = IN_ENGLISH,
+) -> str:
     """A row for each search in this scan."""
     if not searches:
         return line("Each search in this scan appears here, to be compared.", kind="hint")
     heads = ("Search", "Detail", "Seed", "Parts", "Score", "Gap", "Time")
     head = "".join(f'<th class="wb-number">{title}</th>' for title in heads)
     body = "".join(
-        _row(place, search, search.number == chosen, rows[place])
+        _row(place, search, search.number == chosen, rows[place], words)
         for place, search in enumerate(searches[: len(rows)])
     )
     return (
@@ -143,7 +151,7 @@ def searches_html(searches: Sequence[Search], chosen: int | None, rows: Sequence
     )
 
 
-def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
+def _row(place: int, search: Search, is_chosen: bool, button: str, words: Words) -> str:
     found = search.detections
     gaps = [detection.gap for detection in found if detection.gap is not None]
     values = (
@@ -156,13 +164,11 @@ def _row(place: int, search: Search, is_chosen: bool, button: str) -> str:
         f"{search.seconds:.2f} s",
     )
     cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    tip = (
-        f"scores {', '.join(f'{detection.score:.2f}' for detection in found)}"
-        if found
-        else "no part"
-    )
-    if search.overrides.least_score > 0:
-        tip += f"; none below {search.overrides.least_score:.2f}"
+    scores, least = [f"{detection.score:.2f}" for detection in found], search.overrides.least_score
+    texts = [SearchText.SCORES(scores=scores) if found else plain("no part")]
+    if least > 0:
+        texts.append(SearchText.NONE_ABOVE(score=least))
+    tip = words.render(all_of(texts))
     return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 

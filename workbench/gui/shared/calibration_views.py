@@ -11,6 +11,7 @@ from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import day_and_time, line, mm, sentence, table_html
+from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.calibration import (
     BinCheck,
     Calibration,
@@ -20,6 +21,8 @@ from workbench.model.calibration import (
     PoseResidual,
 )
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message, as_message
+from workbench.words.words import IN_ENGLISH, Words
 
 DAY = 24 * 3600.0
 
@@ -36,33 +39,34 @@ def days_old(cell: Cell, now: float) -> float | None:
     return None if record is None else max(0.0, (now - record.at) / DAY)
 
 
-def calibration_warning(cell: Cell, now: float) -> str:
-    """What is to be said against the scanner's pose; empty when nothing."""
+def calibration_warning(cell: Cell, now: float) -> Message | None:
+    """What is to be said against the scanner's pose; None when nothing."""
     old = days_old(cell, now)
     if old is None:
         # A made-up scanner hangs where the cell says, and a merged one takes no view without it.
         is_real = cell.scanner.source not in ("simulated", "merged")
-        return "the scanner's pose was never calibrated" if is_real else ""
+        return CalibrationText.NEVER() if is_real else None
     if old > cell.scanner.calibration_days:
-        limit = cell.scanner.calibration_days
-        return f"the scanner was calibrated {old:.0f} days ago; {limit:g} are allowed"
-    return ""
+        limit = f"{cell.scanner.calibration_days:g}"
+        return CalibrationText.OLD(days=round(old), limit=limit)
+    return None
 
 
-def record_line(cell: Cell, now: float) -> str:
+def record_line(cell: Cell, now: float, words: Words = IN_ENGLISH) -> str:
     """Who has calibrated the scanner of the cell, when, and how well."""
     record = cell.scanner.calibration
     if record is None:
         return line("Not calibrated: the pose is as somebody has written or moved it.", kind="hint")
-    on = day_and_time(record.at)
-    said = f"Calibrated {on} by {record.by}: {record.poses} poses, {mm(record.rms, 2)} RMS."
+    at = day_and_time(record.at)
+    texts = [CalibrationText.RECORD(at=at, person=record.by, count=record.poses, rms=record.rms)]
     if record.covariance is not None:
         largest = max(corner_errors(cell, record.covariance).values())
-        said += f" What lies at the bin's corners is seen to {mm(largest, 2)} (95%)."
+        texts.append(CalibrationText.RECORD_CORNERS(error=largest))
     warning = calibration_warning(cell, now)
-    if warning:
-        return line(f"{said} {sentence(warning)}.", kind="bad")
-    return line(said)
+    if warning is not None:
+        texts.append(warning)
+    kind = "result" if warning is None else "bad"
+    return line(" ".join(map(words.render, texts)), kind=kind)
 
 
 def light_html(light: Light, text: str) -> str:
@@ -73,23 +77,25 @@ def light_html(light: Light, text: str) -> str:
     )
 
 
-def bin_html(state: State, check: BinCheck | None, now: float) -> str:
+def bin_html(state: State, check: BinCheck | None, now: float, words: Words = IN_ENGLISH) -> str:
     """What the scan says about the bin, and what is to be said against the scanner's pose."""
     warning = calibration_warning(state.cell, now)
     if check is None:
-        return light_html("warning", f"{sentence(warning)}.") if warning else ""
-    said = f"{sentence(check.says)}."
+        return light_html("warning", words.render(warning)) if warning is not None else ""
+    text = f"{sentence(words.render(check.says))}."
     light: Light = check.light
-    if warning:
-        said, light = f"{said} {sentence(warning)}.", "warning" if light == "good" else light
-    return light_html(light, said)
+    if warning is not None:
+        text = f"{text} {words.render(warning)}"
+        light = "warning" if light == "good" else light
+    return light_html(light, text)
 
 
 def poses_html(
     observations: Sequence[PlateObservation],
-    found: Calibration | str,
+    found: Calibration | Message | str,
     chosen: int | None,
     rows: Sequence[str],
+    words: Words = IN_ENGLISH,
 ) -> str:
     """A row for each pose: its residuals, its light, and why it does not count."""
     if not observations:
@@ -98,7 +104,7 @@ def poses_html(
     if isinstance(found, Calibration):
         residuals = found.residuals
     body = "".join(
-        _pose_row(observation, residual, number == chosen, rows[number])
+        _pose_row(observation, residual, number == chosen, rows[number], words)
         for number, (observation, residual) in enumerate(
             zip(observations[: len(rows)], residuals, strict=False)
         )
@@ -113,15 +119,19 @@ def poses_html(
 
 
 def _pose_row(
-    observation: PlateObservation, residual: PoseResidual | None, is_chosen: bool, button: str
+    observation: PlateObservation,
+    residual: PoseResidual | None,
+    is_chosen: bool,
+    button: str,
+    words: Words,
 ) -> str:
     distance = angle = predicted = ""
     says, colour = "yes" if observation.is_used else "left out by a person", MUTED
     if residual is not None:
-        distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f}°"
-        predicted = "open" if residual.predicted is None else _off(residual.predicted)
+        distance, angle = mm(residual.distance, 2), f"{np.rad2deg(residual.angle):.2f} deg"
+        predicted = "open" if residual.predicted is None else words.render(_off(residual.predicted))
         colour = LIGHTS[residual.light]
-        says = residual.left_out or "yes"
+        says = words.render(residual.left_out) or "yes"
     dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
     return (
         f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
@@ -130,50 +140,48 @@ def _pose_row(
     )
 
 
-def _off(shift_and_turn: tuple[float, float]) -> str:
-    return f"{mm(shift_and_turn[0], 2)}, {np.rad2deg(shift_and_turn[1]):.2f}°"
+def _off(shift_and_turn: tuple[float, float]) -> Message:
+    return CalibrationText.OFF(shift=shift_and_turn[0], turn=shift_and_turn[1])
 
 
-def answer_html(cell: Cell, found: Calibration | str, count: int) -> str:
-    """Before and after, and how sure it is; or why there is no answer yet."""
-    if isinstance(found, str):
-        return line(f"{sentence(found)}.", kind="bad") if count else ""
+def answer_html(
+    cell: Cell, found: Calibration | Message | str, count: int, words: Words = IN_ENGLISH
+) -> str:
+    """Before and after, and the standard errors; or why there is no answer yet."""
+    if not isinstance(found, Calibration):
+        return line(f"{sentence(words.render(found))}.", kind="bad") if count else ""
     distance, angle, shift = moved_by(cell, found)
-    rows = [
-        (
-            "The scanner is",
-            f"{mm(distance)} and {np.rad2deg(angle):.2f}° from where the cell has it",
-        ),
-        ("In the bin", f"what is found moves by {mm(shift)}"),
-        ("Poses agree to", f"{mm(found.rms, 2)} RMS, {found.used} used"),
-        ("Predicted by the others", _prediction_words(found)),
-        (
-            "Sure to",
-            f"{mm(found.position_error, 2)} and {np.rad2deg(found.angle_error):.3f}° (standard "
-            "errors)",
-        ),
+    errors = CalibrationText.STANDARD_ERRORS(position=found.position_error, angle=found.angle_error)
+    agreement = CalibrationText.AGREEMENT(rms=found.rms, count=found.used)
+    facts = [
+        ("The scanner is", CalibrationText.MOVED(shift=distance, turn=angle)),
+        ("In the bin", CalibrationText.FINDINGS_MOVE(shift=shift)),
+        ("Poses agree to", agreement),
+        ("Predicted by the others", _prediction_message(found)),
+        ("Sure to", errors),
     ]
-    more = f"{ADVISED} poses are better than {found.used}." if found.used < ADVISED else ""
-    return table_html(rows) + corners_html(cell, found) + (line(more, kind="hint") if more else "")
+    table = table_html([(name, words.render(fact)) for name, fact in facts])
+    more = CalibrationText.MORE_POSES(advised=ADVISED, used=found.used)
+    advice = line(words.render(more), kind="hint") if found.used < ADVISED else ""
+    return table + corners_html(cell, found, words) + advice
 
 
-def _prediction_words(found: Calibration) -> str:
+def _prediction_message(found: Calibration) -> Message | str:
     """Each pose by those without it."""
     worst, rms = found.worst_predicted, found.predicted_rms
     if worst is None or worst.predicted is None:
         return "the poses are too few to predict any"
-    said = f"the worst is {worst.name}: {_off(worst.predicted)}"
-    return f"{_off(rms)} RMS; {said}" if rms is not None else f"not all; {said}"
+    named = CalibrationText.WORST(name=worst.name, off=_off(worst.predicted))
+    if rms is None:
+        return CalibrationText.SOME_PREDICTED(worst=named)
+    return CalibrationText.PREDICTED(rms=_off(rms), worst=named)
 
 
-def corners_html(cell: Cell, found: Calibration) -> str:
+def corners_html(cell: Cell, found: Calibration, words: Words = IN_ENGLISH) -> str:
     """How far off the bin's corners are seen by what the calibration leaves open."""
     errors = corner_errors(cell, found.covariance, found.T_world_scanner)
     largest = max(errors.values())
-    said = (
-        f"What lies at the corners of the bin is seen to {mm(largest, 2)} or better in 95% "
-        "of such calibrations. Robot and search come on top."
-    )
+    said = words.render(CalibrationText.CORNERS(error=largest))
     body = "".join(
         f"<tr><td>{escape(name)}</td>"
         f'<td class="wb-number">{mm(errors[f"floor {name.lower()}"], 2)}</td>'
@@ -187,27 +195,24 @@ def corners_html(cell: Cell, found: Calibration) -> str:
     )
 
 
-def next_html(pose: NextPose) -> str:
+def next_html(pose: NextPose, words: Words = IN_ENGLISH) -> str:
     """How the plate gets to a suggested pose, and what that would bring."""
-    steps = "".join(
-        line(f"{number}. {sentence(step)}") for number, step in enumerate(pose.steps, 1)
+    texts = (
+        CalibrationText.NEXT_FROM(pose=pose.after),
+        *(
+            CalibrationText.NEXT_STEP(number=number, step=as_message(step))
+            for number, step in enumerate(pose.steps, 1)
+        ),
+        CalibrationText.NEXT_GAIN(after=pose.error_with, before=pose.error),
     )
-    return (
-        line(f"From {pose.after} on, with the plate as it is held:")
-        + steps
-        + line(
-            f"The worst corner of the bin would be seen to {mm(pose.error_with, 2)} "
-            f"instead of {mm(pose.error, 2)}."
-        )
-    )
+    return "".join(line(words.render(text)) for text in texts)
 
 
-def overlay_line(shown: Overlay | None) -> str:
+def overlay_line(shown: Overlay | None, words: Words = IN_ENGLISH) -> str:
     """What the colours over the robot mean, and how well it lies there."""
     if shown is None:
         return line("Choose a pose to see its scan over the robot.", kind="hint")
-    middle = "none" if shown.middle is None else f"in the middle {mm(shown.middle)} away"
-    return line(
-        f"Points near the robot: {middle}; "
-        f"green to {mm(CLOSE, 0)}, amber to {mm(OFF, 0)}, red beyond."
-    )
+    middle = CalibrationText.OVERLAY_NONE()
+    if shown.middle is not None:
+        middle = CalibrationText.OVERLAY_MIDDLE(distance=shown.middle)
+    return line(words.render(CalibrationText.OVERLAY(middle=middle, close=CLOSE, off=OFF)))

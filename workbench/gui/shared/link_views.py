@@ -1,9 +1,18 @@
 """What the page says about the robot link; text and HTML, as in `views`."""
 
+import math
+from collections.abc import Mapping
+from html import escape
+
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
+from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.cycle import LinkText
+from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart, Message, as_message
 from workbench.model.release import LinkStatus, PartReport, Receipt
+from workbench.words.words import IN_ENGLISH, Words
 
 NO_SAFETY = (
     "Stop closes the link and asks the controller to stop. It is not a safety function: in danger "
@@ -17,35 +26,43 @@ WORDS = {
 }
 
 
-def link_html(view: View) -> str:
+def link_html(view: View, words: Words = IN_ENGLISH) -> str:
     """Protocol, how the link stands, what went out last and what was answered, and the parts."""
     state, link, controller = view.state, view.live.link, view.state.cell.controller
-    phase = WORDS.get(state.phase, "closed")
+    phase = as_message(WORDS.get(state.phase, "closed"))
     if state.phase is Phase.SENDING and link.phase:
-        phase = link.phase + (f", step {link.step} of {link.steps}" if link.step else "")
-    rows = [
-        ("Controller", f"{controller.host} port {controller.port}"),
-        ("Robot link", controller.link + (f" (speaks {link.version})" if link.version else "")),
+        phase = as_message(link.phase)
+        if link.step:
+            phase = LinkText.STEP(phase=phase, number=link.step, total=link.steps)
+    name = CommonText.NAME(name=controller.link)
+    if link.version:
+        name = LinkText.VERSION(link=controller.link, version=link.version)
+    facts: list[tuple[Message | str, Message | str]] = [
+        ("Controller", CommonText.ADDRESS(host=controller.host, port=controller.port)),
+        ("Robot link", name),
         ("Link", phase),
-        ("Robot's last word", view.live.robot or "none (no state report)"),
+        ("Last report of the robot", view.live.robot or "none (no state report)"),
         ("Fault here", state.fault or "none to acknowledge"),
     ]
     if link.acknowledged:
-        rows.append(("Last answer at", clock(link.acknowledged_at)))
+        facts.append(("Last answer at", clock(link.acknowledged_at)))
     if link.reported_at and state.phase is Phase.SENDING:
-        rows.append(("Last report", f"{max(0.0, view.at - link.reported_at):.1f} s ago"))
+        age = max(0.0, view.at - link.reported_at)
+        facts.append(("Last report", LinkText.AGO(age=age)))
     if link.stop:
-        rows.append(("Stop", link.stop))
+        facts.append(("Stop", link.stop))
     if state.receipts:
         last = state.receipts[-1]
-        rows += [
-            ("Messages", f"{last.done} of {last.total}"),
-            ("Last message", f"{'sent' if last.sent else 'heard'} at {clock(last.at)}"),
+        at = (LinkText.SENT_AT if last.sent else LinkText.RECEIVED_AT)(at=clock(last.at))
+        facts += [
+            ("Messages", LinkText.COUNT(count=last.done, total=last.total)),
+            ("Last message", at),
             ("On the wire", _wire(last, link)),
         ]
     if state.plan is not None:
-        rows.append(("Parts", parts_placed(state)))
-    rows += [(f"{part.arm.capitalize()} arm", _part(part)) for part in state.part_reports]
+        facts.append(("Parts", parts_placed(state, words)))
+    facts += [(CommonText.ARM(arm=r.arm.capitalize()), _part(r)) for r in state.part_reports]
+    rows = [(words.render(title), words.render(fact)) for title, fact in facts]
     bar = ""
     if state.receipts:
         share = 100 * state.receipts[-1].done / state.receipts[-1].total
@@ -53,18 +70,51 @@ def link_html(view: View) -> str:
     return table_html(rows) + bar + line(NO_SAFETY, kind="hint")
 
 
-def _wire(last: Receipt, link: LinkStatus) -> str:
+def _wire(last: Receipt, link: LinkStatus) -> Message:
     """The last message and its answer as the protocol has them, for who looks for a fault."""
-    words = [last.sent or last.heard, link.acknowledged]
-    return ", answered by ".join(word for word in words if word)
+    sent, answer = last.sent or last.heard, link.acknowledged
+    if sent and answer:
+        return LinkText.ANSWERED(sent=sent, answer=answer)
+    return CommonText.NAME(name=sent or answer)
 
 
-def _part(part: PartReport) -> str:
-    name = f"part-{part.detection + 1}"
-    match part.is_picked:
-        case True:
-            return f"{name} picked"
-        case False:
-            return f"{name} failed: {part.why}"
-        case None:
-            return f"{name} not known: {part.why}"
+def _part(report: PartReport) -> Message:
+    part = FoundPart(report.detection)
+    if report.is_picked:
+        return LinkText.PICKED(part=part)
+    why = as_message(report.why)
+    text = LinkText.UNKNOWN if report.is_picked is None else LinkText.FAILED
+    return text(part=part, why=why)
+
+
+def joints_html(
+    cell: Cell, joints: Mapping[str, float], heard: str = "", words: Words = IN_ENGLISH
+) -> str:
+    """What the controller reports of its joints [deg], in its own order.
+
+    Args:
+        cell: whose joints.
+        joints: by name [rad]; empty: none is reported.
+        heard: when they were reported, where that is over; empty: they are reported now.
+        words: of who reads it.
+    """
+    if not joints:
+        return line("The controller reports no joint values.", kind="hint")
+    reported = words.render(LinkText.REPORTED_LAST(at=heard))
+    last = line(reported, kind="warn") if heard else ""
+    most = max(len(arm.joints) for arm in cell.arms)
+    heads = (words.render(LinkText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
+    head = "".join(f"<th>{escape(text)}</th>" for text in heads)
+    rows = ""
+    for axis in range(most):
+        cells = ""
+        for arm in cell.arms:
+            known = axis < len(arm.joints)
+            joint = arm.joints[arm.axis_order[axis]] if known else ""
+            value = joints.get(joint)
+            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
+            cells += f'<td class="wb-number">{text}</td>'
+        name = words.render(CommonText.AXIS(number=axis + 1))
+        rows += f"<tr><th>{escape(name)}</th>{cells}</tr>"
+    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
+    return last + table

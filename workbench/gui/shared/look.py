@@ -160,7 +160,7 @@ class FilmMoment:
 
     arms: Mapping[str, Moment]
     parts: tuple[FilmPart, ...]
-    says: str
+    says: Message
 
 
 @dataclass(frozen=True, slots=True, eq=False)

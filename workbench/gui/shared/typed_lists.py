@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 
+from workbench.gui.texts.grasps import GraspText
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import plain
 
 MOST = 1000
 """Numbers in one list."""
@@ -32,16 +34,13 @@ def numbers_in(text: str, name: str) -> tuple[float, ...]:
     words = text.replace(",", " ").split()
     _check(len(words), name)
     if not all(re.fullmatch(_NUMBER, word) for word in words):
-        raise InputError(
-            f"{name}: numbers are expected, as 0, 72, 144, or a count and a step, "
-            f"as 5 x 72 or 3 x 13 from -28, not {text[:60]!r}"
-        )
+        raise InputError(GraspText.NUMBERS_EXPECTED(name=plain(name), text=f"{text[:60]!r}"))
     return tuple(float(word) for word in words)
 
 
 def _check(count: int, name: str) -> None:
     if not 1 <= count <= MOST:
-        raise InputError(f"{name}: 1 to {MOST} numbers are expected, not {count}")
+        raise InputError(GraspText.COUNT_EXPECTED(name=plain(name), most=MOST, count=count))
 
 
 def shown_numbers(values: tuple[float, ...]) -> str:
@@ -63,7 +62,7 @@ def direction_in(vector: tuple[float, float, float], name: str) -> Floats:
     """
     length = float(np.linalg.norm(vector))
     if not 1e-9 < length < 1e9:
-        raise InputError(f"{name}: {vector} has no direction")
+        raise InputError(GraspText.NO_DIRECTION(name=plain(name), vector=str(vector)))
     return np.array(vector) / length
 
 

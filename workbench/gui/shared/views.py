@@ -4,7 +4,6 @@ Everything that comes from outside (names of parts and people, messages of machi
 `escape` here, since HTML of the page may run scripts.
 """
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -16,12 +15,15 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
+from workbench.gui.texts.common import CommonText, cycle_message
+from workbench.gui.texts.cycle import CycleText, StatusText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import Message, all_of, as_message
+from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.states import ClearanceText, StateText
-from workbench.model.plan import Proof, cycle_words, floored
+from workbench.model.plan import Proof, floored
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.proof.stages import NEAR_MARGIN_LEGS
@@ -123,25 +125,30 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     state, live = view.state, view.live
     if view.is_recorded:
         is_fault = state.phase is Phase.FAULT
-        text = f"Fault: {state.fault}" if is_fault else said(state.message, words)
+        fault = StatusText.FAULT(fault=as_message(state.fault))
+        text = said(fault if is_fault else state.message, words)
         return _box("recorded", f"<b>Recorded:</b> {escape(text)}")
     if live.unrecorded:
-        what = "The sending" if state.phase is Phase.SENDING else "The task"
-        return _box("fault", f"<b>{what} has ended without a record:</b> {escape(live.unrecorded)}")
+        is_sending = state.phase is Phase.SENDING
+        what = StatusText.UNRECORDED_SENDING if is_sending else StatusText.UNRECORDED_TASK
+        why = escape(words.render(live.unrecorded))
+        return _box("fault", f"<b>{escape(words.render(what()))}</b> {why}")
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
-        waiting = "" if state.job is None else f"; then: {words.render(state.message)}"
-        note = f"<b>{escape(sentence(live.getting_ready.note))}</b>{escape(waiting)}"
+        then = words.render(StatusText.THEN(message=as_message(state.message)))
+        waiting = "" if state.job is None else f"; {then}"
+        getting_ready = sentence(words.render(live.getting_ready.note))
+        note = f"<b>{escape(getting_ready)}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
     if state.job is not None and state.phase is not Phase.SENDING:
-        note = live.told_of(state.job.number)[1] or words.render(state.message)
+        note = words.render(live.told_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:
         case Phase.FAULT:
-            return _box("fault", f"<b>Fault:</b> {escape(state.fault)}")
+            return _box("fault", f"<b>Fault:</b> {escape(words.render(state.fault))}")
         case Phase.SENDING:
-            return _box("busy", escape(said(state.message, words)), parts_placed(state))
+            return _box("busy", escape(said(state.message, words)), parts_placed(state, words))
         case Phase.DONE:
             is_good = all(outcome.is_picked for outcome in state.outcomes) and not is_failure(
                 state.message
@@ -153,19 +160,18 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
                 StateText.PLAN_READY
             )
             if state.proof is not None and is_ready:
-                text = f"Plan ready: {_takes(state)}, {clearance_words(state.proof, words)}"
+                clearance = clearance_message(state.proof)
+                ready = StatusText.PLAN_READY(plan=_takes(state), clearance=clearance)
+                text = words.render(ready)
             return _box("fault" if is_failure(state.message) else "plain", escape(text))
 
 
-def changes_html(state: State) -> str:
+def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
     """What has changed since the start before, as long as nobody has acknowledged it."""
     if not state.changed:
         return ""
-    since = (
-        f"This has changed since {state.changed_since}; "
-        "nothing is sent before an engineer acknowledges it:"
-    )
-    listed = "".join(f"<li>{escape(change)}</li>" for change in state.changed)
+    since = words.render(StatusText.CHANGED_SINCE(since=state.changed_since))
+    listed = "".join(f"<li>{escape(words.render(change))}</li>" for change in state.changed)
     head = f"<b>{escape(since)}</b>"
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
@@ -179,10 +185,10 @@ def _box(kind: str, left: str, right: str = "") -> str:
     )
 
 
-def parts_placed(state: State) -> str:
+def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:
     """How many parts the controller says are placed, of how many."""
     expected = sum(len(plan.arms) for plan in state.plans)
-    return f"{state.parts_placed} of {expected} placed"
+    return words.render(StatusText.PLACED(count=state.parts_placed, total=expected))
 
 
 def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> str:
@@ -193,10 +199,10 @@ def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> st
     )
 
 
-def hint(state: State, command: type, purpose: str, span: int) -> str:
+def hint(state: State, command: type, purpose: str, span: int, words: Words = IN_ENGLISH) -> str:
     """What a step is for, or what has to be done before."""
     missing = what_is_missing(state, command)
-    text = f"{sentence(str(missing))}." if missing else purpose
+    text = f"{sentence(words.render(missing))}." if missing else purpose
     return line(text, kind="hint", span=span, tip=purpose)
 
 
@@ -224,60 +230,72 @@ SCANS = {
 """What the scan step does, by the scanner's source."""
 
 
-def scan_line(state: State) -> str:
+def scan_line(state: State, words: Words = IN_ENGLISH) -> str:
     """What the scan step has brought."""
     purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
-        return hint(state, TakeScan, purpose, 2)
-    at = f", {clock(state.scan.at)}" if state.scan.at else ""
-    return line(f"{len(state.scan.points):,} points ({state.scan.source}){at}", span=2, tip=purpose)
+        return hint(state, TakeScan, purpose, 2, words)
+    points, source = len(state.scan.points), state.scan.source
+    scanned = CycleText.SCANNED(points=points, source=source)
+    if state.scan.at:
+        scanned = CycleText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
+    return line(words.render(scanned), span=2, tip=purpose)
 
 
-def parts_line(state: State, wrong_sizes: Sequence[str] = (), check: BinCheck | None = None) -> str:
+def parts_line(
+    state: State,
+    wrong_sizes: Sequence[Message | str] = (),
+    check: BinCheck | None = None,
+    words: Words = IN_ENGLISH,
+) -> str:
     """What the localizer has brought, of about how many, and of CAD files of a wrong size."""
     purpose = "Fits the CAD model of the part to the scan."
     if state.detections is None:
-        return hint(state, FindParts, purpose, 2)
+        return hint(state, FindParts, purpose, 2, words)
     count = len(state.detections)
     if count == 0:
         return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
-    more = " …" if count > 4 else ""
-    noun = "part" if count == 1 else "parts"
-    parts = f"{count} {noun}"
+    parts = CommonText.PARTS(count=count)
     if check is not None:
-        parts = parts_in_words(state.cell, check, state.detections)
-    found = f"{parts}, score {scores}{more}"
-    warnings = (line(f"{sentence(size)}.", kind="bad", span=2) for size in wrong_sizes)
-    return line(found, span=2, tip=purpose) + "".join(warnings)
+        parts = as_message(parts_in_words(state.cell, check, state.detections))
+    found = (CycleText.FOUND_MORE if count > 4 else CycleText.FOUND)(parts=parts, scores=scores)
+    problems = (f"{sentence(words.render(size))}." for size in wrong_sizes)
+    warnings = (line(problem, kind="bad", span=2) for problem in problems)
+    return line(words.render(found), span=2, tip=purpose) + "".join(warnings)
 
 
-def forecast_line(cell: Cell, predictions: Predictions | None, threshold: float) -> str:
+def forecast_line(
+    cell: Cell, predictions: Predictions | None, threshold: float, words: Words = IN_ENGLISH
+) -> str:
     """What the last study says about a threshold [m]; empty when there was none."""
     forecast = None if predictions is None else predictions.near(threshold)
     if predictions is None or forecast is None:
         return ""
-    pieces = [
-        "" if forecast.coordinated is None else f"{forecast.coordinated:.0%} far enough apart",
-        "" if forecast.success is None else f"{forecast.success:.0%} planned",
-        "" if forecast.planning is None else f"in {forecast.planning * 1000:.0f} ms",
-        "" if forecast.parts_per_hour is None else f"{forecast.parts_per_hour:.0f} parts an hour",
-    ]
-    said = ", ".join(piece for piece in pieces if piece)
-    changed = "" if predictions.cell_digest == cell.digest else "; the cell was changed since"
-    piles, distance = predictions.piles, mm(forecast.threshold, 0)
-    where = f"Of {piles} simulated pairs at {distance}"
-    return line(f"{where}: {said}{changed}", kind="hint")
+    facts: list[Message] = []
+    if forecast.coordinated is not None:
+        facts.append(CycleText.FORECAST_APART(share=forecast.coordinated))
+    if forecast.success is not None:
+        facts.append(CycleText.FORECAST_PLANNED(share=forecast.success))
+    if forecast.planning is not None:
+        facts.append(CycleText.FORECAST_TIME(time=forecast.planning))
+    if forecast.parts_per_hour is not None:
+        facts.append(CycleText.FORECAST_RATE(count=round(forecast.parts_per_hour)))
+    is_same = predictions.cell_digest == cell.digest
+    of_pairs = CycleText.FORECAST if is_same else CycleText.FORECAST_OTHER_CELL
+    text = of_pairs(piles=predictions.piles, distance=forecast.threshold, facts=facts)
+    return line(words.render(text), kind="hint")
 
 
-def _takes(state: State) -> str:
+def _takes(state: State) -> Message:
     plan = state.plan
-    if plan is None:
-        return ""
-    words = f"{plan.strategy.words}, {cycle_words(plan.cycle_seconds, state.bound)}"
+    assert plan is not None
+    cycle = cycle_message(plan.cycle_seconds, state.bound)
+    text = CycleText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
     if len(state.plans) < 2:
-        return words
-    return f"{len(state.plans)} in a row, number {len(state.sent_before) + 1}: {words}"
+        return text
+    number = len(state.sent_before) + 1
+    return CycleText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
 
 
 def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
@@ -289,27 +307,34 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
             no_plan = StateText.NO_PLAN(verdict=state.verdict.message)
             return line(sentence(words.render(no_plan)), kind=kind, tip=purpose)
         if state.stale:
-            return line(f"{sentence(state.stale)}.", kind="bad", tip=purpose)
-        return hint(state, MakePlan, purpose, 3)
+            return line(f"{sentence(words.render(state.stale))}.", kind="bad", tip=purpose)
+        return hint(state, MakePlan, purpose, 3, words)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:
-        why = words.render(proof.violations[0].message) if proof is not None else "there is none"
-        return line(f"The proof does not hold: {why}", kind="bad", tip=purpose)
-    takes = _takes(state)
-    text = f"{takes}, {clearance_words(proof, words)}"
+        problem = CycleText.NO_PROOF()
+        if proof is not None:
+            problem = CycleText.PROOF_FAILS(violation=proof.violations[0].message)
+        return line(words.render(problem), kind="bad", tip=purpose)
+    takes, clearance = _takes(state), clearance_message(proof)
     unknown = sum(not obstacle.part for obstacle in plan.obstacles)
+    result = CycleText.RESULT(plan=takes, clearance=clearance)
     if unknown:
-        text += f", clear of {unknown} unknown obstacles"
-    text = sentence("; ".join((text, *map(words.render, plan.remarks))))
+        result = CycleText.RESULT_UNKNOWN(plan=takes, clearance=clearance, count=unknown)
+    text = said(all_of((result, *plan.remarks)) or result, words)
     return line(text, kind="warn" if plan.goes_unseen else "result", tip=text)
 
 
 def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:
     """How near a plan comes to anything on its free and on its linear motion."""
+    return words.render(clearance_message(proof))
+
+
+def clearance_message(proof: Proof) -> Message:
+    """How near a plan comes to anything on its free and on its linear motion."""
     free, linear = floored(proof.clearance), straight_bound(proof)
     if linear is None:
-        return words.render(ClearanceText.FREE(free=free))
-    return words.render(ClearanceText.BOTH(free=free, linear=floored(max(linear, 0.0))))
+        return ClearanceText.FREE(free=free)
+    return ClearanceText.BOTH(free=free, linear=floored(max(linear, 0.0)))
 
 
 def straight_bound(proof: Proof) -> float | None:
@@ -353,30 +378,3 @@ def candidate_label(candidate: Candidate) -> str:
         verdict_text(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)
-
-
-def joints_html(cell: Cell, joints: Mapping[str, float], heard: str = "") -> str:
-    """What the controller reports of its joints [deg], in its own order.
-
-    Args:
-        cell: whose joints.
-        joints: by name [rad]; empty: none is reported.
-        heard: when they were reported, where that is over; empty: they are reported now.
-    """
-    if not joints:
-        return line("The controller reports no joint values.", kind="hint")
-    last = line(f"The controller reported these last at {heard}.", kind="warn") if heard else ""
-    most = max(len(arm.joints) for arm in cell.arms)
-    head = "".join(f"<th>{escape(arm.name)} [deg]</th>" for arm in cell.arms)
-    rows = ""
-    for axis in range(most):
-        cells = ""
-        for arm in cell.arms:
-            known = axis < len(arm.joints)
-            joint = arm.joints[arm.axis_order[axis]] if known else ""
-            value = joints.get(joint)
-            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
-            cells += f'<td class="wb-number">{text}</td>'
-        rows += f"<tr><th>Axis {axis + 1}</th>{cells}</tr>"
-    table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
-    return last + table

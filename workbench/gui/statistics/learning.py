@@ -12,7 +12,9 @@ from workbench.app.statistics.remaining import RemainingPart
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.message import as_message
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +76,7 @@ class LearningControls:
         except JobCancelled:
             says = []
         except WorkbenchError as error:
-            says = [str(error)]
+            says = [self._visitor.words.render(error.message)]
         except Exception as error:
             # A rim: a library without the new grasps stays as it is.
             log.exception("grasps for parts that were left could not be made")
@@ -85,7 +87,8 @@ class LearningControls:
         self._visitor.admit(self._button, state, EditPart)
 
     def _report(self, done: float, note: str) -> None:
-        self._tell([f"{done:.0%}: {note}"])
+        progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
+        self._tell([self._visitor.words.render(progress)])
 
     def _tell(self, says: Sequence[str]) -> None:
         self._line.content = "".join(line(text, kind="hint") for text in says)

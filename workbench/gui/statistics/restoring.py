@@ -22,7 +22,9 @@ from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.statistics.views import changes_any, not_restored, things_html
+from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, WorkbenchError
+from workbench.model.messages.message import Message
 
 log = logging.getLogger(__name__)
 
@@ -99,7 +101,7 @@ class RestoreControls:
         try:
             sent_name(name)
         except InputError as error:
-            self._told.content = line(str(error), kind="bad")
+            self._told.content = line(self._visitor.words.render(error.message), kind="bad")
             return
         self._look(Chosen(name, lambda: uploaded(name, content)))
 
@@ -114,7 +116,7 @@ class RestoreControls:
     def _look(self, chosen: Chosen) -> None:
         self._forget()
         self._wanted_look = chosen
-        self._told.content = line(f"{chosen.name}: being read …", kind="hint")
+        self._told.content = self._line(StatisticsText.READING(name=chosen.name))
         self._begin(lambda: self._show_content(chosen))
 
     def _show_content(self, chosen: Chosen) -> None:
@@ -123,12 +125,12 @@ class RestoreControls:
         if self._wanted_look is not chosen:
             return
         self._chosen, self._things = chosen, things
-        self._told.content = things_html(chosen.name, things)
+        self._told.content = things_html(chosen.name, things, self._visitor.words)
 
     def _on_wanted(self) -> None:
         chosen = self._chosen
         if chosen is not None and self._visitor.attempt(self._check):
-            self._told.content = line(f"{chosen.name}: being restored …", kind="hint")
+            self._told.content = self._line(StatisticsText.RESTORING(name=chosen.name))
             self._begin(lambda: self._on_restored(chosen))
 
     def _check(self) -> None:
@@ -155,10 +157,11 @@ class RestoreControls:
             BUSY.release()
         log.warning("%s has restored %s: %s", said["by"], chosen.name, ", ".join(changed))
         self._chosen, self._things = None, ()
-        self._told.content = line(
-            f"{chosen.name} is restored; what was there before is kept as {before.name}. The cell "
-            "is read again where its files have changed."
-        )
+        restored = StatisticsText.RESTORED(name=chosen.name, before=before.name)
+        self._told.content = line(self._visitor.words.render(restored))
+
+    def _line(self, text: Message) -> str:
+        return line(self._visitor.words.render(text), kind="hint")
 
     def _begin(self, work: Callable[[], None]) -> None:
         """Have something done in a thread of its own; what goes wrong is reported in its place."""
@@ -169,7 +172,7 @@ class RestoreControls:
             except JobCancelled:
                 return
             except WorkbenchError as error:
-                self._told.content = line(str(error), kind="bad")
+                self._told.content = line(self._visitor.words.render(error.message), kind="bad")
             except Exception:
                 log.exception("a backup could not be used")
                 self._told.content = line("Internal error, see the log.", kind="bad")

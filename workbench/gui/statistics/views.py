@@ -9,7 +9,9 @@ from workbench.app.statistics.remaining import remaining_words
 from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import line, table_html, time_of_day, zone
+from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.candidate import Reason
+from workbench.model.messages.message import Message, plain
 from workbench.words.words import IN_ENGLISH, Words
 
 MOST_BARS = 12
@@ -45,21 +47,20 @@ FATES: Mapping[str, str] = {
 }
 
 
-def things_html(name: str, things: Sequence[Thing]) -> str:
+def things_html(name: str, things: Sequence[Thing], words: Words = IN_ENGLISH) -> str:
     """What a backup would change, thing by thing."""
-    return line(f"What {name} would change:") + table_html(
-        [(_label(thing), FATES[thing.fate]) for thing in things]
-    )
+    rows = [(words.render(_label(thing)), FATES[thing.fate]) for thing in things]
+    return line(words.render(StatisticsText.WOULD_CHANGE(name=name))) + table_html(rows)
 
 
-def _label(thing: Thing) -> str:
+def _label(thing: Thing) -> Message:
     match thing.kind:
         case "robots":
-            return f"Cell {thing.name}"
+            return StatisticsText.CELL(name=thing.name)
         case "parts":
-            return f"Part {thing.name} with its grasps"
+            return StatisticsText.PART(name=thing.name)
         case _:
-            return f"Session {thing.name}"
+            return StatisticsText.SESSION(name=thing.name)
 
 
 def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
@@ -68,22 +69,27 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         return line("Once a cycle was planned, what came of it is counted here.", kind="hint")
     rate = counted.picks_per_hour
     failed = sum(pick.result == "failed" for _, pick in counted.picks)
+    taken = StatisticsText.TAKEN(taken=counted.picked, failed=failed)
+    hourly = None if rate is None else StatisticsText.RATE(count=round(rate))
     rows = [
         ("Cycles", f"{len(counted.cycles)}"),
-        ("Parts taken", f"{counted.picked}, {failed} failed"),
-        ("Parts per hour", "" if rate is None else f"{rate:.0f}, pauses between cycles left out"),
+        ("Parts taken", words.render(taken)),
+        ("Parts per hour", words.render(hourly)),
     ]
     hours = counted.by_hour()
     charts = [
-        *(_success(f"Success by {name}", counted.rates(of)) for name, of in GROUPS.items()),
+        *(
+            _success(StatisticsText.SUCCESS_BY(group=plain(name)), counted.rates(of), words)
+            for name, of in GROUPS.items()
+        ),
         _bars(
-            f"Parts taken in each hour [{zone(hours[-1][0])}]" if hours else "",
+            words.render(StatisticsText.BY_HOUR(zone=zone(hours[-1][0]))) if hours else "",
             [(time_of_day(at)[:5], picked, f"{picked}") for at, picked, _ in hours],
         ),
         _bars(
             "Median time of each stage",
             [
-                (stage, usual, f"{_seconds(usual)}, most {_seconds(most)}")
+                (stage, usual, words.render(_median(usual, most)))
                 for stage, usual, most in counted.stage_medians()
             ],
         ),
@@ -102,18 +108,22 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
     return table_html(rows) + "".join(charts)
 
 
+def _median(usual: float, most: float) -> Message:
+    return StatisticsText.MEDIAN_TIME(median=_seconds(usual), most=_seconds(most))
+
+
 def _seconds(time: float) -> str:
     return f"{time:.1f} s" if time >= 10 else f"{time:.2f} s"
 
 
-def _success(title: str, rates: tuple[Rate, ...]) -> str:
+def _success(title: Message, rates: tuple[Rate, ...], words: Words) -> str:
     """A bar for each, its length the share that was taken."""
     known = [rate for rate in rates if rate.picked + rate.failed]
-    bars = [
-        _bar(rate.name, 100 * rate.share, f"{rate.picked} of {rate.picked + rate.failed}", BAD)
-        for rate in known[:MOST_BARS]
-    ]
-    return _chart(title, bars)
+    bars: list[str] = []
+    for rate in known[:MOST_BARS]:
+        taken = StatisticsText.TAKEN_OF(taken=rate.picked, total=rate.picked + rate.failed)
+        bars.append(_bar(rate.name, 100 * rate.share, words.render(taken), BAD))
+    return _chart(words.render(title), bars)
 
 
 def _bars(title: str, values: list[tuple[str, float, str]]) -> str:

@@ -18,9 +18,11 @@ from workbench.formats.meshes.cad_look import CadLook
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import element_id, taken_upload
 from workbench.gui.shared.visitor import Visitor, hidden_css
+from workbench.gui.texts.parts import UploadText
 from workbench.gui.uploads.reading import cad_look
-from workbench.gui.uploads.views import look_words, size_words
+from workbench.gui.uploads.views import look_message, size_message
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
+from workbench.model.messages.message import Message
 
 log = logging.getLogger(__name__)
 
@@ -118,7 +120,7 @@ class CadPick:
         try:
             self.drawing = Drawing(sent_name(name), np.frombuffer(content, np.uint8), self.unit)
         except InputError as error:
-            self._line.content = line(str(error), kind="bad")
+            self._line.content = line(self._visitor.words.render(error.message), kind="bad")
             self._changed()
         self._look()
 
@@ -140,8 +142,9 @@ class CadPick:
         # Another object for each look: by it an answer that comes too late is told.
         self.drawing = Drawing(self.drawing.file, self.drawing.content, self.unit)
         self.look = None
-        told = size_words(self.drawing.file, self.drawing.content.size)
-        self._line.content = line(f"{told}: being read …", kind="hint")
+        size = size_message(self.drawing.file, self.drawing.content.size)
+        reading = self._visitor.words.render(UploadText.READING(file=size))
+        self._line.content = line(reading, kind="hint")
         self._changed()
         Thread(target=self._read, args=(self.drawing,), name="look-at-cad", daemon=True).start()
 
@@ -154,18 +157,19 @@ class CadPick:
                 self.solid,
                 cancelled=lambda: drawing is not self.drawing,
             )
-            says, kind = f"{drawing.file}: {look_words(look)}", "result"
+            text: Message = UploadText.LOOK(file=drawing.file, facts=look_message(look))
+            kind = "result"
         except JobCancelled:
             return
         except WorkbenchError as error:
-            look, says, kind = None, str(error), "bad"
+            look, text, kind = None, error.message, "bad"
         except Exception:
             # A rim: what cannot be looked at can be tried all the same.
             log.exception("a CAD file could not be looked at")
-            look, says, kind = None, f"{drawing.file} could not be looked at", "bad"
+            look, text, kind = None, UploadText.FAILED(file=drawing.file), "bad"
         if drawing is self.drawing:
             self.look = look
             if look is not None and self._solid is not None:
                 self._offer(look.solids)
-            self._line.content = line(says, kind=kind)
+            self._line.content = line(self._visitor.words.render(text), kind=kind)
             self._changed()

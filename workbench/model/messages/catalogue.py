@@ -5,7 +5,7 @@ from types import MappingProxyType
 from typing import Any, cast
 
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
-from workbench.model.messages.message import UNITS, FoundPart, Message, Others, Text, plain
+from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.plans import (
     GuaranteeText,
     LegText,
@@ -102,7 +102,7 @@ def _fits(text: Text, args: Mapping[str, Any]) -> bool:
     """Whether arguments are those of a text, with numbers where it shows numbers."""
     is_number = {name: isinstance(arg, int | float) for name, arg in args.items()}
     return args.keys() == text.places.keys() and all(
-        is_number[name] or not how & {*UNITS, "|"} for name, how in text.places.items()
+        is_number[name] or not how & {*UNITS, GROUPED, "|"} for name, how in text.places.items()
     )
 
 

@@ -12,14 +12,25 @@ _PART = re.compile(r"part-([1-9]\d{0,5})")
 UNITS: Mapping[str, tuple[float, int, str]] = {
     "mm": (1e3, 1, " mm"),
     "mm0": (1e3, 0, " mm"),
+    "mm2": (1e3, 2, " mm"),
     "deg": (57.29577951308232, 2, " deg"),
     "deg0": (57.29577951308232, 0, " deg"),
     "deg1": (57.29577951308232, 1, " deg"),
+    "deg3": (57.29577951308232, 3, " deg"),
     "kg": (1.0, 3, " kg"),
+    "g": (1e3, 1, " g"),
     "s": (1.0, 1, " s"),
+    "s2": (1.0, 2, " s"),
+    "ms": (1e3, 0, " ms"),
+    "min": (1 / 60, 0, " min"),
     "%": (100.0, 0, "%"),
+    "1": (1.0, 1, ""),
+    "2": (1.0, 2, ""),
 }
 """How a number is shown: its factor from SI, its digits, and its unit."""
+
+GROUPED = "n"
+"""How a count of thousands is shown: `12,345`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,6 +223,8 @@ def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
     if how in UNITS:
         factor, digits, unit = UNITS[how]
         return f"{arg * factor + 0.0:.{digits}f}{unit}"
+    if how == GROUPED:
+        return f"{arg:,}"
     if isinstance(arg, tuple):
         return _join_list(cast(tuple[Any, ...], arg), how, template_of)
     return arg.rendered(template_of) if isinstance(arg, Message) else str(arg)

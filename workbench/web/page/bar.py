@@ -15,7 +15,9 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.model.errors import WorkbenchError
+from workbench.model.messages.message import Message, all_of, as_message
 from workbench.web.page.tour import tour_of
+from workbench.web.texts import BarText
 
 Bar = Callable[[Person], Mapping[str, Any]]
 """Says what stands in somebody's bar."""
@@ -95,7 +97,7 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     return {
         "robot": robot,
         "kind": kind,
-        "fault": "; ".join(filter(None, fault)),
+        "fault": all_of(as_message(text) for text in fault if text) or "",
         "can_stop": not why,
         "why": why or "",
         "has_robot": True,
@@ -103,11 +105,14 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     }
 
 
-def _robot(state: State, live: Live) -> tuple[str, str]:
+def _robot(state: State, live: Live) -> tuple[Message | str, str]:
     if state.phase is Phase.SENDING:
-        link = live.link
-        step = f", step {link.step} of {link.steps}" if link.step else ""
-        return f"Sending: robot {live.robot or 'does not report'}{step}", "busy"
+        link, robot = live.link, as_message(live.robot or "does not report")
+        if link.step:
+            step = BarText.SENDING_STEP(state=robot, number=link.step, total=link.steps)
+            return step, "busy"
+        return BarText.SENDING(state=robot), "busy"
     if not live.robot:
         return "Robot: no report", "off"
-    return f"Robot: {live.robot}", "bad" if live.robot.startswith("fault") else "good"
+    is_fault = live.robot.startswith("fault")
+    return BarText.ROBOT(state=as_message(live.robot)), "bad" if is_fault else "good"

@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable
 from aiohttp import hdrs, web
 
 from workbench.app.core.people import Person
+from workbench.model.messages.message import Message
 from workbench.web.access.first_key import FirstKey
 from workbench.web.access.identity import ACCESS, session_of
 from workbench.web.access.lockout import REMEMBERED, LockedOut, Lockout
@@ -15,6 +16,7 @@ from workbench.web.http.refusals import refused
 from workbench.web.page.connections import Connections
 from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
+from workbench.web.texts import BarText
 from workbench.words.words import words_of
 
 MOST_FORM = 4096
@@ -91,7 +93,7 @@ class Logins:
         if isinstance(found, LockedOut):
             refused("login", why="too many failed", origin=request.remote, who=shown)
             minutes = math.ceil(found.seconds / 60)
-            text = f"Too many logins have failed. Try again in {minutes} min."
+            text = BarText.LOCKED_OUT(minutes=minutes)
             answer = self._form(request, 429, text, shown)
             answer.headers[hdrs.RETRY_AFTER] = str(math.ceil(found.seconds))
             return answer
@@ -164,10 +166,15 @@ class Logins:
         )
 
     def _form(
-        self, request: web.Request, status: int, problem: str, name: str = "", pieces: str = ""
+        self,
+        request: web.Request,
+        status: int,
+        problem: Message | str,
+        name: str = "",
+        pieces: str = "",
     ) -> web.Response:
-        say = words_of(language_of(request)).say
-        title, said = say(self._title), say(problem)
+        render = words_of(language_of(request)).render
+        title, said = render(self._title), render(problem)
         values = {"title": title, "problem": said, "user": name, "pieces": pieces}
         return self._pages.page(request, "login.html", status, **values)
 

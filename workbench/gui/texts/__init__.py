@@ -1,0 +1,1 @@
+"""Texts of the page that hold values, by subject."""

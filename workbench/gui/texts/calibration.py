@@ -1,0 +1,39 @@
+"""Texts of the tab Calibration, and of the scanner's calibration elsewhere on the page."""
+
+from workbench.model.messages.message import Text
+
+
+class CalibrationText(Text, subject="page-calibration"):
+    """Calibration of the scanner: its record, poses of the plate, the answer, drift."""
+
+    OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
+    NEVER = "The scanner was never calibrated."
+    RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
+    RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95 %)."
+    OFF = "{shift:mm2}, {turn:deg}"
+    MOVED = "{shift:mm} and {turn:deg} from its pose in the cell"
+    FINDINGS_MOVE = "parts in the bin shift by {shift:mm}"
+    AGREEMENT = "{rms:mm2} RMS, {count} used"
+    STANDARD_ERRORS = "{position:mm2} and {angle:deg3} (standard errors)"
+    MORE_POSES = "{advised} poses are better than {used}."
+    WORST = "worst: {name}, {off}"
+    PREDICTED = "{rms} RMS; {worst}"
+    SOME_PREDICTED = "not all; {worst}"
+    CORNERS = (
+        "Error at the corners of the bin: up to {error:mm2} in 95 % of such calibrations. "
+        "Errors of robot and search add to it."
+    )
+    NEXT_FROM = "From {pose} on, with the plate held as it is:"
+    NEXT_STEP = "{number}. {step}"
+    NEXT_GAIN = "Error at the worst corner of the bin: {after:mm2} instead of {before:mm2}."
+    OVERLAY = "Points near the robot: {middle}; green to {close:mm0}, amber to {off:mm0}, then red."
+    OVERLAY_NONE = "none"
+    OVERLAY_MIDDLE = "median distance {distance:mm}"
+    NO_POSE = "The {arm} arm reaches no pose in which the scanner sees the plate."
+    READING = "Reading … {done:%}"
+    SESSIONS = (
+        "{scans} {scans:scan|scans} of {sessions} {sessions:session|sessions} since the "
+        "calibration."
+    )
+    SHIFT_BY = "Shift, by {thing}"
+    TURN_BY = "Turn, by {thing}"

@@ -1,0 +1,80 @@
+"""Texts of the tab Cycle, without its approval."""
+
+from workbench.model.messages.message import Text
+
+
+class StatusText(Text, subject="page-status"):
+    """The line above all tabs: what goes on, and what has changed."""
+
+    FAULT = "Fault: {fault}"
+    PLAN_READY = "Plan ready: {plan}, {clearance}"
+    CHANGED_SINCE = "Changed since {since}. Nothing is sent before an engineer acknowledges it:"
+    UNRECORDED_SENDING = "The sending has ended without a record:"
+    UNRECORDED_TASK = "The task has ended without a record:"
+    THEN = "then: {message}"
+    PLACED = "{count} of {total} placed"
+
+
+class CycleText(Text, subject="page-cycle"):
+    """Results of the steps, the threshold, the row and the sending."""
+
+    SCANNED = "{points:n} points ({source})"
+    SCANNED_AT = "{points:n} points ({source}), {at}"
+    FOUND = "{parts}, score {scores}"
+    FOUND_MORE = "{parts}, score {scores} …"
+    PLAN = "{strategy}, {cycle}"
+    PLAN_OF_ROW = "{count} in a row, number {number}: {plan}"
+    RESULT = "{plan}, {clearance}"
+    RESULT_UNKNOWN = "{plan}, {clearance}, clear of {count} unknown {count:obstacle|obstacles}"
+    PROOF_FAILS = "The proof does not hold: {violation}"
+    NO_PROOF = "The plan has no proof."
+    FORECAST = "Of {piles} simulated pairs at {distance:mm0}: {facts}"
+    FORECAST_OTHER_CELL = (
+        "Of {piles} simulated pairs at {distance:mm0}: {facts}; the cell has changed since"
+    )
+    FORECAST_APART = "{share:%} far enough apart"
+    FORECAST_PLANNED = "{share:%} planned"
+    FORECAST_TIME = "in {time:ms}"
+    FORECAST_RATE = "{count} parts per hour"
+    APART = "{count} of {total} {total:pair|pairs} apart ({distance:mm0})"
+    APART_RANGE = "{count} of {total} {total:pair|pairs} apart ({low:mm0} to {high:mm0})"
+    COORDINATED = "Coordinated, if quicker, for these parts: {apart}"
+    ALTERNATED = "Alternated for these parts: {apart}"
+    PICKS = "{count} {count:pick|picks} in a row"
+    OVER_STATION = "two of them for a part that goes over a station"
+    LEFT_OUT = "{count} left out"
+    TAKES = "{part} {arm}"
+    TAKES_TO_STATION = "{part} {arm}, to station {station}"
+    DIGESTS = "plan {plan}, proof {proof}"
+    MESSAGES_SENT = "{count} of {total} messages sent"
+    STEP = "step {number} of {total}"
+    STEPS_DONE = "all {total} steps done"
+    ENDED_IN_STEP = "ended in step {number} of {total}"
+    SENT_OF_PLAN = "{sent} (plan {number})"
+    BEFORE_STEP = "Before step 1 of {total}"
+    RUN_STEP = "Run step {number} of {total}: {legs}"
+    STEP_RUNS = "Step {number} of {total} runs: {legs}"
+    RUNS_MEANWHILE = "During the motion runs {task}."
+    PICKED = "{arm} picked"
+    FAILED = "{arm} failed"
+    PART_PICKED = "{part} picked"
+    PART_FAILED = "{part} failed"
+    REPORTED_BY = "reported by {person}"
+    REPORTED_BY_WHY = "reported by {person}: {why}"
+
+
+class LinkText(Text, subject="page-link"):
+    """The robot link: its protocol, its last message, and the parts."""
+
+    VERSION = "{link} (protocol {version})"
+    STEP = "{phase}, step {number} of {total}"
+    AGO = "{age:s} ago"
+    COUNT = "{count} of {total}"
+    SENT_AT = "sent at {at}"
+    RECEIVED_AT = "received at {at}"
+    ANSWERED = "{sent}, answered by {answer}"
+    PICKED = "{part} picked"
+    FAILED = "{part} failed: {why}"
+    UNKNOWN = "{part} unknown: {why}"
+    REPORTED_LAST = "The controller reported these last at {at}."
+    ARM_DEGREES = "{arm} [deg]"

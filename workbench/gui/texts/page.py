@@ -1,0 +1,23 @@
+"""Texts of the page around the tabs: control, presence, help."""
+
+from workbench.model.messages.message import Text
+
+
+class PageText(Text, subject="page-frame"):
+    """Who is in control, what the page is of, and what went wrong with a tab."""
+
+    CELL = "Cell {name}"
+    TAB_BROKEN = "This tab does not work: {problem}"
+    HAND_OVER = "Hand over to {person}"
+    ASKS = "{person} asks for control"
+    IN_CONTROL = "You are in control."
+    IN_CONTROL_ASKED = "You are in control. {person} asks for it."
+    OTHER_IN_CONTROL = "{person} is in control."
+    OTHER_ASKED = "{person} is in control, you have asked."
+    ENTRY = "Entry {number} of {total}"
+    ENTRY_AT = "Entry {number} of {total}, {at}, {person}: {message}"
+    AT_ZONE = "At [{zone}]"
+    LINE_OF = "{label} ({number} of {total}): {note}"
+    CANDIDATES = "{shown} of {total} candidates"
+    CANDIDATES_PAGE = "{shown} of {total} candidates, page {page} of {pages}"
+    PALLETS = "{count} {count:part lies|parts lie} on the pallets."
