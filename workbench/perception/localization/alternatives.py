@@ -1,8 +1,8 @@
 """How sure a turn is: other turns of the part that the scan shows nearly as well share its chance.
 
-A gear that is turned by a tooth, a spring that is turned and shifted along its wire, and a nut that
-is turned by a few degrees look nearly alike.  Each other turn gets a weight that falls with the
-pixels by which the scan shows it less well; the chance of the pose is its share of them all.
+A gear turned by a tooth looks nearly alike, and so does a spring turned along its wire.  Each other
+turn gets a weight that falls with the pixels by which the scan shows it less well.  The chance of
+the pose is its share of them all.
 """
 
 import numpy as np

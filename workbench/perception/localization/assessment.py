@@ -30,7 +30,7 @@ SHARING_TURNS = 2
 """Turns about the axis that are brought to rest before the roll counts as known."""
 
 SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0)
-"""By these shifts along the axis, over the tolerance, the best of each is looked for first."""
+"""Shifts along the axis, over the tolerance, the best of which each of them gets first."""
 
 MOST_SWITCHES = 3
 """How often a pose gives way to one that its near-symmetries lead to."""
