@@ -168,7 +168,7 @@ def test_two_browsers_edit_the_same_grasp_and_nothing_is_lost(open_screen, bench
     assert grasp(bench, "side").grasp.opening == pytest.approx(0.042)
     one.page.wait_for_timeout(500)
     one.press("Apply")
-    one.wait_for("was changed by somebody else meanwhile")
+    one.wait_for("was changed by somebody else in the meantime")
     one.press("Keep mine")
     wait(lambda: len(library(bench).entries) == 2, "the copy")
     assert grasp(bench, "side").grasp.opening == pytest.approx(0.042)

@@ -29,12 +29,12 @@ def stepping(screen, bench, robot, reaches, wait):
     screen.button("Approve as Anna, step by step").wait_for()
     dialog.locator("input").nth(1).click()
     screen.page.get_by_role("option", name="50 %").click()
-    screen.button("Approve as Anna, at 50 % of the planned speed, step by step").wait_for()
+    screen.button("Approve as Anna, at 50% of the planned speed, step by step").wait_for()
     screen.shoot("s1-approval")
-    screen.press("Approve as Anna, at 50 % of the planned speed, step by step")
+    screen.press("Approve as Anna, at 50% of the planned speed, step by step")
     approval = reaches("approved").approval
     assert approval.manner == (0.5, True)
-    screen.wait_for("at 50 % of the planned speed, step by step")
+    screen.wait_for("at 50% of the planned speed, step by step")
     screen.press("Send")
     wait(lambda: bench.state.waits == 1, "the robot to wait")
     return state.plan

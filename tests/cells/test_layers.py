@@ -37,7 +37,7 @@ def test_a_pitch_that_is_too_small_is_told(tmp_path, monkeypatch, capsys):
     assert (
         "problem: right arm: pallet 1 of parts puck: in layer 2 a part is let go of 9.0 mm" in said
     )
-    assert "layers are 12 mm apart, and the part is 14.0" in said
+    assert "layers are 12.0 mm apart, and the part is 14.0" in said
 
 
 def test_the_pallet_on_the_page_is_that_of_the_cell():

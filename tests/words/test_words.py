@@ -2,6 +2,7 @@
 
 import pytest
 
+from workbench.model.messages.cells import InventoryText
 from workbench.model.messages.message import plain
 from workbench.model.messages.states import StateText
 from workbench.words.choosing import first_guess, known
@@ -108,18 +109,17 @@ def test_only_languages_that_there_are_can_be_chosen():
 @pytest.mark.parametrize(
     "said",
     [
-        "the files of workbench 0.2.0 are others",
-        "python 3.11 is 3.12 now",
-        "workbench 0.2.0 is 0.3.0 now",
-        "new user Ada (operator)",
-        "user Ada (operator) is gone",
-        "user Ada is operator now, was viewer",
-        "of the cell part puck, part bolt differ",
-        "the scanner's pose differs",
+        InventoryText.FILES(name="workbench", version="0.2.0"),
+        InventoryText.VERSION(name="python", was="3.11", has="3.12"),
+        InventoryText.NEW_USER(name="Ada", has="op"),
+        InventoryText.USER_GONE(name="Ada", was="op"),
+        InventoryText.USER_ROLE(name="Ada", was="op", has="view"),
+        InventoryText.PARTS(parts=("puck", "bolt")),
+        InventoryText.CALIBRATION(),
     ],
 )
 def test_what_differs_since_the_start_before_has_no_english_verb_left(language, said):
-    translated = words_of(language).say(said).split()
+    translated = words_of(language).render(said).split()
     english = {"is", "are", "now", "has", "was", "gone", "new", "of", "the", "differ", "differs"}
     assert not english & set(translated)
 

@@ -12,6 +12,8 @@ import pinocchio as pin
 from workbench.model.digest import LATER
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.messages.calibration import BinText, PlateText
+from workbench.model.messages.message import Message, all_of
 
 Light = Literal["good", "warning", "bad"]
 """A traffic light: green, amber, red."""
@@ -35,18 +37,13 @@ class BallPlate:
     def __post_init__(self) -> None:
         sides = frozen(self.sides)
         if not (0.002 <= self.radius <= 0.2 and sides.shape == (3,)):
-            raise InputError("a plate needs balls of 4 to 400 mm in diameter, and three distances")
+            raise InputError(PlateText.BALLS())
         if not np.all(np.isfinite(sides)) or sides.min() <= 2 * self.radius or sides.max() > 2.0:
-            raise InputError(
-                "the distances of the balls must be longer than their diameter, and up to 2 m"
-            )
+            raise InputError(PlateText.DISTANCES())
         if np.diff(np.sort(sides)).min() < LEAST_DIFFERENCE:
-            raise InputError(
-                f"the three distances of the balls must differ by {LEAST_DIFFERENCE * 1000:g} mm "
-                "each, so that one ball can be told from the others"
-            )
+            raise InputError(PlateText.TOO_ALIKE(least=LEAST_DIFFERENCE))
         if sides.max() > 0.95 * (sides.sum() - sides.max()):
-            raise InputError("the three balls lie nearly on one line; a triangle is needed")
+            raise InputError(PlateText.ON_LINE())
         put(self, sides=sides)
 
     @property
@@ -79,16 +76,16 @@ class PlateObservation:
     def __post_init__(self) -> None:
         put(self, q=frozen(self.q), balls=frozen(self.balls), points=frozen(self.points))
         if self.balls.shape != (3, 3) or not np.all(np.isfinite(self.balls)):
-            raise InputError(f"observation {self.name}: three centres of balls are needed")
+            raise InputError(PlateText.CENTRES(name=self.name))
         if self.points.ndim != 2 or self.points.shape[1] != 3:
-            raise InputError(f"observation {self.name}: points of shape (n, 3) are needed")
+            raise InputError(PlateText.POINTS(name=self.name))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseResidual:
     """How well one pose fits the calibration: RMS of the balls [m], and the plate's turn [rad].
 
-    `left_out` says why the pose was not used; empty when it was.  `predicted` are distance [m] and
+    `left_out` says why the pose was not used; None when it was.  `predicted` are distance [m] and
     angle [rad] from where the other poses alone predict this one, which its light goes by; None
     where they leave it open.
     """
@@ -97,7 +94,7 @@ class PoseResidual:
     distance: float
     angle: float
     light: Light
-    left_out: str = ""
+    left_out: Message | None = None
     predicted: tuple[float, float] | None = None
 
 
@@ -200,7 +197,7 @@ class NextPose:
     error: float
     error_with: float
     after: str
-    steps: tuple[str, ...]
+    steps: tuple[Message, ...]
 
     def __post_init__(self) -> None:
         put(self, q=frozen(self.q))
@@ -224,7 +221,7 @@ class BinCheck:
     fill: float | None
     above: float
     light: Light
-    findings: tuple[str, ...]
+    findings: tuple[Message, ...]
     is_elsewhere: bool = False
     is_empty: bool = False
     is_overfull: bool = False
@@ -235,12 +232,11 @@ class BinCheck:
             put(self, T_world_bin=copied(self.T_world_bin))
 
     @property
-    def says(self) -> str:
+    def says(self) -> Message:
         """All of it in one sentence."""
-        full = "" if self.fill is None or self.is_empty else f", {self.fill:.0%} full"
-        if not self.findings:
-            off = self.shift * 1000
-            if not self.has_walls:
-                return f"parts lie as high as they should, to {off:.1f} mm{full}"
-            return f"the bin is where it should be, to {off:.1f} mm{full}"
-        return "; ".join(self.findings) + full
+        said = all_of(self.findings)
+        if said is None:
+            said = (BinText.IN_PLACE if self.has_walls else BinText.AT_HEIGHT)(off=self.shift)
+        if self.fill is None or self.is_empty:
+            return said
+        return BinText.FULL(bin=said, fill=self.fill)

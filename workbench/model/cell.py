@@ -11,6 +11,8 @@ from workbench.model.calibration import CalibrationRecord
 from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copied, frozen, put
+from workbench.model.messages.cells import CellText
+from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.robot import Robot
@@ -270,16 +272,13 @@ POLICIES: Mapping[str, Policy] = {
 the usual lift and each grasp as it is stated."""
 
 
-def picks_problem(policy: Policy) -> str:
-    """Why a policy cannot ask for this many plans after one scan; empty when it can."""
+def picks_problem(policy: Policy) -> Message | None:
+    """Why a policy cannot ask for this many plans after one scan; None when it can."""
     if not 1 <= policy.picks <= MOST_PICKS:
-        return f"1 to {MOST_PICKS} picks a scan can be asked for, not {policy.picks!r}"
+        return CellText.PICKS(most=MOST_PICKS, count=repr(policy.picks))
     if policy.picks > 1 and policy.pair_gap <= 0:
-        return (
-            "more than one pick a scan needs a pair_gap_mm in [policy]: without it nobody knows "
-            "which parts move when one is taken"
-        )
-    return ""
+        return CellText.PAIR_GAP()
+    return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -367,7 +366,7 @@ class Cell(Told):
             if arm.name == name:
                 return arm
         known = ", ".join(arm.name for arm in self.arms)
-        raise InputError(f"cell {self.name} has no arm {name!r}; it has {known}")
+        raise InputError(CellText.NO_ARM(cell=self.name, name=repr(name), known=known))
 
     def T_world_station(self, station: Station) -> pin.SE3:
         """Where a station is; it goes along with its fixture."""
@@ -386,4 +385,4 @@ class Cell(Told):
             if part.name == name:
                 return part
         known = ", ".join(part.name for part in self.parts)
-        raise InputError(f"cell {self.name} has no part {name!r}; it has {known}")
+        raise InputError(CellText.NO_PART(cell=self.name, name=repr(name), known=known))

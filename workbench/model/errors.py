@@ -15,18 +15,27 @@ Messages name the file, the key, the value, what was expected and what is availa
 """
 
 from pathlib import Path
+from typing import Any
 
-from workbench.model.messages.message import Message, as_message, plain
+from workbench.model.messages.message import Message, as_message
+from workbench.model.messages.refusals import FileText
 
 
 class WorkbenchError(Exception):
-    """Root of all errors that the workbench raises on purpose."""
+    """Root of all errors that the workbench raises on purpose; `str` gives the English text."""
+
+    def __init__(self, why: Message | str = ""):
+        super().__init__(str(why))
+        self._why = as_message(why)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Errors cross the border to the worker process and back with their messages.
+        return (type(self), (self._why,))
 
     @property
     def message(self) -> Message:
         """What went wrong, for people in their language."""
-        why = self.args[0] if self.args else ""
-        return why if isinstance(why, Message) else plain(str(self))
+        return self._why
 
 
 class InputError(WorkbenchError):
@@ -34,33 +43,21 @@ class InputError(WorkbenchError):
 
 
 class FileError(InputError):
-    """A file cannot be used; the message starts with its path."""
+    """A file cannot be used; the message starts with its path, `problem` is the rest of it."""
 
-    def __init__(self, path: Path | str, problem: str):
-        super().__init__(f"{path}: {problem}")
+    def __init__(self, path: Path | str, problem: Message | str):
+        super().__init__(FileText.PROBLEM(path=str(path), problem=as_message(problem)))
         self.path = str(path)
-        self.problem = problem
+        self.problem = str(problem)
+        self._problem = as_message(problem)
 
-    def __reduce__(self) -> tuple[type["FileError"], tuple[str, str]]:
-        # Exceptions cross the border to the worker process and back; default pickling
-        # would call the constructor with the finished message alone.
-        return (FileError, (self.path, self.problem))
+    def __reduce__(self) -> tuple[type["FileError"], tuple[str, Message]]:
+        # Those that derive from it have constructors of their own.
+        return (FileError, (self.path, self._problem))
 
 
 class CommandRefused(InputError):
     """The rules do not admit this command in this state, or not from this actor."""
-
-    def __init__(self, why: Message | str):
-        super().__init__(str(why))
-        self._why = as_message(why)
-
-    def __reduce__(self) -> tuple[type["CommandRefused"], tuple[Message]]:
-        return (type(self), (self._why,))
-
-    @property
-    def message(self) -> Message:
-        """Why, by the id of its text."""
-        return self._why
 
 
 class NotAllowed(CommandRefused):

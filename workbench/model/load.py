@@ -26,6 +26,8 @@ from workbench.model.geometry import (
     frozen,
     put,
 )
+from workbench.model.messages.cells import LoadText
+from workbench.model.messages.message import Message
 from workbench.model.part import Part
 
 SLACK = 1e-6
@@ -49,19 +51,13 @@ class Load:
     def __post_init__(self) -> None:
         put(self, centre=frozen(self.centre), inertia=frozen(self.inertia))
         if problem := load_problem(self.mass, self.centre, self.inertia):
-            raise InputError(f"a load is not possible: {problem}")
+            raise InputError(LoadText.IMPOSSIBLE(problem=problem))
 
     @property
-    def words(self) -> str:
+    def words(self) -> Message:
         """For people: `0.23 kg, centre of gravity 0, 0, 62 mm from the flange`."""
-        mass, x, y, z = self.figures
-        return f"{mass} kg, centre of gravity {x}, {y}, {z} mm from the flange"
-
-    @property
-    def figures(self) -> tuple[str, str, str, str]:
-        """Mass in kg and centre in mm, for people."""
         x, y, z = (f"{1000 * value + 0.0:.0f}" for value in self.centre)
-        return f"{self.mass:.3g}", x, y, z
+        return LoadText.LOAD(mass=f"{self.mass:.3g}", x=x, y=y, z=z)
 
     def seen_from(self, T_flange_owner: pin.SE3) -> "Load":
         """The same body in the flange frame, where this one is in the frame of its owner."""
@@ -82,33 +78,26 @@ class Loads:
         return together((self.tool, self.part)) if holding else self.tool
 
     @property
-    def words(self) -> str:
+    def words(self) -> Message:
         """For people."""
-        m, x, y, z = self.tool.figures
-        both, a, b, c = self.carried(True).figures
-        return (
-            f"tool {m} kg, centre of gravity {x}, {y}, {z} mm from the flange; with the part "
-            f"{both} kg, centre of gravity {a}, {b}, {c} mm from the flange"
-        )
+        return LoadText.BOTH(tool=self.tool.words, both=self.carried(True).words)
 
 
-def load_problem(mass: float, centre: Floats, inertia: Floats) -> str:
-    """Why no body has this mass [kg], centre (3,) [m] and inertia (3, 3) [kg m2]; else empty."""
+def load_problem(mass: float, centre: Floats, inertia: Floats) -> Message | None:
+    """Why no body has this mass [kg], centre (3,) [m] and inertia (3, 3) [kg m2]; else None."""
     if not (np.isfinite(mass) and mass > 0):
-        return f"its mass is {mass!r} kg, more than 0 is expected"
+        return LoadText.MASS(mass=repr(mass))
     if np.shape(centre) != (3,) or not np.all(np.isfinite(centre)):
-        return "its centre of gravity is not three numbers"
+        return LoadText.CENTRE()
     if np.shape(inertia) != (3, 3) or not np.all(np.isfinite(inertia)):
-        return "its inertia is not nine numbers"
+        return LoadText.INERTIA()
     slack = SLACK * float(np.abs(inertia).max())
     if float(np.abs(inertia - inertia.T).max()) > slack:
-        return "its inertia is not symmetric"
+        return LoadText.SYMMETRY()
     low, middle, high = np.linalg.eigvalsh(inertia)
     if low < -slack or low + middle < high - 3 * slack:
-        return (
-            "no body has its inertia: each moment is at least 0 and at most the sum of the others"
-        )
-    return ""
+        return LoadText.MOMENTS()
+    return None
 
 
 def loads_of(tool: Tool, part: Part, T_tcp_part: pin.SE3) -> Loads | None:

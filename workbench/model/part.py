@@ -19,6 +19,7 @@ from workbench.model.geometry import (
     pose_from_rpy,
     put,
 )
+from workbench.model.messages.cells import CellText
 from workbench.model.symmetry import Symmetry, turn_about
 
 SAME_PLACE, SAME_TURN = 5e-4, np.deg2rad(0.5)
@@ -323,8 +324,11 @@ class Part(Shared, Told):
         if self.colours is not None:
             if np.shape(self.colours) != self.mesh.triangles.shape:
                 raise InputError(
-                    f"part {self.name} has {len(self.mesh.triangles)} triangles but colours of "
-                    f"shape {np.shape(self.colours)}"
+                    CellText.TRIANGLE_COLOURS(
+                        part=self.name,
+                        triangles=len(self.mesh.triangles),
+                        shape=str(np.shape(self.colours)),
+                    )
                 )
             put(self, colours=frozen(self.colours, np.uint8))
         put(self, digest=digest_of(self), grasps=with_symmetry(self.library, self.symmetry))

@@ -10,6 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import (
     Entry,
     Grasp,
@@ -36,9 +37,9 @@ def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) ->
     known = {entry.name: digest_of(entry) for entry in library.entries}
     for entry in was:
         if entry.name not in known:
-            raise InputError(f"grasp {entry.name!r} is not there any more; somebody has removed it")
+            raise InputError(ChangeRefusal.GRASP_GONE(grasp=repr(entry.name)))
         if known[entry.name] != digest_of(entry):
-            raise InputError(f"grasp {entry.name!r} was changed by somebody else meanwhile")
+            raise InputError(ChangeRefusal.GRASP_CHANGED(grasp=repr(entry.name)))
     gone = {entry.name for entry in was}
     entries = [entry for entry in library.entries if entry.name not in gone]
     names = [entry.name for entry in library.entries]
@@ -67,7 +68,7 @@ def _check_names(library: GraspLibrary) -> None:
     names: set[str] = set()
     for name in names_in(library.entries):
         if name in names:
-            raise InputError(f"the grasp name {name!r} would be used twice")
+            raise InputError(ChangeRefusal.GRASP_TWICE(grasp=repr(name)))
         names.add(name)
 
 

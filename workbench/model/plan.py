@@ -16,8 +16,9 @@ from workbench.model.digest import LATER, Told, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
+from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
-from workbench.model.messages.plans import PlanNote, strategy_message
+from workbench.model.messages.plans import PlanNote, StepText, leg_message, strategy_message
 from workbench.model.messages.proofs import violation_message
 from workbench.model.scan import Detection, Obstacle, Scene
 
@@ -51,9 +52,7 @@ class Strategy(str):
             InputError: it is neither one of the two words nor what an arm can be called.
         """
         if not re.fullmatch(ARM_NAME, text):
-            raise InputError(
-                f"strategy {text!r:.60}: alternated, coordinated or the name of an arm is expected"
-            )
+            raise InputError(CellText.STRATEGY(strategy=f"{text!r:.60}"))
         return super().__new__(cls, text)
 
     @classmethod
@@ -158,9 +157,10 @@ class Step:
     runs: tuple[tuple[str, LegName], ...]
 
     @property
-    def words(self) -> str:
+    def words(self) -> Message:
         """What moves, for people: `right extract and left home`."""
-        return " and ".join(f"{arm} {leg}" for arm, leg in self.runs)
+        runs = [StepText.RUN(arm=arm, leg=leg_message(leg)) for arm, leg in self.runs]
+        return StepText.RUNS(runs=runs)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -242,11 +242,6 @@ def floored(bound: float) -> float:
 def at_least(bound: float) -> str:
     """A distance [m] from below, for people; see `floored`."""
     return f"at least {floored(bound) * 1e3:.1f} mm"
-
-
-def cycle_words(seconds: float, bound: float) -> str:
-    """How long a plan takes [s], for people, and how that compares with its bound, where known."""
-    return f"{seconds:.1f} s" + (f", {seconds / bound:.1f} times the bound" if bound > 0 else "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -97,8 +97,8 @@ class LeftPart:
     part: str
     kind: str
     reason: Message
-    nearest_fix: str
-    any_grasp: str = ""
+    nearest_fix: Message | str
+    any_grasp: Message | str = ""
 
     @property
     def kind_message(self) -> Message:
@@ -114,7 +114,8 @@ class LeftPart:
             known_field.name: getattr(self, known_field.name)
             for known_field in dataclasses.fields(self)
         }
-        return {**fields, "reason": str(self.reason), "said": self.reason.told}
+        texts = {name: str(fields[name]) for name in ("reason", "nearest_fix", "any_grasp")}
+        return {**fields, **texts, "said": self.reason.told}
 
 
 @dataclass(frozen=True, slots=True)

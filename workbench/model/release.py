@@ -6,6 +6,9 @@ from dataclasses import dataclass, field, replace
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, put
+from workbench.model.messages.commands import MannerText
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
 
 SLOWEST = 0.05
 """The least share of the planned speed at which a plan is sent."""
@@ -21,10 +24,13 @@ def _full_speed() -> float:
     return 1.0
 
 
-def manner_words(speed_share: float, is_stepped: bool) -> str:
-    """How a plan is to be executed, for people; empty where it is in one go and as planned."""
-    speed = f"at {speed_share * 100:g} % of the planned speed" if speed_share < 1.0 else ""
-    return ", ".join(words for words in (speed, "step by step" if is_stepped else "") if words)
+def manner_words(speed_share: float, is_stepped: bool) -> Message | None:
+    """How a plan is to be executed, for people; None where it is in one go and as planned."""
+    speed = MannerText.SPEED(share=speed_share) if speed_share < 1.0 else None
+    stepped = MannerText.STEPPED() if is_stepped else None
+    if speed is not None and stepped is not None:
+        return MannerText.BOTH(speed=speed, stepped=stepped)
+    return speed or stepped
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,9 +87,7 @@ class Approval:
 
     def __post_init__(self) -> None:
         if not SLOWEST <= self.speed_share <= 1.0:
-            raise InputError(
-                f"a plan is sent at {SLOWEST:g} to 1 of its speed, not at {self.speed_share!r}"
-            )
+            raise InputError(Refusal.SPEED_SHARE(least=SLOWEST, share=repr(self.speed_share)))
         put(self, digest=digest_of(self))
 
     @property
@@ -116,7 +120,7 @@ class PartReport:
     arm: str
     detection: int
     is_picked: bool | None
-    why: str = ""
+    why: Message | str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +153,7 @@ class LinkStatus:
 
     `phase` is what the controller says of itself, or `closed`; `acknowledged` its last
     acknowledgement; `stopped` how long [s] it took to acknowledge a stop, None when it did not, and
-    `stop` says so in words.  `joints` (arm -> (n,) [rad]) are the last it reported on this link.
+    `stop` is the message about it.  `joints` (arm -> (n,) [rad]) are the last reported there.
     """
 
     version: str = ""
@@ -160,7 +164,7 @@ class LinkStatus:
     acknowledged_at: float = 0.0
     reported_at: float = 0.0
     stopped: float | None = None
-    stop: str = ""
+    stop: Message | None = None
     joints: Mapping[str, Floats] | None = None
 
 

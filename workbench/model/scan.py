@@ -10,6 +10,8 @@ import pinocchio as pin
 from workbench.model.digest import LATER, Told, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 
 ALL_KINDS = "all"
 """Instead of a part's name: every kind that the cell picks, one of each in turn."""
@@ -42,13 +44,15 @@ class Scan(Told):
     def __post_init__(self) -> None:
         points = frozen(self.points)
         if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-            raise InputError(f"a scan needs points of shape (n, 3), n > 0, not {points.shape}")
+            raise InputError(ScanText.SHAPE(shape=str(points.shape)))
         if not np.all(np.isfinite(points)):
-            raise InputError("a scan may hold finite points only; drop the empty ones first")
+            raise InputError(ScanText.NOT_FINITE())
         if self.pixels is not None and len(self.pixels) != len(points):
-            raise InputError(f"{len(points)} points but {len(self.pixels)} pixels")
+            raise InputError(ScanText.PIXELS(points=len(points), pixels=len(self.pixels)))
         if self.colours is not None and np.shape(self.colours) != points.shape:
-            raise InputError(f"{len(points)} points but colours of shape {np.shape(self.colours)}")
+            raise InputError(
+                ScanText.COLOURS(points=len(points), shape=str(np.shape(self.colours)))
+            )
         put(
             self,
             points=points,
@@ -105,14 +109,14 @@ class Detection(Told):
 
     def __post_init__(self) -> None:
         if self.covariance is not None and np.shape(self.covariance) != (6, 6):
-            raise InputError("the covariance of a pose has six rows of six numbers")
+            raise InputError(ScanText.COVARIANCE())
         if self.roll_axis is not None:
             axis = np.asarray(self.roll_axis, float)
             # Not `>`: what is no number has no length.
             if axis.shape != (2, 3) or not abs(np.linalg.norm(axis[1]) - 1) <= 1e-6:
-                raise InputError("the axis of a roll is a point and a direction of length 1")
+                raise InputError(ScanText.ROLL_AXIS())
             if not np.isfinite(axis).all():
-                raise InputError("the axis of a roll goes through a point with finite coordinates")
+                raise InputError(ScanText.ROLL_POINT())
         put(
             self,
             T_world_part=copied(self.T_world_part),
@@ -180,9 +184,12 @@ class RejectedHypothesis:
         put(self, T_world_part=copied(self.T_world_part), score=float(self.score))
 
     @property
-    def words(self) -> str:
+    def words(self) -> Message:
         """The reason, as a person reads it."""
-        return self.reason if self.rival is None else f"{self.reason} part-{self.rival + 1}"
+        objection = ObjectionText[self.reason.name]()
+        if self.rival is None:
+            return objection
+        return ObjectionText.OF_PART(objection=objection, part=FoundPart(self.rival))
 
 
 OFF_SCALE, OFF_BY = 0.005, 3.0
@@ -207,15 +214,13 @@ class ScaleCheck:
         return abs(self.ratio - 1.0) > max(OFF_SCALE, OFF_BY * self.deviation)
 
     @property
-    def words(self) -> str:
-        """What is wrong, as a person reads it; empty when nothing is."""
+    def words(self) -> Message | None:
+        """What is wrong, as a person reads it; None when nothing is."""
         if not self.is_off:
-            return ""
+            return None
         share = 1.0 / self.ratio - 1.0
-        side = "large" if share > 0 else "small"
-        return (
-            f"the CAD file of {self.part} seems {abs(share):.1%} too {side} for what was scanned"
-        ).replace("%", " %")
+        text = ScaleText.LARGE if share > 0 else ScaleText.SMALL
+        return text(part=self.part, share=f"{abs(share) * 100:.1f}")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -256,9 +261,9 @@ class Obstacle:
     def __post_init__(self) -> None:
         size = frozen(self.size)
         if size.shape != (3,) or not np.all(size > 0):
-            raise InputError("an obstacle needs three lengths above zero")
+            raise InputError(ScanText.OBSTACLE_SIZE())
         if bool(self.part) != (self.T_world_put is not None):
-            raise InputError("of a part on a pallet both are known, its kind and where it was put")
+            raise InputError(ScanText.PALLET_PART())
         put(
             self,
             T_world_box=copied(self.T_world_box),
@@ -330,7 +335,7 @@ class Remark:
 
     at: float
     by: str
-    says: str
+    says: Message | str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import LocalizationResult, Scan
 from workbench.perception.simulation.noise_models import NOISE_MODELS
 from workbench.plugins.options import NoOptions, option
@@ -36,11 +37,11 @@ class SimulatedScanner:
         from workbench.perception.simulation.piles import pile_of
         from workbench.perception.simulation.synthesize import synthesize
 
-        report(0.1, "parts fall into the bin")
+        report(0.1, ProgressText.PARTS_FALL())
         truth = pile_of(self._cell, request.part, request.parts, seed=request.seed)
         if cancelled():
-            raise JobCancelled("the scan was cancelled")
-        report(0.6, "the scanner looks")
+            raise JobCancelled(CancelText.SCAN())
+        report(0.6, ProgressText.SCANNER_LOOKS())
         return synthesize(self._cell, truth, seed=request.seed)
 
 

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
-Report = Callable[[float, str], None]
+from workbench.model.messages.message import Message
+
+Report = Callable[[float, Message | str], None]
 """Takes the share done, 0..1, and what is being done."""
 
 Cancelled = Callable[[], bool]
@@ -18,7 +20,7 @@ def rising(report: Report) -> Report:
     """Progress that never falls: who looks a second time has not lost what is done."""
     most = 0.0
 
-    def told(done: float, note: str) -> None:
+    def told(done: float, note: Message | str) -> None:
         nonlocal most
         most = max(most, done)
         report(most, note)
@@ -26,7 +28,7 @@ def rising(report: Report) -> Report:
     return told
 
 
-def silent(done: float, note: str) -> None:
+def silent(done: float, note: Message | str) -> None:
     """Nobody wants to know how far it is."""
 
 

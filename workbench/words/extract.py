@@ -3,7 +3,7 @@
 There are no marks in the code.  A text on the page is a literal of the page, of the front door, or
 a sentence of a layer below that reaches the page as a refusal, a reason or a note; so literals are
 what is looked for, and what is code, a style or a name is left out by its form.  Names and numbers
-within become places, named after what stands there.
+within become places, named after what there.
 """
 
 import ast
@@ -88,14 +88,14 @@ UNITS = ("cm", "deg", "mm", "ms", "rpy", "wb", "xyz")
 
 ALONE = frozenset(
     """
-    acknowledging all alternated and approach approve approved at auto axis both busy
-    cancelling candidate closed coordinated crooked disabled engineer extract failed fault film
+    all alternated and approach approve approved at auto axis both busy
+    candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
-    none nothing off ok one-at-a-time operator part parts picked pile pitch
-    place placed planning proof reach reading recorded regrasp rejected remaining
-    resolve return roll route scan scanned scanning scans sending simulated stands stopped
-    stopping streamed symmetry synchronised thickness time-independent to touches
-    turned unknown viewer vote waiting width yaw
+    none nothing off ok one-at-a-time operator part parts picked pitch
+    place placed planning proof reach recorded regrasp rejected remaining
+    resolve return roll route scan scanned scans sending simulated stopped
+    stopping streamed synchronised thickness time-independent to touches
+    turned unknown viewer waiting width yaw
     """.split()  # noqa: SIM905
 )
 """Single words that are shown, among many that are names of something in the code."""

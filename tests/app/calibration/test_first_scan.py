@@ -48,8 +48,8 @@ def test_unit_and_axes_are_found_and_read_right_from_then_on(cell, scan, tmp_pat
     write_cloud(path, scan, unit=unit, axes=axes)
     seen = looked(path, cell)
     assert (seen.mount.unit, seen.mount.cloud_axes) == (unit, axes)
-    assert any("unit" in one for one in seen.says) == (unit != "m")
-    assert any("cloud_axes" in one for one in seen.says) == (axes != "z_forward")
+    assert any("unit" in str(one) for one in seen.says) == (unit != "m")
+    assert any("cloud_axes" in str(one) for one in seen.says) == (axes != "z_forward")
     again = read_scan(path, seen.mount)
     assert np.allclose(again.points, scan.points, atol=1e-9)
 
@@ -66,14 +66,14 @@ def test_the_scanner_is_found_where_nobody_has_calibrated_it(cell, scan, tmp_pat
     seen = looked(path, believed)
     distance, turn = off(cell, seen.mount.T_world_scanner)
     assert distance < 0.002 and turn < np.deg2rad(0.3)
-    assert any("position_mm" in one for one in seen.says)
+    assert any("position_mm" in str(one) for one in seen.says)
     assert seen.noise == pytest.approx(cell.scanner.depth_noise, rel=0.2)
 
     record = CalibrationRecord(at=0.0, by="ada", rms=0.0, poses=8)
     measured = replace(believed, scanner=replace(believed.scanner, calibration=record))
     seen = looked(path, measured)
     assert digest_of(seen.mount.T_world_scanner) == digest_of(T_wrong), "what is measured stays"
-    assert any("calibration old" in one for one in seen.says)
+    assert any("calibration old" in str(one) for one in seen.says)
 
 
 def test_a_scan_that_fits_leaves_nothing_to_say(cell, scan, tmp_path):
@@ -90,7 +90,7 @@ def test_a_bin_of_another_size_is_said(cell, scan, tmp_path):
     for size, key in (((1.5, 1.5, 1.0), "rim of"), ((1.0, 1.08, 1.0), "size_mm")):
         other = replace(cell.bin, size=np.asarray(cell.bin.size) * size)
         seen = looked(path, replace(cell, bin=other))
-        assert any(key in one for one in seen.says), seen.says
+        assert any(key in str(one) for one in seen.says), seen.says
 
 
 def test_without_walls_no_rim_says_where_the_scanner_hangs(cell, scan, tmp_path):
@@ -98,7 +98,7 @@ def test_without_walls_no_rim_says_where_the_scanner_hangs(cell, scan, tmp_path)
     write_cloud(path, scan)
     seen = looked(path, replace(cell, bin=replace(cell.bin, has_walls=False)))
     assert seen.found.T_scanner_bin is None and seen.shift == 0.0
-    assert [one for one in seen.says if "has no walls" in one]
+    assert [one for one in seen.says if "has no walls" in str(one)]
 
 
 def test_what_is_no_scan_of_the_cell_is_said(cell, tmp_path):
@@ -106,7 +106,7 @@ def test_what_is_no_scan_of_the_cell_is_said(cell, tmp_path):
     rng = np.random.default_rng(3)
     T = cell.scanner.T_world_scanner
     write_cloud(path, Scan(rng.uniform(-0.4, 0.4, (5000, 3)) + [0, 0, 0.9], T, "noise"))
-    assert any("no bin" in one or "a rim of" in one for one in looked(path, cell).says)
+    assert any("no bin" in str(one) or "a rim of" in str(one) for one in looked(path, cell).says)
     # Around the scanner, on all its sides: behind it as much as before it.
     ball = rng.normal(size=(5000, 3))
     ball *= 90.0 / np.linalg.norm(ball, axis=1, keepdims=True)
@@ -143,8 +143,8 @@ def test_a_scanner_over_a_floor_without_a_rim_hangs_over_that_floor(cell, scan, 
     mount = replace(cell.scanner, T_world_scanner=wrong, near=0.05, far=0.1, calibration=None)
     seen = looked(path, replace(cell, scanner=mount))
     assert seen.mount.near < T_bin_scanner.translation[2] < seen.mount.far, "the range is told, too"
-    assert any("near_mm" in one for one in seen.says)
-    assert any("over the floor" in one for one in seen.says)
+    assert any("near_mm" in str(one) for one in seen.says)
+    assert any("over the floor" in str(one) for one in seen.says)
     T_seen = seen.mount.T_world_scanner
     height = cell.bin.T_world_bin.actInv(T_seen).translation[2]
     assert abs(height - T_bin_scanner.translation[2]) < 0.01

@@ -119,7 +119,7 @@ def test_nothing_of_it_counts_before_the_end_and_all_of_it_after(sending, in_row
     assert (after.scan.digest, after.scene_digest) == (scan.digest, scan.digest)
     assert (after.approval, after.votes, after.watched, after.ahead) == (None, (), (), None)
     assert (after.planned_threshold, after.wanted_threshold) == (0.3, 0.3)
-    assert (after.receipts, after.outcomes, after.stale) == ((), (), "")
+    assert (after.receipts, after.outcomes, after.stale) == ((), (), None)
     assert "1 of 1 part reported placed" in str(after.message) and after.message.mentions(
         StateText.PLAN_READY
     )
@@ -194,7 +194,7 @@ def test_no_scan_is_taken_once_a_pick_has_failed(sending):
     assert begun(sending) == []
     state = sending.do(LinkEnded("", 0, (LOST,), ()))
     assert (state.phase, state.job) == (Phase.DONE, None)
-    assert "somebody has to look" in str(state.message)
+    assert "somebody has to check" in str(state.message)
 
 
 def test_a_person_who_sees_a_part_fall_is_believed(sending, in_rows):

@@ -177,7 +177,7 @@ def test_a_job_that_brings_the_wrong_thing_has_failed(line, samples):
     line.do(TakeScan())
     state = line.ended(samples.detections())
     assert (state.phase, state.job) == (Phase.IDLE, None)
-    assert str(state.message) == "the scan failed: it brought a tuple"
+    assert str(state.message) == "the scan failed: the result was a tuple"
 
 
 def test_a_stop_is_passed_on_and_the_end_of_the_link_decides_the_phase(sending):

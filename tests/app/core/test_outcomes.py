@@ -25,7 +25,6 @@ from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase, sent_for
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import plain
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
@@ -101,7 +100,7 @@ def test_a_failed_part_is_avoided_where_it_lies_for_some_scans(line, samples):
         line.ended(samples.detections())
         line.do(MakePlan())
         assert line.effects[-1].arguments["avoided"] == (
-            (0, VerdictNote.PICK_FAILED_SINCE(why=plain("slipped"))),
+            (0, VerdictNote.PICK_FAILED_SINCE(why="slipped")),
         )
         line.ended(samples.refused())
     line.do(UseScan(samples.scan(9)))
@@ -151,7 +150,7 @@ def test_failures_in_a_row_stop_the_cycle_until_somebody_has_looked(line, sample
         state = line.do(ReportPick(0, False))
         assert state.failures == number
     assert state.phase is Phase.FAULT
-    assert "3 picks in a row have failed" in state.fault
+    assert "3 picks in a row have failed" in str(state.fault)
     assert "3 picks in a row have failed" in refused(line, TakeScan())
     state = line.do(AcknowledgeFault())
     assert (state.phase, state.failures) == (Phase.IDLE, 0)

@@ -75,7 +75,7 @@ def test_with_other_grasps_the_parts_found_stay_and_plans_do_not(localized):
 def test_who_edits_what_was_changed_meanwhile_is_told_and_loses_nothing(localized):
     first, late = edit_of(localized, 0.044), edit_of(localized, 0.042)
     state, _ = after(localized, first)
-    with pytest.raises(CommandRefused, match="changed by somebody else meanwhile"):
+    with pytest.raises(CommandRefused, match="changed by somebody else in the meantime"):
         allowed(state, late, "bob", 2.0)
     part = state.cell.parts[0]
     own = with_grasp(late.now[0], replace(grasp_of(late.now[0]), name="bobs"))
@@ -201,7 +201,7 @@ def test_a_bench_keeps_drafts_and_saves_versions(tmp_path, monkeypatch):
         bench.do(SaveCell("wider for the new fingers"), "ada")
         wait_until(lambda: bench.state.saved == bench.state.cell.digest)
         assert bench.state.cell_problem == ""
-        assert bench.state.message == "saved: the grasps of keyed_cylinder as version 2"
+        assert str(bench.state.message) == "saved: the grasps of keyed_cylinder as version 2"
     finally:
         bench.close()
     assert not (folder / DRAFT).exists()

@@ -308,9 +308,9 @@ def test_the_state_says_what_has_overtaken_the_plan(watched, cell, samples):
     digest = watched.state.plan.digest[:12]
     before = watched.state
     state = watched.do(ChangeCell(moved(cell, 5), "the bin is moved"))
-    assert state.stale == f"plan {digest} is stale: the bin was moved by 5.0 mm"
+    assert str(state.stale) == f"plan {digest} is stale: the bin was moved by 5.0 mm"
     watched.state = before
     state = watched.do(UseScan(samples.scan(3)))
-    assert state.stale == f"plan {digest} is stale: there is a newer scan"
+    assert str(state.stale) == f"plan {digest} is stale: there is a newer scan"
     assert (state.plan, state.approval, state.watched, state.votes) == (None, None, (), ())
     assert not [effect for effect in watched.effects if isinstance(effect, Send)]

@@ -51,7 +51,7 @@ def test_the_approval_says_how_and_is_another_one_by_that(line):
         total.add(state.approval.digest)
     assert len(total) == 4
     assert str(state.message).endswith(
-        "by ada, to be sent at 25 % of the planned speed, step by step"
+        "by ada, to be sent at 25% of the planned speed, step by step"
     )
     line.do(SendPlan(digest))
     assert line.effects[-1].approval is state.approval and isinstance(line.effects[-1], Send)

@@ -31,7 +31,7 @@ def test_no_grasp_takes_a_part_that_lies_within_another():
     assert holdable(cell, pile, seed=0) == 0
     told, taken = bound_of(cell, pile, settles=False, seed=0)
     assert taken == 0 and all(one.pick is None for one in told)
-    assert all(str(one).startswith("no grasp was found that takes it (of ") for one in told)
+    assert all(str(one.message).startswith("no grasp takes it (of ") for one in told)
 
 
 def test_a_cup_is_tried_all_over_a_part():

@@ -55,7 +55,7 @@ def ended(state: State, command: LinkEnded) -> State:
 
 
 def words(cell, placed) -> list[str]:
-    return [sentence for one in pallets_of(cell, placed) for sentence in one.words]
+    return [str(sentence) for one in pallets_of(cell, placed) for sentence in one.words]
 
 
 def test_how_full_a_pallet_is_is_told(cell):
@@ -66,7 +66,7 @@ def test_how_full_a_pallet_is_is_told(cell):
     doubted = (*lying(cell, 3), replace(lying(cell, 4)[3], score=0.0))
     assert words(cell, doubted) == [
         "right pallet 1: 3 of 8, layer 1",
-        "of 1 more nobody knows whether they are there: look, and say that the pallets are empty",
+        "1 more may be there or not: check, and report when the pallets are empty",
     ]
 
 
@@ -142,17 +142,17 @@ def shift(x: float = 0.0, z: float = 0.0):
     ("change", "says"),
     [
         (lambda one: shift(), ""),
-        (lambda one: shift(z=0.004), "in layer 1 a part is let go of 15.0 mm above what it falls"),
-        (lambda one: shift(z=-0.002), "of 9.0 mm above what it falls onto; 10 to 13 mm are asked"),
+        (lambda one: shift(z=0.004), "in layer 1 a part is released 15.0 mm above its support"),
+        (lambda one: shift(z=-0.002), "released 9.0 mm above its support; 10.0 mm to 13.0 mm are"),
         (lambda one: shift(z=-0.002 * (one.layer - 1)),
-         "in layer 2 a part is let go of 9.0 mm above what it falls onto; 10 to 13 mm are asked "
-         "for: layers are 12 mm apart, and the part is 14.0"),
+         "in layer 2 a part is released 9.0 mm above its support; 10.0 mm to 13.0 mm are "
+         "required: layers are 12.0 mm apart, and the part is 14.0 mm high"),
         (lambda one: shift(x=-0.12 * (one.T_world_part.translation[0] - 0.2)),
-         "in layer 1 a part comes within 8.0 mm of one that lies there; 10 mm are kept, so pitch"),
+         "in layer 1 a part comes within 8.0 mm of one that lies there; the margin is 10.0 mm"),
         (lambda one: shift(x=0.5), "in layer 1 nothing is within 50 mm beneath a part"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_pallet_is_told_before_it_is_filled(cell, change, says):
-    found = list(pallet_problems(with_places(cell, change)))
+    found = list(map(str, pallet_problems(with_places(cell, change))))
     assert len(found) == bool(says)
     assert not says or (says in found[0] and found[0].startswith("right arm: pallet 1 of parts p"))

@@ -259,7 +259,7 @@ def test_too_many_picks_or_none_are_refused(cell, picks):
 
 def test_a_cell_that_does_not_say_what_moves_has_no_rows(cell, apart):
     plain = replace(cell, policy=replace(cell.policy, pair_gap=0.0))
-    with pytest.raises(InputError, match=r"needs a pair_gap_mm in \[policy\]"):
+    with pytest.raises(InputError, match=r"need a pair_gap_mm in \[policy\]"):
         asked(plain, apart, 2)
     check_picks(plain, 1)
 

@@ -103,7 +103,7 @@ def test_a_search_that_was_only_compared_is_not_what_was_found(samples, keep):
 @pytest.mark.parametrize(
     ("who", "says"),
     [
-        ({"role": Role.VIEWER}, "keeping a case is for operators; you are a viewer"),
+        ({"role": Role.VIEWER}, "storing a case is for operators; you are a viewer"),
         ({"comment": "two\nlines"}, "comment must be a text of up to 200"),
         ({"comment": "x" * 201}, "comment must be a text of up to 200"),
         ({"there": "much"}, "there 'much' is not known"),
@@ -123,7 +123,7 @@ def test_who_is_not_in_control_keeps_nothing(samples, keep):
 
 def test_while_a_plan_is_sent_nothing_is_packed(samples, keep):
     state = searched(samples, *samples.detections())
-    with pytest.raises(CommandRefused, match="wait until nothing is sent"):
+    with pytest.raises(CommandRefused, match="wait until the sending has ended"):
         keep(replace(state, phase=Phase.SENDING))
     assert keep(replace(state, phase=Phase.FAULT)).truth
 
@@ -137,10 +137,10 @@ def test_so_many_cases_are_kept_and_the_same_one_once(samples, keep, tmp_path, m
     monkeypatch.setattr(kept_cases, "MOST_CASES", 2)
     state = searched(samples, *samples.detections())
     keep(state)
-    with pytest.raises(CommandRefused, match="kept a moment ago"):
+    with pytest.raises(CommandRefused, match="stored a moment ago"):
         keep(state)
     keep(state, at=AT + 1)
-    with pytest.raises(CommandRefused, match="2 cases are kept in this session"):
+    with pytest.raises(CommandRefused, match="this session has 2 cases"):
         keep(state, at=AT + 2)
     assert len(case_files(tmp_path)) == 2
 

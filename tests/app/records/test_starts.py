@@ -67,7 +67,7 @@ def test_what_has_changed_since_another_session_waits_for_an_engineer(tmp_path, 
     served(tmp_path, cell, ran).close()
     now = another(ran)
     with closing(served(tmp_path, cell, now, start_before(tmp_path, cell.name))) as bench:
-        assert f"{ran.distributions[0].name} {ran.distributions[0].version} is 99 now" in str(
+        assert f"{ran.distributions[0].name} {ran.distributions[0].version} is now 99" in str(
             bench.state.message
         )
         with pytest.raises(CommandRefused, match="for engineers"):
@@ -101,7 +101,7 @@ def test_another_start_does_not_make_the_change_forgotten(tmp_path, cell, ran):
     assert before.ran.digest == now.digest
     with closing(served(tmp_path, cell, now, before)) as bench:
         (said,) = bench.state.changed
-        assert "is 99 now" in said
+        assert "is now 99" in said
         bench.do(AcknowledgeChanges(now.digest), "ada")
     with closing(served(tmp_path, cell, now, start_before(tmp_path, cell.name))) as bench:
         assert bench.state.changed == ()

@@ -99,7 +99,7 @@ def test_a_scanner_that_was_knocked_is_told_and_taken_over(cell, sessions):
     assert (found.sessions, found.scans, found.problems) == (10, 10, ())
     assert found.drift.drifted == ("table",)
     assert not found.drift.is_bin_off
-    says = " ".join(drift_words(cell, found.drift))
+    says = " ".join(map(str, drift_words(cell, found.drift)))
     assert "the scanner has drifted since its calibration, as table shows" in says
     assert "nothing but the bin tells x, y, rz" in says
 
@@ -133,7 +133,7 @@ def test_without_drift_there_is_nothing_to_take_over(cell):
     found = recorded_drift((), cell, lambda done, note: None)
     with pytest.raises(InputError, match="nothing recorded says"):
         refined_cell(cell, found.drift, 0.0, "Ada")
-    assert drift_words(cell, found.drift) == (
+    assert tuple(map(str, drift_words(cell, found.drift))) == (
         "there are scans of 0 days, 4 are needed to compare them",
     )
 

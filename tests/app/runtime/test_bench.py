@@ -354,7 +354,7 @@ def test_a_sending_that_was_interrupted_is_a_fault_in_the_continued_session(
     journal.close()
     again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
     assert again.state.phase is Phase.FAULT
-    assert "ended while sending" in again.state.fault
+    assert "ended while sending" in str(again.state.fault)
     assert len(again.state.receipts) == 1
     again.close()
 
@@ -365,7 +365,9 @@ def test_a_job_that_was_interrupted_has_failed_in_the_continued_session(cell, jo
     bench.close()
     again = Bench(cell, Journal(journal.folder), now=clock, effects=Noted)
     assert again.state.job is None
-    assert str(again.state.message) == "the scan failed: the workbench was ended before it was done"
+    assert (
+        str(again.state.message) == "the scan failed: the workbench ended before the task was done"
+    )
     again.close()
 
 

@@ -100,11 +100,11 @@ def test_a_session_killed_at_random_moments_is_always_whole(tmp_path, cell, nurs
         bench = Bench(cell, journal, effects=Idle)
         state = bench.state
         assert state.job is None
-        assert was_sending == state.fault.startswith("the workbench was ended while sending")
+        assert was_sending == str(state.fault).startswith("the workbench ended while sending")
         assert was_sending == (state.phase is Phase.FAULT)
         phases[state.phase] += 1
         interrupted += was_sending
-        jobs += str(state.message).endswith("the workbench was ended before it was done")
+        jobs += str(state.message).endswith("the workbench ended before the task was done")
         bench.close()
     # Otherwise the moments were not random enough to say anything.
     assert phases[Phase.FAULT] >= 5 and len(phases) >= 4 and jobs >= 5, (phases, jobs)

@@ -211,7 +211,7 @@ def test_a_fault_of_the_controller(rig, monkeypatch, protocol, fault, speed, say
         wait_until(lambda: one.clock.let_pass(PATIENCE) or one.state.phase is not Phase.SENDING)
     state = one.ended()
     assert state.phase is Phase.FAULT
-    assert re.search(says, state.fault), state.fault
+    assert re.search(says, str(state.fault)), state.fault
     check_evidence(one, protocol)
     assert state.parts_placed <= sum(part.is_picked is not False for part in state.part_reports)
     # Not again: not now, not after the fault is acknowledged, without a scan and a new approval.
@@ -292,9 +292,9 @@ def test_a_stop_while_the_robot_moves(rig, protocol):
     wait_until(lambda: one.controller.state()["moving"] == "right")
     one.bench.do(Stop(), "ada")
     state = one.ended()
-    assert state.phase is Phase.FAULT and "sending was stopped" in state.fault
+    assert state.phase is Phase.FAULT and "sending was stopped" in str(state.fault)
     if protocol == NEW:
-        assert "the controller acknowledged the stop after" in state.fault
+        assert "the controller acknowledged the stop after" in str(state.fault)
         assert state.receipts[-1].heard.endswith("stopped")
     check_evidence(one, protocol)
     link = one.bench.live.link

@@ -102,19 +102,19 @@ def stopped(rig, *later, **patience):
 
 def test_a_report_from_before_a_stop_does_not_say_that_the_robot_stands(rig):
     link = stopped(rig)
-    assert link.stop == "nobody has reported that the robot stands: use the emergency stop"
+    assert str(link.stop) == "nobody has reported that the robot stands: use the emergency stop"
     assert link.stopped is None
 
 
 def test_after_a_stop_the_controller_is_asked_anew(rig):
     link = stopped(rig, state(received=1))
-    assert link.stop.startswith("the robot was reported to stand after")
+    assert str(link.stop).startswith("the robot was reported to stand after")
     assert link.stopped is not None
 
 
 @pytest.mark.parametrize("told", [state("right", received=1), state(received=0)])
 def test_a_robot_that_moves_or_is_about_to_does_not_stand(rig, told):
-    assert "use the emergency stop" in stopped(rig, told, report=0.2).stop
+    assert "use the emergency stop" in str(stopped(rig, told, report=0.2).stop)
 
 
 def test_what_the_link_itself_says_of_a_stop_is_not_asked_again(rig):

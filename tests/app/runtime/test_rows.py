@@ -218,7 +218,7 @@ def test_who_ends_the_workbench_between_two_plans_lets_no_other_begin(bench, pla
     made.stop_sending()
     state = made.wait(lambda state: state.phase in (Phase.DONE, Phase.FAULT), PATIENCE)
     assert state.phase is Phase.FAULT
-    assert "stopped before anything of this plan was sent" in state.fault
+    assert "stopped before anything of this plan was sent" in str(state.fault)
     ends = [row for row in rows_of(made) if row.kind == LinkEnded.__name__]
     sent = [row for row in rows_of(made) if row.kind == "Sent" and row.number > ends[0].number]
     assert sent == [], "nothing of the second plan has gone out"

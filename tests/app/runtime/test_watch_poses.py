@@ -67,7 +67,7 @@ def test_a_file_of_halcon_is_taken(bench, watch, tmp_path):
     assert np.allclose(state.detections[0].T_world_part.translation, (0.1, 0.02, 0.03))
     assert state.phase == "localized"
     (remark,) = state.remarks
-    assert (remark.by, remark.says) == (POSES_FOLDER, "2 poses from Poses.txt")
+    assert (remark.by, str(remark.says)) == (POSES_FOLDER, "2 poses taken from Poses.txt")
     assert str(state.message) == "2 poses from Poses.txt, by poses folder"
 
 
@@ -164,7 +164,7 @@ def test_the_newest_of_several_files_is_taken_last(bench, told, tmp_path):
     assert bench.state.remarks == (), "a task is under way"
     bench.do(CancelJob(), "ada")
     told._look()
-    assert [one.says for one in bench.state.remarks] == [
+    assert [str(one.says) for one in bench.state.remarks] == [
         f"1 pose from {name}.txt" for name in ("b", "c", "a", "d")
     ]
 

@@ -103,7 +103,7 @@ def test_a_cell_that_does_not_say_what_moves_is_refused(say, poses, tmp_path):
         ("study", "emptying", "tx2_90", "--parts", 2, "--scenes", 1),
     ):
         told = say(*typed, "--picks", 2)
-        assert told.code == 2 and "needs a pair_gap_mm in [policy]" in told.problem
+        assert told.code == 2 and "need a pair_gap_mm in [policy]" in told.problem
 
 
 def test_a_bin_is_emptied_by_rows_and_by_single_picks_to_compare(say, path):

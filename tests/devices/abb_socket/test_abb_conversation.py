@@ -155,7 +155,7 @@ def test_abort_is_answered_and_timed(talk):
     talk.report(1, first=1)
     talk.tell(answer)
     assert talk.ours.has_stopped
-    assert talk.ours.status.stop == "the controller acknowledged the stop after 250 ms"
+    assert str(talk.ours.status.stop) == "the controller acknowledged the stop after 250 ms"
     assert talk.receipts[-1].heard.endswith("stopped")
 
 

@@ -133,7 +133,7 @@ BAD = [
     ({"takes_by": TwoFingers(np.full(3, 0.01), 0.05, -1.0)}, "the force must lie between"),
     ({"takes_by": SuctionLip(0.0, 0.03)}, "radius of the cup"),
     ({"takes_by": replace(WITH_BAR, drawing=OTHER_SIDE)}, "on the side of x above 0"),
-    ({"begins": float("inf")}, "where it begins"),
+    ({"begins": float("inf")}, "the beginning of fingers or cup"),
     ({"T_flange_drawing": pose_from_rpy((0, 0, 0.99))}, "would reach 1[0-9]{3} mm"),
 ]  # fmt: skip
 

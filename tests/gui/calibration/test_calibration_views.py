@@ -24,6 +24,7 @@ from workbench.model.calibration import (
     PoseResidual,
 )
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.message import plain
 from workbench.model.scan import PosesFolder, Remark, Search, SearchOverrides
 
 NOW = 1_760_000_000.0
@@ -52,11 +53,11 @@ def test_the_bin_has_a_light_and_a_sentence(cell):
     good = BinCheck(cell.bin.T_world_bin, 0.0001, 0.0, 0.05, 0.0, "good", ())
     state = State(cell)
     assert 'data-light="good"' in bin_html(state, good, NOW)
-    assert "The bin is where it should be, to 0.1 mm, 5% full." in bin_html(state, good, NOW)
+    assert "The bin is where it should be, within 0.1 mm, 5% full." in bin_html(state, good, NOW)
     old = State(with_record(cell, 100))
     assert 'data-light="warning"' in bin_html(old, good, NOW)
     assert "100 days ago" in bin_html(old, good, NOW)
-    gone = BinCheck(None, 0.0, 0.0, None, 0.0, "bad", ("the rim of the bin is not seen",))
+    gone = BinCheck(None, 0.0, 0.0, None, 0.0, "bad", (plain("the rim of the bin is not seen"),))
     assert 'data-light="bad"' in bin_html(state, gone, NOW)
     assert bin_html(state, None, NOW) == ""
 

@@ -107,7 +107,7 @@ def test_where_two_kinds_share_room_the_one_stands_that_more_surface_speaks_for(
     )
     assert both.detections == (far, cylinder)
     (lost,) = both.rejected
-    assert (lost.part, lost.words) == ("bolt", "reaches into part-2")
+    assert (lost.part, str(lost.words)) == ("bolt", "reaches into another part: part-2")
 
 
 def test_parts_of_one_kind_are_left_as_their_own_search_has_them():
@@ -126,7 +126,7 @@ def test_rivals_keep_their_numbers():
         ]
     )
     assert both.detections == (other, one)
-    assert [(d.part, d.words) for d in both.rejected] == [
+    assert [(d.part, str(d.words)) for d in both.rejected] == [
         ("bracket", "outside the bin"),
         ("bolt", "a twin with a worse score of part-2"),
     ]

@@ -69,7 +69,7 @@ def test_what_is_discarded_says_why(cell, part):
         lost = one.reason in (Objection.CLAIMED, Objection.TWIN, Objection.REACHES_INTO)
         assert (one.rival is not None) == lost
         if one.rival is not None:
-            assert one.words.endswith(f" part-{one.rival + 1}")
+            assert str(one.words).endswith(f" part-{one.rival + 1}")
             assert one.rival < len(findings.detections)
         for found in findings.detections:
             T = one.T_world_part.actInv(found.T_world_part)

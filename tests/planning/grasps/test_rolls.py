@@ -63,7 +63,7 @@ def test_the_nearest_fix_leads_beside_the_key_or_asks_for_the_roll(
     assert fixes.of(one)[-1] == SHOWN and fixes.admits(one, SHOWN)
     shown = fixes.fix(one, SHOWN)
     assert (shown.change, shown.grasp, shown.policy) == (SHOWN, None, None)
-    with pytest.raises(InputError, match="nothing here can make that change"):
+    with pytest.raises(InputError, match="this change cannot be made here"):
         make_fix_command(State(over_key, detections=rolled, candidates=(one,)), shown)
     assert SHOWN not in Fixes(over_key, detections, seed=0).of(one)
 

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.model.plan import Strategy, cycle_words
+from workbench.model.messages.plans import cycle_words
+from workbench.model.plan import Strategy
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
@@ -111,5 +112,5 @@ def test_other_ways_to_take_a_part_can_only_lower_it(cell, detections, result):
 
 
 def test_it_is_said_beside_the_time():
-    assert cycle_words(6.74, 5.0) == "6.7 s, 1.3 times the bound"
-    assert cycle_words(6.74, 0.0) == "6.7 s"
+    assert str(cycle_words(6.74, 5.0)) == "6.7 s, 1.3 times the bound"
+    assert str(cycle_words(6.74, 0.0)) == "6.7 s"

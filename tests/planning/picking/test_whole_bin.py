@@ -11,6 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.grasps import FixText
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.picking.nearest_fix import Fixes, nearest_fix
 from workbench.planning.picking.whole_bin import blockers, common_fixes
@@ -41,7 +42,7 @@ def test_one_change_takes_all_parts_that_nothing_takes(deep, detections):
     assert not any(one.verdict.is_ok for one in candidates)
     (change, parts), *rest = common_fixes(cell, detections, candidates, seed=0)
     assert parts == (0, 1)
-    assert "less deep" in change
+    assert "less deep" in str(change)
     assert all(len(some) <= 2 for _, some in rest)
 
 
@@ -70,13 +71,13 @@ def test_fingers_that_are_too_wide_open_are_told_so():
     assert nearest_fix(cell, one, candidates, seed=0, obstacles=sides) is not None
 
 
-OPENING = "let the fingers arrive 32 mm apart"
+OPENING = FixText.OPENING(opening=0.032)
 
 
 def test_where_the_lift_is_blocked_other_lifts_are_tried_first(cell, detections):
     fixes = Fixes(cell, detections, seed=0)
     candidate = judge(cell, detections)[0]
-    assert "other ways" not in fixes.of(candidate)[0]
+    assert fixes.of(candidate)[0].text is not FixText.LIFTS
     blocked = replace(candidate.verdict, stage=Stage.EXTRACT)
     assert "other ways" in fixes.of(replace(candidate, verdict=blocked))[0]
     every = replace(cell, policy=replace(cell.policy, lifts=LIFT_NAMES))

@@ -11,6 +11,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import Cylinder
+from workbench.model.messages.grasps import BudgetText
 from workbench.model.part import Grasp, PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry
@@ -51,13 +52,13 @@ def test_an_error_along_the_travel_of_the_fingers_is_gone_and_one_along_the_pads
     stays = budget(brick(0.02), [2e-3, 0, 0, 0, 0, 0])
     assert gone.shift < 5e-4 and gone.largest[0] == GRIP
     assert stays.shift == pytest.approx(1.96 * 2e-3, rel=0.03)
-    assert stays.largest == (LOCALIZATION, "across the pads")
+    assert stays.largest == (LOCALIZATION, BudgetText.ACROSS_PADS)
 
 
 def test_a_turn_about_the_travel_stays_and_moves_the_part_that_is_held_beside_its_middle():
     middle = budget(brick(0.02), [0, 0, 0, 0, 0.05, 0])
     assert middle.turn == pytest.approx(1.96 * 0.05, rel=0.03)
-    assert middle.largest == (LOCALIZATION, "about the fingers' travel")
+    assert middle.largest == (LOCALIZATION, BudgetText.ABOUT_TRAVEL)
     # The search has turned it about its origin; so has the hand.
     assert middle.shift < 5e-4
 
@@ -83,7 +84,7 @@ def test_a_cup_leaves_what_is_beside_its_axis():
     cup = replace(hand(), fingers=())
     told = budget(brick(0.02), [1e-3, 1e-3, 0, 0, 0, 0], tool=cup)
     assert np.sqrt(np.diag(told.covariance)[:3]) == pytest.approx([1e-3, 1e-3, 0.0], abs=2e-5)
-    assert told.largest[1] == "across the tool"
+    assert told.largest[1] == BudgetText.ACROSS_TOOL
     upright = budget(brick(0.02), [0, 0, 2e-3, 0, 0, 0], tool=cup)
     assert upright.shift < 1e-4
 
@@ -100,10 +101,9 @@ def test_a_rod_that_rolls_as_it_is_pushed_counts_unless_it_is_round():
 def test_it_says_in_one_sentence_how_far_and_why():
     place = PartPlace(pin.SE3.Identity())
     words = budget(brick(0.02), [2e-3, 0, 0, 0, 0, 0], place).words
-    assert words == (
-        "held so, the part lies within 3.9 mm and 0.0 degrees of where it shall in 95% of picks; "
-        "most of that comes from the localization, across the pads; in 69% it lies within the "
-        "2 mm and 3 degrees of its place"
+    assert str(words) == (
+        "placement error: 3.9 mm, 0.0 deg (95%); largest contribution: localization (across the "
+        "pads); 69% of picks are within the tolerances of the place, 2.0 mm and 3.0 deg"
     )
 
 

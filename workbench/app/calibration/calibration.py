@@ -10,6 +10,7 @@ from workbench.model.calibration import Calibration, PlateObservation
 from workbench.model.cell import Arm, Bin, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.messages.calibration import PlateText
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.sureness import point_errors
 from workbench.planning.kinematics.robot import Kinematics
@@ -22,15 +23,12 @@ def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrat
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
     if not observations:
-        raise InputError("no pose was scanned yet; a calibration needs 4, 8 are better")
+        raise InputError(PlateText.NO_POSE())
     first = observations[0]
     for observation in observations:
         sides = np.asarray(observation.plate.sides)
         if observation.arm != first.arm or not np.array_equal(sides, first.plate.sides):
-            raise InputError(
-                f"{observation.name} is of another plate or arm than {first.name}; "
-                "remove one of them"
-            )
+            raise InputError(PlateText.OTHER_PLATE(pose=observation.name, first=first.name))
     return calibrate(poses_of(cell, observations), first.plate.centres)
 
 

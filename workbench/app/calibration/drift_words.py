@@ -1,69 +1,55 @@
-"""What recorded scans say of the scanner since its calibration, in sentences for people."""
+"""What recorded scans say of the scanner since its calibration, for people."""
 
 import numpy as np
 
 from workbench.app.calibration.calibration import bin_corners
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import DriftText
+from workbench.model.messages.message import Message
 from workbench.perception.calibration.drift import FEWEST, PARTS
 from workbench.perception.calibration.refinement import Drift
 from workbench.perception.calibration.sureness import point_errors
 
 
-def drift_words(cell: Cell, drift: Drift) -> tuple[str, ...]:
+def drift_words(cell: Cell, drift: Drift) -> tuple[Message, ...]:
     """All of it, what matters most first.
 
     Args:
-        cell: that it was told of.
-        drift: what is to be said.
+        cell: whose scanner it is.
+        drift: what the scans show.
     """
-    says: list[str] = []
+    says: list[Message] = []
     for course in drift.courses:
         moved, noise = (at_corners(cell, value) for value in (course.change, course.deviation))
         if course.thing in drift.drifted and course.kind == "fixture":
-            says.append(
-                f"the scanner has drifted since its calibration, as {course.thing} shows: "
-                f"what lies at the corners of the bin is seen {moved:.2f} mm further off "
-                f"(days by themselves differ by {noise:.2f} mm)"
-            )
+            drifted = DriftText.DRIFTED(thing=course.thing, moved=moved, noise=noise)
+            says.append(drifted)
         if course.kind == "bin" and drift.is_bin_off:
-            says.append(
-                f"the bin is seen {moved:.2f} mm from where it was in the first days (days by "
-                f"themselves differ by {noise:.2f} mm), and nothing else says that the scanner "
-                "was moved: look which of the two it was"
-            )
+            says.append(DriftText.BIN_MOVED(moved=moved, noise=noise))
     if PARTS in drift.drifted:
-        says.append(
-            f"parts that the robot has put down, {drift.parts}, are seen elsewhere than it has put "
-            "them, by more than the calibration leaves open"
-        )
+        says.append(DriftText.PARTS_ELSEWHERE(count=drift.parts))
     days = max((len(course.days) for course in drift.courses), default=0)
     if days < 2 * FEWEST:
-        says.append(f"there are scans of {days} days, {2 * FEWEST} are needed to compare them")
+        says.append(DriftText.TOO_FEW_DAYS(days=days, fewest=2 * FEWEST))
     elif not says:
-        says.append(f"no drift shows in {days} days")
+        says.append(DriftText.NONE(days=days))
     if drift.open and days >= 2 * FEWEST:
-        says.append(
-            f"nothing but the bin tells {', '.join(drift.open)} (shifts along axes, turns about "
-            "them): fixtures in view, or parts put down there and turned, would"
-        )
+        says.append(DriftText.OPEN(axes=drift.open))
     if drift.moved is not None and drift.covariance is not None:
         middle = cell.bin.T_world_bin.translation
         corners = np.array(list(bin_corners(cell.bin).values()))
-        sure = point_errors(drift.covariance, middle, corners).max() * 1000
+        sure = point_errors(drift.covariance, middle, corners).max()
         moved = at_corners(cell, drift.moved)
-        says.append(
-            f"with the scanner moved by {moved:.2f} mm, as the corners of "
-            f"the bin see it, what lies there is seen to {sure:.2f} mm or better (95 %)"
-        )
+        says.append(DriftText.CORRECTED(moved=moved, error=sure))
     return tuple(says)
 
 
 def at_corners(cell: Cell, motion: Floats) -> float:
-    """How far a motion (6,) [m, rad] at the bin's middle moves its farthest corner [mm].
+    """How far a motion (6,) [m, rad] at the bin's middle moves its farthest corner [m].
 
     Where it is NaN nothing moves.
     """
     arms = np.array(list(bin_corners(cell.bin).values())) - cell.bin.T_world_bin.translation
     shift, turn = np.nan_to_num(motion[:3]), np.nan_to_num(motion[3:])
-    return float(np.linalg.norm(shift + np.cross(turn, arms), axis=1).max()) * 1000
+    return float(np.linalg.norm(shift + np.cross(turn, arms), axis=1).max())

@@ -12,6 +12,8 @@ from workbench.formats.files.units import UNITS
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, pose_from_rpy, shift_and_turn
+from workbench.model.messages.calibration import FirstScanText
+from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import fit_bin
@@ -54,7 +56,7 @@ class FirstScan:
     found: FoundBin
     shift: float
     turn: float
-    says: tuple[str, ...]
+    says: tuple[Message, ...]
 
 
 def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
@@ -75,9 +77,9 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
         mount, (unit, axes, fitting) = _anywhere(points, mount)
     if fitting < FITTING:
         raise InputError(
-            f"{path}: {fitting:.0%} of its points lie where a scanner measures, {mount.near:g} "
-            f"to {mount.far:g} m before it, in any unit and with any axes: is it a scan of this "
-            "cell?"
+            FirstScanText.NO_FIT(
+                path=str(path), share=fitting, near=f"{mount.near:g}", far=f"{mount.far:g}"
+            )
         )
     scan = turned_to_camera(Scan(points * UNITS[unit], mount.T_world_scanner, path.name), axes)
     noise = sensor_model(scan.points).noise
@@ -153,61 +155,38 @@ def _says(
     floor: tuple[pin.SE3, Floats] | None,
     shift: float,
     turn: float,
-) -> Iterator[str]:
+) -> Iterator[Message]:
     if proposed.near != mount.near or proposed.far != mount.far:
-        yield (
-            f"the cloud lies where the scanner does not measure: near_mm = "
-            f"{proposed.near * 1000:.0f}, far_mm = {proposed.far * 1000:.0f} in [scanner]"
-        )
+        near, far = (f"{value * 1000:.0f}" for value in (proposed.near, proposed.far))
+        yield FirstScanText.RANGE(near=near, far=far)
     if proposed.unit != mount.unit:
-        yield f'the cloud is in {proposed.unit}: unit = "{proposed.unit}" in [scanner]'
+        yield FirstScanText.UNIT(unit=proposed.unit)
     if proposed.cloud_axes != mount.cloud_axes:
-        yield (
-            f"the cloud has other axes: cloud_axes = "
-            f'"{proposed.cloud_axes}" in [scanner] instead of {mount.cloud_axes}'
-        )
+        yield FirstScanText.AXES(axes=proposed.cloud_axes, was=mount.cloud_axes)
     if floor is not None:
-        length, width = np.sort(floor[1])[::-1] * 1000
-        yield (
-            f"no rim of the cell's bin is seen, but a floor, and {length:.0f} x {width:.0f} mm of "
-            "what is on it: the scanner's pose is that over the floor"
-        )
+        length, width = map(float, np.sort(floor[1])[::-1])
+        yield FirstScanText.FLOOR_ALONE(length=length, width=width)
         return
     if not bin.has_walls:
-        yield (
-            "the cell's bin has no walls, so no rim says where the scanner hangs: calibrate it, "
-            "or scan a bin with walls = true in [bin] first"
-        )
+        yield FirstScanText.NO_WALLS()
         return
     if found.T_scanner_bin is None:
         if found.rim is None or min(found.rim) < LEAST_RIM * min(bin.size[:2]):
-            yield (
-                "no bin is seen: is it in the picture, and its rim? Without walls in the picture "
-                "walls = false and size_mm in [bin]"
-            )
+            yield FirstScanText.NO_BIN()
             return
-        length, width = (f"{value * 1000:.0f}" for value in found.rim)
-        yield (
-            f"a rim of {length} x {width} mm is seen, not that of the cell's bin: is size_mm in "
-            "[bin] right?"
-        )
+        length, width = map(float, found.rim)
+        yield FirstScanText.OTHER_RIM(length=length, width=width)
         return
     outer = np.sort(np.asarray(bin.size[:2]) + 2 * bin.wall)[::-1]
     if found.rim is not None and np.abs(np.array(found.rim) - outer).max() > SIZE_OFF:
-        length, width = (f"{value * 1000:.0f}" for value in found.rim)
-        yield (
-            f"the rim measures {length} x {width} mm outside, in the cell {outer[0] * 1000:.0f} x "
-            f"{outer[1] * 1000:.0f} mm: is size_mm in [bin] right?"
-        )
+        length, width = map(float, found.rim)
+        wanted = {"wanted_length": float(outer[0]), "wanted_width": float(outer[1])}
+        yield FirstScanText.RIM_SIZE(length=length, width=width, **wanted)
     seen = fit_bin(scan.points, bin.T_world_bin.actInv(scan.T_world_scanner), bin, noise=0.0)
     if seen.is_floor_seen and abs(seen.floor[0]) > OFF:
-        yield (
-            f"the floor lies {(bin.size[2] - seen.floor[0]) * 1000:.1f} mm under the rim, in the "
-            f"cell {bin.size[2] * 1000:.1f} mm: size_mm in [bin]"
-        )
+        depth = float(bin.size[2] - seen.floor[0])
+        yield FirstScanText.FLOOR_DEPTH(depth=depth, wanted=float(bin.size[2]))
     if shift > OFF or turn > TURNED:
-        off = f"the bin is seen {shift * 1000:.0f} mm and {np.rad2deg(turn):.1f} degrees elsewhere"
-        if mount.calibration is None:
-            yield f"{off}: nobody has calibrated the scanner; position_mm, rpy_deg in [scanner]"
-        else:
-            yield f"{off}: was it moved, or is the calibration old?"
+        is_new = mount.calibration is None
+        off = FirstScanText.NOT_CALIBRATED if is_new else FirstScanText.OFF
+        yield off(shift=shift, turn=turn)

@@ -11,6 +11,8 @@ from workbench.app.calibration.held_plate import suggested_poses
 from workbench.model.calibration import Calibration, NextPose, PlateObservation
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.calibration import PoseText
+from workbench.model.messages.message import Message
 from workbench.perception.calibration.next_pose import errors_with
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -21,14 +23,14 @@ LEAST = (0.01, np.deg2rad(2.0))
 """[m, rad] Motions that are smaller than this are not reported."""
 
 SIDES = (
-    "the front wall",
-    "the front left corner",
-    "the left wall",
-    "the back left corner",
-    "the back wall",
-    "the back right corner",
-    "the right wall",
-    "the front right corner",
+    PoseText.FRONT,
+    PoseText.FRONT_LEFT,
+    PoseText.LEFT,
+    PoseText.BACK_LEFT,
+    PoseText.BACK,
+    PoseText.BACK_RIGHT,
+    PoseText.RIGHT,
+    PoseText.FRONT_RIGHT,
 )
 """Of the bin, as seen from its middle, counterclockwise from x."""
 
@@ -80,7 +82,7 @@ def next_poses(
     )
 
 
-def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3) -> tuple[str, ...]:
+def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3) -> tuple[Message, ...]:
     """How the plate gets from one pose to another, for a person who looks at the bin.
 
     First a turn about the vertical, then a tip, then a shift, by the names of the bin's walls.
@@ -91,29 +93,28 @@ def steps_to(T_bin_from: pin.SE3, T_bin_to: pin.SE3) -> tuple[str, ...]:
     yaw = 2 * np.arctan2(z, w) if np.hypot(z, w) > 1e-9 else 0.0
     yaw = (yaw + np.pi) % (2 * np.pi) - np.pi
     tip = pin.log3(rotation @ pin.exp3(np.array([0.0, 0.0, -yaw])))
-    said: list[str] = []
-    degrees = f"{abs(np.rad2deg(yaw)):.0f}°"
+    said: list[Message] = []
     if yaw >= LEAST[1]:
-        said.append(f"turn the plate by {degrees} counterclockwise, seen from above")
+        said.append(PoseText.TURN_LEFT(angle=float(yaw)))
     elif yaw <= -LEAST[1]:
-        said.append(f"turn the plate by {degrees} clockwise, seen from above")
+        said.append(PoseText.TURN_RIGHT(angle=-float(yaw)))
     angle = float(np.linalg.norm(tip))
     if angle >= LEAST[1]:
         # What is above the axis goes along it times the vertical.
         towards = _side(np.array([tip[1], -tip[0]]))
-        said.append(f"tip its upper side by {np.rad2deg(angle):.0f}° towards {towards}")
+        said.append(PoseText.TIP(angle=angle, side=towards))
     shift = T_bin_to.translation - T_bin_from.translation
     level = float(np.linalg.norm(shift[:2]))
     if level >= LEAST[0]:
-        said.append(f"move it by {level * 1000:.0f} mm towards {_side(shift[:2])}")
-    height = f"{abs(shift[2]) * 1000:.0f} mm"
+        said.append(PoseText.MOVE(far=level, side=_side(shift[:2])))
+    height = float(abs(shift[2]))
     if shift[2] >= LEAST[0]:
-        said.append(f"raise it by {height}")
+        said.append(PoseText.RAISE(far=height))
     elif shift[2] <= -LEAST[0]:
-        said.append(f"lower it by {height}")
+        said.append(PoseText.LOWER(far=height))
     return tuple(said)
 
 
-def _side(direction: Floats) -> str:
+def _side(direction: Floats) -> Message:
     """Where a level direction (2,) of the bin's frame points, by eighths of a turn."""
-    return SIDES[round(float(np.arctan2(direction[1], direction[0])) / (np.pi / 4)) % 8]
+    return SIDES[round(float(np.arctan2(direction[1], direction[0])) / (np.pi / 4)) % 8]()

@@ -13,6 +13,7 @@ from workbench.app.core.effects import Effect
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import NextText
 
@@ -33,7 +34,7 @@ class Right:
     `without_control`.
     """
 
-    says: str
+    says: CommandText
     phases: frozenset[Phase]
     otherwise: NextText | None = None
     beside_job: bool = False

@@ -7,9 +7,10 @@ from workbench.app.core.command import EVERY, Asked, Command, Decision, Entry, R
 from workbench.app.core.cycle.ahead import given_up
 from workbench.app.core.people import FRONT_DOOR, MACHINES, Role
 from workbench.app.core.state import State
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import ControlRefusal, Refusal
-from workbench.model.messages.states import ControlText, StateText
+from workbench.model.messages.states import AheadText, ControlText, StateText
 
 MOST_ASKING = 20
 """People who have asked and wait for an answer."""
@@ -20,7 +21,7 @@ class AskForControl(Command):
     """A person would like to be in control; who is may hand it over, or keep it."""
 
     right: ClassVar[Right] = Right(
-        "asking for control", EVERY, beside_job=True, without_control=True
+        CommandText.ASK_FOR_CONTROL, EVERY, beside_job=True, without_control=True
     )
 
     def check(self, state: State, asked: Asked) -> None:
@@ -34,7 +35,9 @@ class AskForControl(Command):
 class TakeControl(Command):
     """A person is in control from now on: nobody was, or an engineer takes it over."""
 
-    right: ClassVar[Right] = Right("taking control", EVERY, beside_job=True, without_control=True)
+    right: ClassVar[Right] = Right(
+        CommandText.TAKE_CONTROL, EVERY, beside_job=True, without_control=True
+    )
 
     def check(self, state: State, asked: Asked) -> None:
         refuse(control_problem(state, self, asked.actor, asked.role))
@@ -47,7 +50,7 @@ class TakeControl(Command):
 class GiveControl(Command):
     """Hand control over to somebody who has asked for it."""
 
-    right: ClassVar[Right] = Right("handing control over", EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.GIVE_CONTROL, EVERY, beside_job=True)
 
     to: str
 
@@ -62,7 +65,7 @@ class GiveControl(Command):
 class DenyControl(Command):
     """Keep control: what `to` has asked for is answered with no."""
 
-    right: ClassVar[Right] = Right("keeping control", EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.DENY_CONTROL, EVERY, beside_job=True)
 
     to: str
 
@@ -82,7 +85,7 @@ class ReleaseControl(Command):
     """
 
     right: ClassVar[Right] = Right(
-        "giving control back", EVERY, beside_job=True, also_by=FRONT_DOOR
+        CommandText.RELEASE_CONTROL, EVERY, beside_job=True, also_by=FRONT_DOOR
     )
 
     of: str = ""
@@ -193,7 +196,7 @@ def _held_by(state: State, name: str, message: Message) -> State:
 def _waiting_for(before: State, after: State) -> Decision:
     """The state after a change of control: no task continues in the name of who gave it away."""
     if after.ahead is not None and after.control != before.control:
-        return given_up(after, "somebody else is in control, or nobody")
+        return given_up(after, AheadText.CONTROL_GONE())
     job = after.job
     if job is None or job.then is None or after.control == before.control:
         return after, ()

@@ -16,7 +16,6 @@ from workbench.app.core.rights import lacks_right, lacks_role, obstacle
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_person
 from workbench.model.errors import CommandRefused, NotAllowed
-from workbench.model.messages.message import plain
 from workbench.model.messages.refusals import Refusal
 
 NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
@@ -69,7 +68,7 @@ def decide(state: State, entry: Entry) -> Decision:
 def _check_actor(command: Command, actor: str) -> None:
     right = command.right
     if right.by_machine and actor not in MACHINES:
-        raise CommandRefused(Refusal.MACHINES_ONLY(command=plain(right.says), person=repr(actor)))
+        raise CommandRefused(Refusal.MACHINES_ONLY(command=right.says(), person=repr(actor)))
     is_allowed = (right.by_anybody and actor in MACHINES) or actor == right.also_by
     if not right.by_machine and not is_allowed:
         check_person(actor)

@@ -4,6 +4,9 @@ import unicodedata
 from dataclasses import dataclass
 from enum import StrEnum
 
+from workbench.model.messages.commands import RoleText
+from workbench.model.messages.message import Message
+
 WORKER = "worker"
 ROBOT_LINK = "robot link"
 CELL_FILE = "cell file"
@@ -28,9 +31,19 @@ class Role(StrEnum):
     """Edits cell, parts and grasps too, and takes control over from others."""
 
     @property
-    def said(self) -> str:
-        """With its article, as sentences have it."""
-        return f"{'a' if self is Role.VIEWER else 'an'} {self}"
+    def message(self) -> Message:
+        """Its name for people."""
+        return RoleText[self.name]()
+
+    @property
+    def said(self) -> RoleText:
+        """One person of it, as sentences have it."""
+        return RoleText.A_VIEWER if self is Role.VIEWER else RoleText[f"AN_{self.name}"]
+
+    @property
+    def several(self) -> RoleText:
+        """All people of it, as sentences have them."""
+        return RoleText[f"{self.name}S"]
 
     def covers(self, other: "Role") -> bool:
         """Whether who has this role may do what the other one may."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from workbench.app.core.command import Command
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import Phase, State
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import Message, all_of, as_message, plain
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, task_message
 
@@ -33,19 +33,19 @@ def obstacle(state: State, command: type[Command]) -> Message | None:
     right = command.right
     # What runs while something is sent is of the next cycle, and holds up nothing of this one.
     if state.job is not None and not right.beside_job and state.phase is not Phase.SENDING:
-        return Refusal.TASK_RUNS(command=plain(right.says), task=task_message(state.job.name))
+        return Refusal.TASK_RUNS(command=right.says(), task=task_message(state.job.name))
     if problem := command.obstacle(state):
         return problem
     missing = what_is_missing(state, command)
     if missing is None:
         return None
-    return Refusal.NOT_NOW(command=plain(right.says), missing=missing)
+    return Refusal.NOT_NOW(command=right.says(), missing=missing)
 
 
 def changes_said(state: State) -> Message:
     """What has changed since the start before and nobody has acknowledged, in one sentence."""
     first, more = state.changed[:MOST_SAID], len(state.changed) - MOST_SAID
-    changes = plain("; ".join(first))
+    changes = all_of(map(as_message, first)) or plain("")
     if more > 0:
         return Refusal.CHANGED_MORE(since=state.changed_since, changes=changes, count=more)
     return Refusal.CHANGED(since=state.changed_since, changes=changes)
@@ -58,7 +58,7 @@ def what_is_missing(state: State, command: type[Command]) -> Message | None:
         return None
     missing = (right.otherwise or NEXT[state.phase])()
     if state.phase is Phase.FAULT and state.fault:
-        return Refusal.FAULT_FIRST(missing=missing, fault=plain(state.fault))
+        return Refusal.FAULT_FIRST(missing=missing, fault=state.fault)
     return missing
 
 
@@ -88,6 +88,4 @@ def lacks_role(command: type[Command], role: Role) -> Message | None:
     right = command.right
     if role.covers(right.role):
         return None
-    return Refusal.OTHER_ROLE(
-        command=plain(right.says), role=plain(str(right.role)), yours=plain(role.said)
-    )
+    return Refusal.OTHER_ROLE(command=right.says(), role=right.role.several(), yours=role.said())

@@ -10,6 +10,7 @@ from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_text
 from workbench.app.provenance.inventory import Inventory
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
@@ -23,10 +24,10 @@ class Started(Command):
     had acknowledged then.  `is_trial`: a demonstration, which no later start is compared with.
     """
 
-    right: ClassVar[Right] = Right("a start", EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(CommandText.STARTED, EVERY, beside_job=True, by_machine=True)
 
     ran: Inventory
-    changes: tuple[str, ...] = ()
+    changes: tuple[Message | str, ...] = ()
     since: str = ""
     is_trial: bool = False
 
@@ -41,9 +42,7 @@ class Opened(Command):
     Words and approvals belong to one start of one bench: those given before have ended.
     """
 
-    right: ClassVar[Right] = Right(
-        "going on with a session", EVERY, beside_job=True, by_machine=True
-    )
+    right: ClassVar[Right] = Right(CommandText.OPENED, EVERY, beside_job=True, by_machine=True)
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return opened_again(state), ()
@@ -55,7 +54,11 @@ class AcknowledgeChanges(Command):
 
     # While nothing moves, by whoever answers for the machine; a task that runs is not held up.
     right: ClassVar[Right] = Right(
-        "acknowledging changes", SAFE, beside_job=True, role=Role.ENGINEER, without_control=True
+        CommandText.ACKNOWLEDGE_CHANGES,
+        SAFE,
+        beside_job=True,
+        role=Role.ENGINEER,
+        without_control=True,
     )
 
     ran: str
@@ -72,7 +75,9 @@ class AcknowledgeChanges(Command):
 class WriteNote(Command):
     """Write a note into the session: what somebody saw or did at the cell."""
 
-    right: ClassVar[Right] = Right("a note", EVERY, beside_job=True, without_control=True)
+    right: ClassVar[Right] = Right(
+        CommandText.WRITE_NOTE, EVERY, beside_job=True, without_control=True
+    )
 
     text: str
 
@@ -90,7 +95,9 @@ class WriteNote(Command):
 class PosesRefused(Command):
     """A file that came into the watched folder cannot be used; `problem` says why."""
 
-    right: ClassVar[Right] = Right("a problem with poses", EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(
+        CommandText.POSES_REFUSED, EVERY, beside_job=True, by_machine=True
+    )
 
     problem: str
 

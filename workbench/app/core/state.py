@@ -10,6 +10,7 @@ from workbench.model.calibration import PlateObservation
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import LATER
+from workbench.model.messages.commands import StaleText
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof, Proven
@@ -92,7 +93,7 @@ class Outcome:
     detection: int
     is_picked: bool
     by: str
-    why: str = ""
+    why: Message | str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +108,7 @@ class Avoided:
     p_bin: tuple[float, float, float]
     until: float
     scans: int
-    why: str = ""
+    why: Message | str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,7 +166,7 @@ class SessionState:
     observations: tuple[PlateObservation, ...] = ()
     emptying: Emptying | None = None
     ran: Inventory | None = None
-    changed: tuple[str, ...] = ()
+    changed: tuple[Message | str, ...] = ()
     changed_since: str = ""
     control: str = ""
     asking: tuple[str, ...] = ()
@@ -217,7 +218,7 @@ class PlanState(PartsState):
     outlines: tuple[Outline, ...] = ()
     planned_threshold: float | None = None
     wanted_threshold: float | None = None
-    stale: str = ""
+    stale: Message | None = None
     bound: float = 0.0
     row: tuple[Proven, ...] = field(default_factory=tuple, metadata=LATER)
     row_ends: Message | None = field(default_factory=lambda: None, metadata=LATER)
@@ -295,7 +296,7 @@ class State(RunState):
 
     phase: Phase = field(default=Phase.IDLE, kw_only=False)
     job: Job | None = None
-    fault: str = ""
+    fault: Message | str = ""
     message: Message | str = ""
 
 
@@ -309,9 +310,9 @@ def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
     return State(**kept | fields)
 
 
-def stale_by(state: State, by: str) -> str:
-    """What to tell about the plan that goes, if there was one."""
-    return f"plan {state.plan.digest[:12]} is stale: {by}" if state.plan is not None else ""
+def stale_by(state: State, why: Message) -> Message | None:
+    """The message about the plan that goes, if there was one."""
+    return None if state.plan is None else StaleText.PLAN(plan=state.plan.digest[:12], why=why)
 
 
 def counted(number: int, noun: str) -> str:

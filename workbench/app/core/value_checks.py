@@ -14,7 +14,8 @@ from workbench.app.core.state import State
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, Cell, PlanOverrides, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import Floats
-from workbench.model.messages.message import plain
+from workbench.model.messages.commands import NameText
+from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.refusals import ChangeRefusal, Refusal, ValueRefusal
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
@@ -67,29 +68,31 @@ def check_integer(name: str, value: Any, lowest: int, highest: int) -> None:
     """
     if not isinstance(value, int) or isinstance(value, bool) or not lowest <= value <= highest:
         raise CommandRefused(
-            ValueRefusal.INTEGER(
-                name=plain(name), lowest=lowest, highest=highest, value=repr(value)
-            )
+            ValueRefusal.INTEGER(name=name, lowest=lowest, highest=highest, value=repr(value))
         )
 
 
-def check_number(name: str, value: Any, lowest: float, highest: float, unit: str) -> None:
+def check_number(
+    name: NameText | str, value: Any, lowest: float, highest: float, unit: NameText | str = ""
+) -> None:
     """A number within these bounds, both included; NaN lies within none.
+
+    Args:
+        name: what is checked, for people; a text is the name of a value in programs.
+        value: that is checked.
+        lowest: the least that is allowed.
+        highest: the most that is allowed.
+        unit: of all three; empty for a ratio.
 
     Raises:
         CommandRefused: it is not.
     """
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not lowest <= value <= highest:
-        raise CommandRefused(
-            ValueRefusal.NUMBER(
-                name=plain(name),
-                lowest=lowest,
-                highest=highest,
-                unit=plain(unit),
-                value=repr(value),
-            )
-        )
+        given = {"name": _named(name), "lowest": lowest, "highest": highest, "value": repr(value)}
+        if not unit:
+            raise CommandRefused(ValueRefusal.RATIO(**given))
+        raise CommandRefused(ValueRefusal.NUMBER(**given, unit=_named(unit)))
 
 
 def check_text(name: str, value: Any) -> None:
@@ -100,18 +103,27 @@ def check_text(name: str, value: Any) -> None:
     """
     if not isinstance(value, str) or len(value) > LONGEST_TEXT or not value.isprintable():
         raise CommandRefused(
-            ValueRefusal.TEXT(name=plain(name), most=LONGEST_TEXT, value=f"{value!r:.80}")
+            ValueRefusal.TEXT(name=name, most=LONGEST_TEXT, value=f"{value!r:.80}")
         )
 
 
-def check_among(name: str, value: Any, known: tuple[str, ...]) -> None:
+def check_says(name: str, says: Any) -> None:
+    """A remark on a change: a message, or a text that is short enough to be kept and shown.
+
+    Raises:
+        CommandRefused: it is neither.
+    """
+    check_text(name, str(says) if isinstance(says, Message) else says)
+
+
+def check_among(name: NameText | str, value: Any, known: tuple[str, ...]) -> None:
     """One of the names that are known.
 
     Raises:
         CommandRefused: it is not.
     """
     if value not in known:
-        raise CommandRefused(ValueRefusal.AMONG(name=plain(name), value=repr(value), known=known))
+        raise CommandRefused(ValueRefusal.AMONG(name=_named(name), value=repr(value), known=known))
 
 
 def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
@@ -133,7 +145,7 @@ def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
     if problem := picks_problem(overrides.on(cell.policy)):
         raise CommandRefused(problem)
     if overrides.metric is not None:
-        check_number("metric", overrides.metric, 0.05, 1.0, "of the joint before")
+        check_number("metric", overrides.metric, 0.05, 1.0, NameText.OF_JOINT_BEFORE)
 
 
 def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
@@ -144,12 +156,12 @@ def check_detections(cell: Cell, detections: tuple[Detection, ...]) -> None:
     """
     if not 1 <= len(detections) <= MOST_PARTS:
         raise CommandRefused(ValueRefusal.POSES(most=MOST_PARTS, count=len(detections)))
-    for number, detection in enumerate(detections, start=1):
-        check_near(f"part-{number}", detection.T_world_part)
+    for number, detection in enumerate(detections):
+        check_near(FoundPart(number), detection.T_world_part)
         try:
             cell.part(detection.part)
         except InputError as error:
-            raise CommandRefused(str(error)) from error
+            raise CommandRefused(error.message) from error
 
 
 def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
@@ -161,14 +173,14 @@ def check_configuration(cell: Cell, arm: str, q: Floats) -> None:
     try:
         joints = cell.arm(arm).joints
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
     lower, upper, _ = cell.robot.limits(joints)
     q = np.asarray(q)
     if q.shape != lower.shape or not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise CommandRefused(ValueRefusal.JOINTS(count=len(joints), arm=arm))
 
 
-def check_near(thing: str, T_world_thing: pin.SE3) -> None:
+def check_near(thing: Message | FoundPart | str, T_world_thing: pin.SE3) -> None:
     """A pose is finite and lies in the room.
 
     Raises:
@@ -177,9 +189,7 @@ def check_near(thing: str, T_world_thing: pin.SE3) -> None:
     far = float(np.abs(T_world_thing.translation).max())
     # A rotation may be no number where the place is one.
     if not far <= FARTHEST or not np.all(np.isfinite(T_world_thing.rotation)):
-        raise CommandRefused(
-            ValueRefusal.FAR(thing=plain(thing), far=f"{far:g}", most=f"{FARTHEST:g}")
-        )
+        raise CommandRefused(ValueRefusal.FAR(thing=thing, far=f"{far:g}", most=f"{FARTHEST:g}"))
 
 
 def check_cell(cell: Cell) -> None:
@@ -188,21 +198,25 @@ def check_cell(cell: Cell) -> None:
     Raises:
         CommandRefused: they do not.
     """
-    check_near("bin", cell.bin.T_world_bin)
+    check_near(NameText.BIN(), cell.bin.T_world_bin)
     for region in cell.bin.regions:
-        check_near(f"region {region.name}", region.T_bin_region)
-    check_near("scanner", cell.scanner.T_world_scanner)
-    check_near("robot", cell.T_world_robot)
+        check_near(NameText.REGION(region=region.name), region.T_bin_region)
+    check_near(NameText.SCANNER(), cell.scanner.T_world_scanner)
+    check_near(NameText.ROBOT(), cell.T_world_robot)
     for fixture in cell.fixtures:
         check_near(fixture.name, fixture.T_world_fixture)
     for arm in cell.arms:
         for T in arm.Ts_world_place:
-            check_near(f"a place of the {arm.name} arm", T)
+            check_near(NameText.PLACE(arm=arm.name), T)
         for place in arm.part_places:
-            check_near(f"a place of parts of the {arm.name} arm", place.T_world_part)
+            check_near(NameText.PART_PLACE(arm=arm.name), place.T_world_part)
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
             raise CommandRefused(ChangeRefusal.HOME_OUTSIDE(arm=arm.name))
+
+
+def _named(name: NameText | str) -> Message | str:
+    return name() if isinstance(name, NameText) else name
 
 
 def named_plan(state: State, digest: str) -> Plan:

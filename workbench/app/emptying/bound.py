@@ -10,8 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.model.candidate import Pick
+from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
+from workbench.model.messages.parts import PileText
+from workbench.model.messages.states import LeftText
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.collision.world import World
@@ -40,24 +43,28 @@ class AnyGrasp:
     tried: int
     fits: int
     holds: int
-    refused: tuple[tuple[str, int], ...]
+    refused: tuple[tuple[Reason, int], ...]
     pick: Pick | None
 
-    def __str__(self) -> str:
+    @property
+    def message(self) -> Message:
+        """The result for people."""
         if self.pick is not None:
             candidate = self.pick.candidate
             at = candidate.grasp.T_part_tcp
-            x, y, z = at.translation * 1e3
-            a, b, c = at.rotation[:, 2]
-            return (
-                f"a grasp that is not in the library takes it: arm {candidate.arm}, at "
-                f"{x:.0f}, {y:.0f}, {z:.0f} mm, pointing along {a:.2f}, {b:.2f}, {c:.2f} of the "
-                f"part, closed to {candidate.grasp.grip * 1e3:.0f} mm"
+            return PileText.ANY_GRASP(
+                arm=candidate.arm,
+                at=[f"{value:.0f}" for value in at.translation * 1e3],
+                along=[f"{value:.2f}" for value in at.rotation[:, 2]],
+                grip=candidate.grasp.grip,
             )
-        why = ", ".join(f"{count} {reason}" for reason, count in self.refused)
-        told = f"no grasp was found that takes it (of {self.tried} tried, {self.fits} fit"
-        looked = f", {MOST} of them looked at by each arm" if self.holds > MOST else ""
-        return f"{told}, {self.holds} of these hold it{looked}{': ' + why if why else ''})"
+        counts = {"tried": self.tried, "fits": self.fits, "holds": self.holds}
+        if not self.refused:
+            return PileText.NO_GRASP_FOUND(**counts)
+        reasons = [
+            LeftText.COUNTED(count=count, reason=reason.message) for reason, count in self.refused
+        ]
+        return PileText.NO_GRASP_SINCE(**counts, reasons=reasons)
 
 
 def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int) -> AnyGrasp:
@@ -66,7 +73,7 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
     world = World(cell, detections)
     part = cell.part(lying[number].part)
     tried = fits = holds = 0
-    refused: Counter[str] = Counter()
+    refused: Counter[Reason] = Counter()
     for arm in cell.arms:
         grips = grips_of(part, arm)
         free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
@@ -78,7 +85,7 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
             result = resolve(world, candidate, seed=seed)
             if isinstance(result, Pick):
                 return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), result)
-            refused[str(result.reason)] += 1
+            refused[result.reason] += 1
     return AnyGrasp(tried, fits, holds, tuple(refused.most_common()), None)
 
 

@@ -20,6 +20,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
 from workbench.model.scan import Detection, SearchOverrides, Unexplained
@@ -98,8 +99,9 @@ def emptied(
     seen_for = 0.0
     while lying and idle < IDLE and failures < MOST_FAILURES:
         if cancelled():
-            raise JobCancelled("the emptying was cancelled")
-        report(tally.taken / max(task.count, 1), f"{tally.taken} of {task.count} taken")
+            raise JobCancelled(CancelText.EMPTYING())
+        note = ProgressText.TAKEN(taken=tally.taken, count=task.count)
+        report(tally.taken / max(task.count, 1), note)
         seed = (task.seed * SEEDS + tally.scans) % SEED_LIMIT
         tally.scans += 1
         avoided = [(detection, age - 1) for detection, age in avoided if age > 0]
@@ -148,7 +150,7 @@ def emptied(
     if task.bounds:
         bounds, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
         left = tuple(
-            replace(left_part, any_grasp=str(found))
+            replace(left_part, any_grasp=found.message)
             for left_part, found in zip(left, bounds, strict=True)
         )
     return EmptiedPile(

@@ -7,6 +7,9 @@ from workbench.app.emptying.film import Film, Filmed, Numbered, Shot
 from workbench.app.emptying.what_if import tasks_with_changes
 from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
+from workbench.model.messages.parts import PileText
+from workbench.model.messages.work import ProgressText
 from workbench.model.prediction import TOGETHER, EmptiedPile, Emptying, PileTask
 from workbench.plugins.progress import Cancelled, Report
 
@@ -32,7 +35,7 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
         for seed in range(command.seed, command.seed + command.piles)
     ]
     if command.changes:
-        report(0.0, "working out the changes")
+        report(0.0, ProgressText.CHANGES())
         tasks = tasks_with_changes(plain, tasks, command.changes)
     piles: list[EmptiedPile] = []
     films: list[Film] = []
@@ -40,12 +43,14 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
     for number, task in enumerate(tasks):
         if number and task.change != tasks[number - 1].change:
             tried = changed(plain, task.change)
-        says = _words(task, number % command.piles + 1, command.piles)
+        says = _message(task, number % command.piles + 1, command.piles)
 
-        def tell(done: float, note: str, number: int = number, says: str = says) -> None:
-            report((number + done) / len(tasks), f"{says}: {note}")
+        def tell(
+            done: float, note: Message | str, number: int = number, says: Message = says
+        ) -> None:
+            report((number + done) / len(tasks), PileText.STEP(pile=says, step=note))
 
-        tell(0.0, "the parts fall")
+        tell(0.0, ProgressText.FALLING())
         pile = fallen(plain, tried, task)
         shots: list[Shot] = []
         piles.append(
@@ -60,6 +65,6 @@ def _film(task: PileTask, pile: Numbered, shots: tuple[Shot, ...]) -> Film:
     return Film(task, pile, shots, shots[-1].picks[-1].after if shots else pile)
 
 
-def _words(task: PileTask, number: int, piles: int) -> str:
-    words = f"pile {number} of {piles}"
-    return f"{task.change}, {words}" if task.change else words
+def _message(task: PileTask, number: int, piles: int) -> Message:
+    pile = PileText.OF_TASK(number=number, count=piles)
+    return PileText.WITH_CHANGE(change=task.change, pile=pile) if task.change else pile

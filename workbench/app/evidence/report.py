@@ -95,7 +95,7 @@ def _starts(entries: list[Moment]) -> Table:
                 users = ", ".join(f"{name} ({role})" for name, role in ran.users.items()) or "none"
                 parts = ", ".join(f"{name} {digest[:12]}" for name, digest in ran.parts.items())
                 listed = f"{len(ran.distributions)} distributions; users: {users}; parts: {parts}"
-                changed = "; changed: " + "; ".join(changes) if changes else ""
+                changed = "; changed: " + "; ".join(map(str, changes)) if changes else ""
                 says = f"{what}, {ran.processor}, {ran.system}; {listed}{changed}"
                 rows.append((clock(entry.at), "start", f"{says}; inventory {ran.digest[:12]}"))
             case AcknowledgeChanges():
@@ -158,7 +158,7 @@ def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
     for arm in plan.arms:
-        words = "not stated" if arm.loads is None else arm.loads.words
+        words = "not stated" if arm.loads is None else str(arm.loads.words)
         yield f"load, {arm.arm} arm", words
     verdict = "holds" if proof.holds else f"does not hold: {proof.violations[0]}"
     yield (

@@ -21,7 +21,9 @@ from workbench.formats.meshes.repair import examined
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
+from workbench.model.messages.parts import PileText
 from workbench.model.messages.verdicts import ReasonText
+from workbench.model.messages.work import ProgressText
 from workbench.model.part import Entry, GraspPattern, Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
@@ -116,7 +118,7 @@ def filled(
             break
         out, why = cleared(cell, hands, pile, seed, lambda: work.is_over(CLEARING))
         taken, parts = taken + out, parts + out + len(why)
-        work.note = f"{taken} of {parts} parts taken in simulated piles"
+        work.note = ProgressText.FILLED(taken=taken, parts=parts)
         stays.update(left_part.reason for left_part in why)
         stuck += [
             left_part for left_part in why if left_part.reason.text is ReasonText.TOOL_COLLISION
@@ -143,22 +145,20 @@ def check_mesh(part: Part) -> None:
         InputError: it has not.
     """
     if examined(part.mesh).is_inside_out:
-        raise InputError(
-            f"the mesh of part {part.name} is inside out; `workbench part import` turns it"
-        )
+        raise InputError(PileText.INSIDE_OUT(part=part.name))
 
 
-def _no_hand(cell: Cell, part: Part) -> str:
+def _no_hand(cell: Cell, part: Part) -> Message:
     """Why no tool of a cell can hold a part in any way."""
     tools = {arm.tool.name: arm.tool for arm in cell.arms}.values()
     strokes = [
-        f"{tool.name} opens {tool.stroke[0] * 1e3:g} to {tool.stroke[1] * 1e3:g} mm"
+        PileText.STROKE(tool=tool.name, low=tool.stroke[0], high=tool.stroke[1])
         for tool in tools
         if tool.fingers
     ]
     if not strokes:
-        return f"no tool of cell {cell.name} has two fingers or a cup"
-    return f"no two opposite faces of part {part.name} fit between fingers: {', '.join(strokes)}"
+        return PileText.NO_FINGERS(cell=cell.name)
+    return PileText.NO_FACES(part=part.name, strokes=strokes)
 
 
 def _on(

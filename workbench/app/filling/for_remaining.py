@@ -12,6 +12,7 @@ from workbench.app.filling.keeping import kept
 from workbench.app.filling.work import WORK, WORLD, Work
 from workbench.app.statistics.remaining import RemainingPart
 from workbench.model.cell import Cell
+from workbench.model.messages.work import ProgressText
 from workbench.model.part import Entry
 from workbench.planning.collision.world import World
 from workbench.plugins.progress import Cancelled, Report, silent
@@ -84,6 +85,6 @@ def families_for(
             taken_anew = id(family) not in known
             count += not taken_anew
         added += taken_anew
-        work.note = f"{added} of {looked} parts taken by new grasps"
+        work.note = ProgressText.ADDED(added=added, looked=looked)
     worth = kept(cell, hands, known, 0) if hands else []
     return Proposal(tuple(ranked(part, worth)), looked, count, added)

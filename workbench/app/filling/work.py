@@ -4,6 +4,7 @@ A point is 0.8 to 1.3 ms of processor time on two shared cores of an AMD EPYC.
 """
 
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.plugins.progress import Cancelled, Report, silent
 from workbench.plugins.progress import never as nobody
 
@@ -47,7 +48,7 @@ class Work:
             report: takes the share done and what is being done.
             cancelled: asked now and then; True ends it.
         """
-        self.most, self.done, self.note = most, 0.0, "trying grips"
+        self.most, self.done, self.note = most, 0.0, ProgressText.GRIPS()
         self._report, self._cancelled = report, cancelled
 
     def add(self, points: float) -> None:
@@ -61,6 +62,6 @@ class Work:
             JobCancelled: it was cancelled.
         """
         if self._cancelled():
-            raise JobCancelled("filling the library was cancelled")
+            raise JobCancelled(CancelText.FILLING())
         self._report(min(self.done / self.most, 1.0), self.note)
         return self.done > share * self.most

@@ -102,7 +102,7 @@ def check_installed(state: State, command: Command) -> None:
             case _:
                 pass
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
 
 
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:

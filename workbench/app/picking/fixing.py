@@ -6,6 +6,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.state import State
 from workbench.model.errors import InputError
+from workbench.model.messages.grasps import FixText
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.picking.nearest_fix import Fix
 
@@ -26,16 +27,17 @@ def make_fix_command(state: State, fix: Fix) -> EditPart | ChangeCell:
     candidate = fix.candidate
     # A plan made meanwhile has judged others.
     if not any(candidate is other for other in state.candidates or ()):
-        raise InputError("the parts were planned for again meanwhile; look at the fix of now")
-    says = f"the nearest fix is applied to {candidate.grasp.name}: {fix.change}"
+        raise InputError(FixText.OUTDATED())
+    says = FixText.APPLIED(grasp=candidate.grasp.name, change=fix.change)
     if fix.grasp is None:
         if fix.policy is None:
-            raise InputError(f"nothing here can make that change: {fix.change}")
+            raise InputError(FixText.NOT_HERE(change=fix.change))
+        says = FixText.APPLIED_TO_CELL(change=fix.change)
         return ChangeCell(replace(state.cell, policy=fix.policy), says)
     part = state.cell.part((state.detections or ())[candidate.detection].part)
     entry = part.library.entry_of(candidate.grasp.name)
     if entry is None:
-        raise InputError(f"grasp {candidate.grasp.name!r} is not there any more")
+        raise InputError(FixText.GRASP_GONE(grasp=repr(candidate.grasp.name)))
     authored = grasp_of(entry)
     # A copy made by a pattern or a symmetry moves with the grasp that it is a copy of.
     changed = replace(

@@ -10,6 +10,8 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box
+from workbench.model.messages.message import Message
+from workbench.model.messages.places import PalletText
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection, Obstacle
 from workbench.proof.claims.places.layers import (
@@ -34,10 +36,7 @@ def boxes_around(cell: Cell, placed: Sequence[Detection]) -> tuple[Obstacle, ...
     known = {part.name for part in cell.parts}
     for detection in placed:
         if detection.part not in known:
-            raise InputError(
-                f"a part {detection.part} lies on a pallet and the cell does not know that part "
-                "any more; take it away and empty the pallets"
-            )
+            raise InputError(PalletText.UNKNOWN_PART(part=detection.part))
         # What nothing speaks for may be there since a fault, or not: it carries no other.
         boxes.append(
             kept_box(cell, boxes, detection, detection.T_world_part, is_sure=detection.score > 0)
@@ -76,20 +75,18 @@ class PalletFill:
     doubtful: int
 
     @property
-    def words(self) -> tuple[str, ...]:
+    def words(self) -> tuple[Message, ...]:
         """For people, one sentence or two."""
-        text = f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, full"
+        filled = {
+            "arm": self.arm,
+            "number": self.number,
+            "parts": self.parts,
+            "places": self.places,
+        }
+        text = PalletText.FULL(**filled)
         if self.layer:
-            text = (
-                f"{self.arm} pallet {self.number}: {self.parts} of {self.places}, "
-                f"layer {self.layer}"
-            )
-        if not self.doubtful:
-            return (text,)
-        return text, (
-            f"of {self.doubtful} more nobody knows whether they are there: look, and say that the "
-            "pallets are empty"
-        )
+            text = PalletText.FILL(**filled, layer=self.layer)
+        return (text, PalletText.DOUBTFUL(count=self.doubtful)) if self.doubtful else (text,)
 
 
 def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...]:
@@ -111,14 +108,16 @@ def pallets_of(cell: Cell, placed: Sequence[Detection]) -> tuple[PalletFill, ...
     return tuple(fills)
 
 
-def pallet_problems(cell: Cell) -> Iterator[str]:
+def pallet_problems(cell: Cell) -> Iterator[Message]:
     """What speaks against the pallets in layers of a cell, filled with parts of each kind."""
     for arm, number, places in _pallets(cell):
         for part in cell.parts:
             if places[0].is_for(part.name):
                 problem = _problem(cell, part, places)
                 if problem:
-                    yield f"{arm.name} arm: pallet {number} of parts {part.name}: {problem}"
+                    yield PalletText.PROBLEM(
+                        arm=arm.name, number=number, part=part.name, problem=problem
+                    )
 
 
 def _pallets(cell: Cell) -> Iterator[tuple[Arm, int, list[PartPlace]]]:
@@ -128,7 +127,7 @@ def _pallets(cell: Cell) -> Iterator[tuple[Arm, int, list[PartPlace]]]:
                 yield arm, number, list(places)
 
 
-def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
+def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> Message | None:
     """The first thing that goes wrong when a pallet is filled with parts of a kind."""
     margin, most = cell.policy.margin, cell.policy.margin + FALL
     points = part.mesh.points @ places[0].T_world_part.rotation.T
@@ -140,16 +139,12 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
         detection = Detection(part.name, place.T_world_part)
         falls = fall(cell, boxes, detection, place.T_world_part)
         if falls >= FARTHEST:
-            return f"in layer {place.layer} nothing is within 50 mm beneath a part"
+            return PalletText.NOTHING_BENEATH(layer=place.layer, far=FARTHEST)
         if falls > most or falls < margin:
-            words = (
-                f"in layer {place.layer} a part is let go of {falls * 1e3:.1f} mm above what it "
-                "falls onto; "
-                f"{margin * 1e3:g} to {most * 1e3:g} mm are asked for"
-            )
+            problem = PalletText.FALLS(layer=place.layer, falls=falls, least=margin, most=most)
             if place.layer > 1:
-                words += f": layers are {pitch * 1e3:g} mm apart, and the part is {high * 1e3:.1f}"
-            return words
+                return PalletText.PITCH(problem=problem, pitch=float(pitch), high=high)
+            return problem
         beside = [
             gap_of(piece, (Box(box.size), box.T_world_box), 10 * margin + FARTHEST)
             for box in boxes
@@ -158,11 +153,9 @@ def _problem(cell: Cell, part: Part, places: Sequence[PartPlace]) -> str:
         ]
         nearest = min(beside, default=np.inf)
         if nearest < margin:
-            return (
-                f"in layer {place.layer} a part comes within {max(nearest, 0.0) * 1e3:.1f} mm of "
-                f"one that lies there; {margin * 1e3:g} mm are kept, so pitch_mm has to be larger"
-            )
+            near = float(max(nearest, 0.0))
+            return PalletText.TOO_CLOSE(layer=place.layer, near=near, margin=margin)
         if problem := standing_problem(part, place, place.T_world_part):
-            return f"in layer {place.layer} {problem}"
+            return PalletText.IN_LAYER(layer=place.layer, problem=problem)
         boxes.append(kept_box(cell, boxes, detection, place.T_world_part))
-    return ""
+    return None

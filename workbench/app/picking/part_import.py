@@ -20,6 +20,8 @@ from workbench.formats.parts.new_part import (
 )
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import Part
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
 from workbench.plugins.progress import Cancelled, Report, silent
@@ -75,7 +77,7 @@ def make_part(
         FileError: the file cannot be used, or the folder is there or cannot be written.
     """
     check_name(name)
-    report(0.0, "reading")
+    report(0.0, ProgressText.READING())
     imported = import_mesh(
         file,
         unit,
@@ -86,7 +88,7 @@ def make_part(
         report=lambda done, note: report(0.2 * done, note),
     )
     weighs = mass_of(imported, density, mass)
-    report(0.2, "symmetry")
+    report(0.2, ProgressText.SYMMETRY())
     found = proposed_symmetry(imported.mesh)
     written = write_part(
         into,
@@ -97,7 +99,7 @@ def make_part(
         proposal="" if found is None else symmetry_words(found),
         report=lambda done, note: report(0.3 + 0.6 * done, note),
     )
-    report(0.9, "by how much they are too large")
+    report(0.9, ProgressText.EXCESS())
     return MadePart(imported, written, found, excess_of(written.part))
 
 
@@ -135,9 +137,9 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
     # Its own name goes into the part's file.
     with uploaded(command.file, command.content.data) as file:
 
-        def go_on(done: float, note: str) -> None:
+        def go_on(done: float, note: Message | str) -> None:
             if cancelled():
-                raise JobCancelled("the import was cancelled")
+                raise JobCancelled(CancelText.IMPORT())
             report(done, note)
 
         return make_part(

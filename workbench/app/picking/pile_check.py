@@ -7,6 +7,8 @@ from itertools import cycle, islice
 
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.messages.message import Message
+from workbench.model.messages.parts import PileText
 from workbench.model.part import Part
 from workbench.perception.simulation.room import check_room
 
@@ -33,7 +35,7 @@ def check_pile(cell: Cell, count: int) -> None:
             tool of the cell can do.
     """
     if not cell.parts:
-        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
+        raise InputError(PileText.NO_PART(cell=cell.name))
     check_room(kinds_in_turn(cell.parts, count), cell.bin)
     for part in cell.parts:
         _check_grasps(cell, part)
@@ -42,24 +44,20 @@ def check_pile(cell: Cell, count: int) -> None:
 def _check_grasps(cell: Cell, part: Part) -> None:
     grasps = [grasp for grasp in part.grasps if grasp.is_enabled]
     if not grasps:
-        raise InputError(f"part {part.name} has no grasp, so nothing can take it; author one first")
-    reasons: Counter[str] = Counter()
+        raise InputError(PileText.NO_GRASP(part=part.name))
+    reasons: Counter[Message] = Counter()
     for grasp in grasps:
         for arm in cell.arms:
             low, high = arm.tool.stroke
             if grasp.arms and arm.name not in grasp.arms:
-                reasons[f"is for arm {' or '.join(grasp.arms)}"] += 1
+                reasons[PileText.FOR_ARM(arms=sorted(grasp.arms))] += 1
             elif grasp.tool and grasp.tool != arm.tool.name:
-                reasons[f"is for tool {grasp.tool}, arm {arm.name} carries {arm.tool.name}"] += 1
+                carried = {"arm": arm.name, "carried": arm.tool.name}
+                reasons[PileText.FOR_TOOL(tool=grasp.tool, **carried)] += 1
             elif arm.tool.fingers and not low <= grasp.opening <= high:
-                reasons[
-                    f"needs an opening of {grasp.opening * 1e3:g} mm, tool {arm.tool.name} opens "
-                    f"{low * 1e3:g} to {high * 1e3:g} mm"
-                ] += 1
+                stroke = {"tool": arm.tool.name, "low": low, "high": high}
+                reasons[PileText.OPENING(opening=grasp.opening, **stroke)] += 1
             else:
                 return
     why, _ = reasons.most_common(1)[0]
-    raise InputError(
-        f"no tool of cell {cell.name} fits a grasp of part {part.name}: each of {len(grasps)} "
-        f"grasps is refused, most of them so: it {why}"
-    )
+    raise InputError(PileText.NO_TOOL(cell=cell.name, part=part.name, count=len(grasps), why=why))

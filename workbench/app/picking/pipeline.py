@@ -11,7 +11,9 @@ from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
+from workbench.model.messages.refusals import ChangeRefusal, Refusal
 from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import Plan, PlanResult, Proof, count_taken
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
@@ -74,7 +76,7 @@ def plan_pick(
         JobCancelled: `cancelled` said so.
     """
     if not detections:
-        raise InputError("no parts were given, so there is nothing to plan")
+        raise InputError(Refusal.NO_PARTS())
     check_strategy(cell, strategy)
     policy = overrides.on(cell.policy)
     began = working_time()
@@ -112,13 +114,13 @@ def plan_pick(
             plan, verdict, proof, bound = None, _summary(looked.candidates), None, 0.0
             plans: tuple[Plan, ...] = ()
             if looked.picks:
-                part(JUDGED, "looking for the motion")
+                part(JUDGED, ProgressText.MOTION())
                 plans, verdict = plan_first_feasible(
                     world, looked.picks, attempt, threshold, scan_digest, seed, cancelled
                 )
                 took["route"], began = working_time() - began, working_time()
             if plans:
-                report(0.9, "proving the plan")
+                report(0.9, ProgressText.PROOF())
                 plan, proof = _proven(cell, Scene(scan_digest, detections, obstacles), plans)
                 took["prove"], began = working_time() - began, working_time()
                 bound = least_cycle(world, plan, looked.picks)
@@ -168,8 +170,9 @@ def check_strategy(cell: Cell, strategy: str) -> None:
     """
     if strategy not in (*BOTH, *strategies_of(cell), "both"):
         raise InputError(
-            f"strategy {strategy!r:.60} is not one of {', '.join(strategies_of(cell))} "
-            f"in cell {cell.name}"
+            ChangeRefusal.STRATEGY(
+                strategy=f"{strategy!r:.60}", known=strategies_of(cell), cell=cell.name
+            )
         )
 
 
@@ -235,8 +238,8 @@ def _counting(report: Report, cancelled: Cancelled) -> Callable[[int, int], None
 
     def looked(count: int, of: int) -> None:
         if cancelled():
-            raise JobCancelled("planning was cancelled")
-        report(TRIED * count / of, f"hand check {count} of {of}")
+            raise JobCancelled(CancelText.PLANNING())
+        report(TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
 
     return looked
 
@@ -253,9 +256,9 @@ def _judge(
     """Give every candidate its final verdict; after `until` [s] of processor time: out of time."""
     for number, candidate in enumerate(candidates):
         if cancelled():
-            raise JobCancelled("planning was cancelled")
+            raise JobCancelled(CancelText.PLANNING())
         done = TRIED + (JUDGED - TRIED) * number / len(candidates)
-        report(done, f"candidate {number + 1} of {len(candidates)}")
+        report(done, ProgressText.CANDIDATES(number=number + 1, count=len(candidates)))
         verdict = candidate.verdict
         if verdict.is_ok:
             others = looked.working.setdefault((candidate.arm, candidate.detection), [])

@@ -12,6 +12,7 @@ from workbench.model.cell import Cell, PlanOverrides, Policy
 from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.verdicts import StationNote, VerdictNote
+from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Scene
 from workbench.planning.planners.clock import processor_time, working_time
@@ -82,7 +83,7 @@ def plan_regrasp(
             reason = _why_not(refusals) if processor_time() < search.until else Reason.OUT_OF_TIME
             why = StationNote.NO_GRASP(reason=reason.message)
         for stand in pairs[:MOST_PLANNED]:
-            report_part(0.8, "planning over a station")
+            report_part(0.8, ProgressText.STATIONS())
             row = _plan_both(cell, scene, number, stand, policy, picks)
             if isinstance(row, Message):
                 why = row

@@ -12,8 +12,10 @@ from workbench.app.picking.regrasp import plan_regrasp
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
-from workbench.model.messages.plans import PlanNote, RowEnd
+from workbench.model.messages.plans import PlanNote, RowEnd, strategy_message
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proven
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
@@ -85,7 +87,7 @@ def check_picks(cell: Cell, picks: int) -> None:
         InputError: they cannot.
     """
     if problem := picks_problem(replace(cell.policy, picks=picks)):
-        raise InputError(f"cell {cell.name}: {problem}")
+        raise InputError(ChangeRefusal.CELL(cell=cell.name, problem=problem))
 
 
 def prove_row(
@@ -112,11 +114,8 @@ def prove_row(
             break
         moved = may_have_moved(cell, before)
         if not before.stations and (moved is not None or cell.policy.pair_gap <= 0):
-            why = "the cell has no pair_gap_mm" if moved is None else str(moved)
-            raise CommandRefused(
-                f"plan {number} of the row cannot follow plan {number - 1}, since nobody knows how "
-                f"the parts lie then: {why}"
-            )
+            why = ChangeRefusal.NO_PAIR_GAP() if moved is None else moved.message
+            raise CommandRefused(ChangeRefusal.ROW_ORDER(number=number, before=number - 1, why=why))
         found.append(Proven(plan, prove_in(cell, scene_after(cell, before), plan)))
     return tuple(found)
 
@@ -139,7 +138,7 @@ def _rows(
             scene,
             picks,
             avoided,
-            _of(report, each_strategy, k, len(BOTH)),
+            _of_strategy(report, each_strategy, k, len(BOTH)),
             strategy=each_strategy,
             **asked,
         )
@@ -182,7 +181,7 @@ def _row(
             ends = ends or RowEnd.NO_PART()
             break
         done += 1
-        report_plan = _of(report, f"plan {done} of {picks}", done - 1, picks)
+        report_plan = _of(report, done, picks)
         result = _next(cell, scene, left, report_plan, is_last=done == picks, **asked)
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
@@ -250,7 +249,15 @@ def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
 
 
-def _of(report: Report, name: str, number: int, count: int) -> Report:
-    """Progress of one of so many plans or rows, counted from 0, with its name before each note."""
-    part = within(report, number / count, (number + 1) / count)
-    return lambda done, note: part(done, f"{name}: {note}")
+def _of_strategy(report: Report, strategy: str, number: int, count: int) -> Report:
+    """Progress of the rows of one strategy, counted from 0, with its name before each note."""
+    part, name = within(report, number / count, (number + 1) / count), strategy_message(strategy)
+    return lambda done, note: part(done, ProgressText.OF_STRATEGY(strategy=name, step=note))
+
+
+def _of(report: Report, number: int, count: int) -> Report:
+    """Progress of one plan of a row, counted from 1, with its number before each note."""
+    part = within(report, (number - 1) / count, number / count)
+    return lambda done, note: part(
+        done, ProgressText.PLAN_OF_ROW(number=number, count=count, step=note)
+    )

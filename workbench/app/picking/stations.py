@@ -11,6 +11,9 @@ from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import Cell, Policy
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.places import StationText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import PartPlace, Station
 from workbench.model.scan import Detection, Scene
 from workbench.planning.collision.world import World
@@ -66,37 +69,38 @@ class Search:
         every = [(station, T) for station in self.cell.stations for T in poses]
         found: list[Stand] = []
         for count, (station, T) in enumerate(every):
-            report(0.5 * count / len(every), f"pose {count + 1} of {len(every)} on a station")
+            note = ProgressText.STATION_POSES(number=count + 1, count=len(every))
+            report(0.5 * count / len(every), note)
             looked = self.stand(kind, station, T)
             if isinstance(looked, Stand):
                 found.append(looked)
         return sorted(found, key=lambda stand: stand.seconds)
 
-    def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | str:
+    def stand(self, kind: str, station: Station, T: pin.SE3) -> Stand | Message:
         """What becomes of a part that stands on a station in one way, or what speaks against it."""
         points = self.cell.part(kind).mesh.points @ T.rotation.T + T.translation
         if not _is_on(points, station):
-            return "is too small to stand on"
+            return StationText.TOO_SMALL()
         T_world_part = self.cell.T_world_station(station) * T
         there, margin = Detection(kind, T_world_part), self.policy.margin
         world = World(self.cell, (there,), self.scene.obstacles, self.policy)
         above = _above(self.cell, station, T_world_part, margin)
         label = world.part_ways.standing_in(0, above, margin)
         if label is not None:
-            return f"brings a part nearer than {margin * 1000:g} mm to {label}"
+            return StationText.TOO_CLOSE(margin=margin, body=label)
         stands_on, around = (
             world.part_ways.standing_in(0, T_world_part, far) for far in (BENEATH, FAR)
         )
         # Where not all shapes are compared so, the proof will tell.
         if stands_on is None and around is not None:
-            return "has nothing beneath it that would carry a part"
+            return StationText.NOT_CARRIED()
         refusals: list[Verdict] = []
         picks = list(self._picks(world, 0, refusals))
         if picks:
             return Stand(station, T_world_part, min(pick.seconds for pick in picks))
         if all(refusal.reason is Reason.OUT_OF_REACH for refusal in refusals) and refusals:
-            return "is out of reach of every arm"
-        return "is where no grasp takes a part from to a place"
+            return StationText.UNREACHABLE()
+        return StationText.NO_GRASP()
 
     def pairs(
         self, number: int, stands: list[Stand], refusals: list[Verdict], report: Report
@@ -108,7 +112,7 @@ class Search:
         """
         found: list[Stand] = []
         for count, stand in enumerate(stands):
-            report(0.5 + 0.3 * count / len(stands), f"way to a station {count + 1}")
+            report(0.5 + 0.3 * count / len(stands), ProgressText.STATION_PATHS(number=count + 1))
             at = cell_with(self.cell, self.scene.detections[number].part, stand, self.policy)
             world = World(at, self.scene.detections, self.scene.obstacles, self.policy)
             picks = list(self._picks(world, number, refusals))
@@ -124,7 +128,7 @@ class Search:
         world.deadline, count = self.until, 0
         for candidate in propose(world):
             if self.cancelled():
-                raise JobCancelled("planning was cancelled")
+                raise JobCancelled(CancelText.PLANNING())
             if processor_time() > self.until or count == ENOUGH:
                 return
             is_asked = candidate.detection == number and candidate.arm in self.arms
@@ -137,7 +141,7 @@ class Search:
                     refusals.append(result)
 
 
-def station_problems(cell: Cell) -> Iterator[str]:
+def station_problems(cell: Cell) -> Iterator[Message]:
     """What speaks against the stations of a cell: those from which no part can be taken anew."""
     arms = [arm.name for arm in cell.arms]
     scene = Scene("", ())
@@ -146,12 +150,12 @@ def station_problems(cell: Cell) -> Iterator[str]:
         for part in cell.parts:
             poses = resting_poses(part)
             looked = [search.stand(part.name, station, T) for T in poses]
-            words = [problem for problem in looked if isinstance(problem, str)]
-            where = f"station {station.name}, for {part.name}"
+            problems = [found for found in looked if isinstance(found, Message)]
+            where = {"station": station.name, "part": part.name}
             if not poses:
-                yield f"{where}: the part stands nowhere without falling over or rolling away"
-            elif len(words) == len(looked):
-                yield f"{where}: {max(words, key=words.count)}"
+                yield StationText.PROBLEM(**where, problem=StationText.UNSTABLE())
+            elif len(problems) == len(looked):
+                yield StationText.PROBLEM(**where, problem=max(problems, key=problems.count))
 
 
 def _is_on(points: Floats, station: Station) -> bool:

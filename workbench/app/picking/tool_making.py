@@ -4,6 +4,9 @@ from workbench.app.core.cell.making import carrying
 from workbench.formats.cells.drawn_tools import DrawnTool, made_of
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled
+from workbench.model.messages.message import Message
+from workbench.model.messages.parts import DrawnText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.plugins.progress import Cancelled, Report
@@ -17,18 +20,15 @@ def tool_for(cell: Cell, arm: str, drawn: DrawnTool, report: Report, cancelled: 
         InputError: a drawing cannot be used, or the tool reaches into the robot at home.
     """
 
-    def go_on(done: float, note: str) -> None:
+    def go_on(done: float, note: Message | str) -> None:
         if cancelled():
-            raise JobCancelled("the tool was cancelled")
+            raise JobCancelled(CancelText.TOOL())
         report(0.8 * done, note)
 
     tool = made_of(drawn, go_on)
-    go_on(1.0, "looking whether it meets the robot")
+    go_on(1.0, ProgressText.MEETS_ROBOT())
     if met := met_at_home(carrying(cell, arm, tool), arm):
-        raise InputError(
-            f"{tool.name} reaches into {met} with the arm at home: its drawing is expected in "
-            "the flange's frame, z out of the flange"
-        )
+        raise InputError(DrawnText.MEETS(tool=tool.name, body=met))
     return tool
 
 

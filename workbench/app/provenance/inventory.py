@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 
 from workbench.model.digest import digest_of
 from workbench.model.geometry import put
+from workbench.model.messages.cells import InventoryText
+from workbench.model.messages.commands import RoleText
+from workbench.model.messages.message import Message, Text
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,16 +49,16 @@ class Inventory:
         put(self, digest=digest_of(self))
 
 
-def differences(old: Inventory, new: Inventory) -> tuple[str, ...]:
+def differences(old: Inventory, new: Inventory) -> tuple[Message, ...]:
     """What is otherwise in `new`, one phrase each; empty when nothing is."""
     return tuple(_differences(old, new))
 
 
-def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
+def _differences(old: Inventory, new: Inventory) -> Iterator[Message]:
     if old.workbench != new.workbench:
-        yield f"workbench {old.workbench} is {new.workbench} now"
+        yield InventoryText.VERSION(name="workbench", was=old.workbench, has=new.workbench)
     elif old.files != new.files:
-        yield f"the files of workbench {new.workbench} are others"
+        yield InventoryText.FILES(name="workbench", version=new.workbench)
     before, now = _versions(old), _versions(new)
     yield from _compare(before, now)
     records = {distribution.name: distribution.record for distribution in old.distributions}
@@ -64,20 +67,20 @@ def _differences(old: Inventory, new: Inventory) -> Iterator[str]:
             before.get(distribution.name) == distribution.version
             and records[distribution.name] != distribution.record
         ):
-            yield f"the files of {distribution.name} {distribution.version} are others"
+            yield InventoryText.FILES(name=distribution.name, version=distribution.version)
     for name in ("python", "processor", "system", "cell"):
         was, has = getattr(old, name), getattr(new, name)
         if was != has:
-            yield f"{name} {was} is {has} now"
+            yield InventoryText.VERSION(name=name, was=was, has=has)
     parts = sorted(
         name for name in {*old.parts, *new.parts} if old.parts.get(name) != new.parts.get(name)
     )
     if parts:
-        yield f"of the cell {', '.join(f'part {name}' for name in parts)} differ"
+        yield InventoryText.PARTS(parts=parts)
     if old.calibration != new.calibration:
-        yield "the scanner's pose differs"
+        yield InventoryText.CALIBRATION()
     if not parts and old.calibration == new.calibration and old.cell_digest != new.cell_digest:
-        yield "the cell differs"
+        yield InventoryText.CELL()
     yield from _people(old.users, new.users)
 
 
@@ -85,27 +88,35 @@ def _versions(inventory: Inventory) -> Mapping[str, str]:
     return {distribution.name: distribution.version for distribution in inventory.distributions}
 
 
-def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+def _people(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message]:
     """Who may come in now, or may not any more, or in another role; both are name -> role."""
-    return _list_changes(
-        old, new, "new user {name} ({has})", "user {name} ({was}) is gone",
-        "user {name} is {has} now, was {was}",
-    )  # fmt: skip
+    before, now = ({name: _role(role) for name, role in users.items()} for users in (old, new))
+    texts = (InventoryText.NEW_USER, InventoryText.USER_GONE, InventoryText.USER_ROLE)
+    return _list_changes(before, now, *texts)
 
 
-def _compare(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+def _compare(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Message]:
     """What came, went or changed in a mapping from names to something short."""
-    return _list_changes(
-        old, new, "{name} {has} has come", "{name} {was} has gone", "{name} {was} is {has} now"
-    )
+    texts = (InventoryText.ADDED, InventoryText.REMOVED, InventoryText.VERSION)
+    return _list_changes(old, new, *texts)
+
+
+def _role(role: str) -> Message | str:
+    known = RoleText.__members__.get(role.upper())
+    return role if known is None else known()
 
 
 def _list_changes(
-    old: Mapping[str, str], new: Mapping[str, str], come: str, gone: str, other: str
-) -> Iterator[str]:
-    """A sentence for each name whose value `was` and `has` differ, by three templates."""
+    old: Mapping[str, Message | str],
+    new: Mapping[str, Message | str],
+    come: Text,
+    gone: Text,
+    other: Text,
+) -> Iterator[Message]:
+    """A message for each name whose value differs, by three texts."""
     for name in sorted({*old, *new}):
         was, has = old.get(name), new.get(name)
         if was != has:
-            template = come if was is None else gone if has is None else other
-            yield template.format(name=name, was=was, has=has)
+            text = come if was is None else gone if has is None else other
+            given = {"name": name, "was": was, "has": has}
+            yield text(**{place: given[place] or "" for place in text.places})

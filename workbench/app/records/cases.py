@@ -33,6 +33,7 @@ from workbench.formats.files.whole_files import (
 from workbench.model.cell import Cell
 from workbench.model.digest import Told, canonical, digest_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
+from workbench.model.messages.commands import NameText
 from workbench.model.scan import Detection, Scan, Search
 
 FORMAT = "workbench-case/1"
@@ -176,9 +177,9 @@ def _check(case: Case, head: Mapping[str, Any]) -> None:
     check_text("comment", case.comment)
     check_number("at", case.at, 0.0, 1e11, "s")
     check_integer("seed", case.search.seed, 0, SEED_LIMIT - 1)
-    check_number("detail", case.search.overrides.detail, *DETAIL, "of the usual")
-    check_number("least score", case.search.overrides.least_score, 0.0, 1.0, "")
-    check_near("scanner", case.scan.T_world_scanner)
+    check_number("detail", case.search.overrides.detail, *DETAIL, NameText.OF_USUAL)
+    check_number(NameText.LEAST_SCORE, case.search.overrides.least_score, 0.0, 1.0)
+    check_near(NameText.SCANNER(), case.scan.T_world_scanner)
     for what, detection in named:
         case.cell.part(detection.part)
         check_near(f"a {detection.part} {what}", detection.T_world_part)

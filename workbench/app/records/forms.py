@@ -85,12 +85,15 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
         return kind(form)
     if origin is types.UnionType or origin is typing.Union:
         present = [argument for argument in arguments if argument is not type(None)]
+        if Message in present and set(present) <= {Message, str}:
+            # Once every remark was a text, and that was none.
+            if isinstance(form, str) and str in present:
+                return form
+            is_none = form is None or (form == "" and type(None) in arguments)
+            return None if is_none else message_of(form)
         if set(present) <= PLAIN:
             return form
         if form is None and len(present) < len(arguments):
-            return None
-        if form == "" and present == [Message]:
-            # Once every remark was a text, and that was none.
             return None
         return restored(present[0] if len(present) == 1 else _kind_of(present, form), form, read)
     if origin is frozenset:

@@ -16,6 +16,7 @@ from workbench.formats.files.whole_files import file_name, is_folder, make_folde
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, FileError
 from workbench.model.messages.message import Message
+from workbench.model.messages.work import CaseRefusal
 from workbench.model.scan import Search
 
 FOLDER = "cases"
@@ -33,22 +34,22 @@ There = Literal["listed", "listed alone", "nothing"]
 _KEEPING = threading.Lock()
 
 
-def keeping_problem(state: State, actor: str, role: Role) -> Message | str:
-    """Why this person may not keep what was found as a case now; empty when they may.
+def keeping_problem(state: State, actor: str, role: Role) -> Message | None:
+    """Why this person may not store what was found as a case now; None when they may.
 
     Whoever may correct what was found may keep it.
     """
     wanted = UseDetections.right.role
     if not role.covers(wanted):
-        return f"keeping a case is for {wanted}s; you are {role.said}"
+        return CaseRefusal.OTHER_ROLE(role=wanted.several(), yours=role.said())
     if problem := lacks_right(state, UseDetections, actor, role):
         return problem
     # Packing a scan takes a second of the process that speaks with the robot.
     if state.phase is Phase.SENDING:
-        return "keeping a case has to wait until nothing is sent any more"
+        return CaseRefusal.SENDING()
     if state.scan is None or not state.searches:
-        return "find the parts first: a case says what was found and what is there"
-    return ""
+        return CaseRefusal.NOTHING_FOUND()
+    return None
 
 
 def keep_case(
@@ -96,12 +97,9 @@ def keep_case(
     with _KEEPING:
         kept = case_files(session)
         if folder / name in kept:
-            raise CommandRefused(f"this was kept a moment ago, as {name}")
+            raise CommandRefused(CaseRefusal.STORED(name=name))
         if len(kept) >= MOST_CASES:
-            raise CommandRefused(
-                f"{MOST_CASES} cases are kept in this session, as many as may be; take them "
-                f"elsewhere and remove some from {folder}"
-            )
+            raise CommandRefused(CaseRefusal.MOST(most=MOST_CASES, folder=str(folder)))
         make_folder(folder)
         write_case(folder / name, case)
     return folder / name

@@ -24,6 +24,7 @@ from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
+from workbench.model.messages.catalogue import message_of
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
@@ -158,7 +159,7 @@ def summary(state: State) -> Mapping[str, Any]:
         # Nobody is written as nothing at all: sessions from before there was control say as much.
         "control": state.control or None,
         "ran": None if state.ran is None else state.ran.digest,
-        "changed": list(state.changed) or None,
+        "changed": list(map(str, state.changed)) or None,
         "emptied": None if state.emptying is None else _digest_of(state.emptying),
         "asking": list(state.asking) or None,
     }
@@ -228,7 +229,8 @@ def check_session(kind: str, body: bytes, cell: Cell) -> None:
 
 def _result_form(result: Result) -> Any:
     if isinstance(result, WorkbenchError):
-        return {"error": {"type": type(result).__name__, "text": str(result)}}
+        error = {"type": type(result).__name__, "text": str(result)}
+        return {"error": {**error, "said": result.message.form}}
     kind = RESULTS.get(type(result), "detections")
     return {kind: canonical(result)}
 
@@ -243,7 +245,9 @@ def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
     ((kind, content),) = form.items()
     if kind == "error":
         cancelled = content["type"] == JobCancelled.__name__
-        return (JobCancelled if cancelled else WorkbenchError)(content["text"])
+        # Older sessions have the text alone.
+        why = message_of(content.get("said", content["text"]))
+        return (JobCancelled if cancelled else WorkbenchError)(why)
     for result, name in RESULTS.items():
         if name == kind:
             return restored(result, content, read)

@@ -29,6 +29,7 @@ from workbench.app.runtime.worker import Question
 from workbench.journal.journal import Journal, Row
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, JournalError, NotRecorded, WorkbenchError
+from workbench.model.messages.work import JobText, LinkText
 
 
 class Effects(Protocol):
@@ -151,7 +152,7 @@ class Bench:
         self._keep(form)
         with self._changed:
             if self._is_ending and actor not in MACHINES:
-                raise CommandRefused("the workbench is closing")
+                raise CommandRefused(JobText.CLOSING())
             before, now = self._state, self._now()
             allowed(before, command, actor, now, joints, role)
             if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
@@ -170,12 +171,9 @@ class Bench:
             except JournalError as error:
                 if isinstance(command, Stop):
                     self._run(effects)
-                    raise CommandRefused(
-                        f"the stop is carried out, but it cannot be recorded: {error}"
-                    ) from error
-                raise NotRecorded(
-                    f"the journal cannot be written, so nothing was done: {error}"
-                ) from error
+                    unrecorded = JobText.STOP_UNRECORDED(error=error.message)
+                    raise CommandRefused(unrecorded) from error
+                raise NotRecorded(JobText.UNRECORDED(error=error.message)) from error
             self._publish(after)
             self._run(effects)
         return after
@@ -184,9 +182,7 @@ class Bench:
         try:
             self._journal.keep(form.files)
         except JournalError as error:
-            raise NotRecorded(
-                f"the journal cannot be written, so nothing was done: {error}"
-            ) from error
+            raise NotRecorded(JobText.UNRECORDED(error=error.message)) from error
 
     def _asks_for_joints(self, command: Command) -> bool:
         """Whether how the robot stands counts in a command: where it lets a plan go out."""
@@ -274,10 +270,10 @@ class Bench:
 
     def _end_what_was_interrupted(self) -> None:
         if self._state.job is not None:
-            ended = WorkbenchError("the workbench was ended before it was done")
+            ended = WorkbenchError(JobText.INTERRUPTED())
             self.do(JobEnded(self._state.job.number, ended), WORKER)
         if self._state.phase is Phase.SENDING:
-            fault = "the workbench was ended while sending; look how far the robot has come"
+            fault = LinkText.INTERRUPTED()
             self.do(LinkEnded(fault), ROBOT_LINK)
         # A session that has only begun has nothing that could end.
         if self._journal.count > 1:

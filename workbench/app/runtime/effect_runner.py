@@ -25,7 +25,7 @@ from workbench.app.core.effects import (
 from workbench.app.core.people import CELL_FILE, WORKER
 from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.insisting import insist
-from workbench.app.runtime.jobs import WORK, Jobs
+from workbench.app.runtime.jobs import WORK, Jobs, internal_error
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady, Question
@@ -37,6 +37,8 @@ from workbench.formats.parts.reading import read_part
 from workbench.formats.parts.saves import drop_draft, save_part, write_draft
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, WorkbenchError
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import JobText
 from workbench.model.scan import LocalizationResult
 from workbench.plugins.robot_link import USUAL, LinkPatience
 
@@ -167,8 +169,7 @@ class EffectRunner:
             command = CellRead(problem=str(error))
         except Exception as error:
             log.exception("the cell could not be written")
-            problem = f"internal error, see the log: {type(error).__name__}: {error}"
-            command = CellRead(problem=problem)
+            command = CellRead(problem=str(internal_error(error)))
         # A task may have begun meanwhile: what became of saving is told when it has ended.
         insist(
             self._do,
@@ -181,16 +182,16 @@ class EffectRunner:
         if command.cell is not None:
             self._show(is_saving=False)
 
-    def _save(self, effect: WriteCell) -> tuple[Cell, str]:
+    def _save(self, effect: WriteCell) -> tuple[Cell, Message]:
         """Write the cell and its parts, and read back what the files hold now; tell what was new.
 
         Raises:
             InputError: something cannot be written or read.
         """
         if self._cell_file is None:
-            raise InputError("this session has no cell file")
+            raise InputError(JobText.NO_CELL_FILE())
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
-        told, before = list[str](), read_whole(self._cell_file, LARGEST_FILE)
+        told, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
         filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
         # Asked before anything is written: half of it would look like a change from outside.
         written_cell(self._cell_file, replace(effect.cell, parts=filed))
@@ -204,12 +205,12 @@ class EffectRunner:
                 remark=effect.remark,
             )
             if version is not None:
-                told.append(f"the grasps of {part.name} as version {version}")
+                told.append(JobText.GRASPS(part=part.name, version=version))
         save_cell(self._cell_file, effect.cell)
         if not told or read_whole(self._cell_file, LARGEST_FILE) != before:
-            told.append("the cell")
+            told.append(JobText.THE_CELL())
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
-        return read_cell(self._cell_file), f"saved: {', '.join(told)}"
+        return read_cell(self._cell_file), JobText.SAVED(things=told)
 
     def _show(self, **changes: Any) -> None:
         if joints := changes.get("joints"):
@@ -222,7 +223,7 @@ class EffectRunner:
         began = {} if what is not None else {"started": self._now()}
         self._show(getting_ready=what, **began)
 
-    def _job_progressed(self, number: int, done: float, note: str) -> None:
+    def _job_progressed(self, number: int, done: float, note: Message | str) -> None:
         if number == self._live.job:
             self._show(done=done, note=note)
 
@@ -238,11 +239,10 @@ class EffectRunner:
         except Exception as error:
             # A result that has no canonical form, say: the task must not seem to run for ever.
             log.exception("the result of task %d cannot be taken", number)
-            problem = f"internal error, see the log: {type(error).__name__}: {error}"
-            self._insist(JobEnded(number, WorkbenchError(problem)))
+            self._insist(JobEnded(number, WorkbenchError(internal_error(error))))
 
     def _insist(self, ended: JobEnded) -> None:
         insist(self._do, ended, WORKER, giving_up=self._closing, tell=self._tell_unrecorded)
 
-    def _tell_unrecorded(self, problem: str) -> None:
+    def _tell_unrecorded(self, problem: Message | None) -> None:
         self._show(unrecorded=problem)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.model.errors import CommandRefused, NotRecorded
+from workbench.model.messages.message import Message
 
 log = logging.getLogger(__name__)
 
@@ -20,7 +21,7 @@ def insist(
     actor: str,
     *,
     giving_up: threading.Event,
-    tell: Callable[[str], None],
+    tell: Callable[[Message | None], None],
     is_waiting: bool = False,
 ) -> None:
     """Have what has happened recorded, however long that takes: a disk may be full for a while.
@@ -30,7 +31,7 @@ def insist(
         command: states what has happened.
         actor: the machine that reports it.
         giving_up: set when the bench closes; then it is tried no more.
-        tell: called with why it is not on record yet, and with an empty text that it is now.
+        tell: called with why it is not on record yet, and with None that it is now.
         is_waiting: whether to try again as well while it is not in order, a task running say.
 
     Raises:
@@ -44,7 +45,7 @@ def insist(
             if not has_told:
                 log.error("%s is not recorded yet: %s", type(command).__name__, error)
             has_told = True
-            tell(str(error))
+            tell(error.message)
             if not giving_up.wait(RETRY):
                 continue
         except CommandRefused as error:
@@ -52,5 +53,5 @@ def insist(
                 continue
             log.error("%s is not recorded: %s", type(command).__name__, error)
         if has_told:
-            tell("")
+            tell(None)
         return

@@ -36,7 +36,9 @@ from workbench.app.runtime.worker import (
 )
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.message import Message as MessageText
 from workbench.model.messages.states import task_message
+from workbench.model.messages.work import JobText
 
 log = logging.getLogger(__name__)
 
@@ -58,7 +60,7 @@ ATTEMPTS = 3
 Ended = Callable[[int, Any], None]
 """Told the number of a job and its result, or the `WorkbenchError` that ended it."""
 
-Progressed = Callable[[int, float, str], None]
+Progressed = Callable[[int, float, MessageText | str], None]
 """Told the number of a job, the share done 0..1, and what is being done."""
 
 Prepared = Callable[[GettingReady | None], None]
@@ -177,7 +179,7 @@ class Jobs:
 
     def _begin_anew(self, error: Exception) -> None:
         """End what runs, or all that waits if nothing does; the next task gets a new worker."""
-        problem = WorkbenchError(f"internal error, see the log: {type(error).__name__}: {error}")
+        problem = WorkbenchError(internal_error(error))
         worker, self._worker = self._worker, None
         if self._running is not None:
             self._running_ended(problem)
@@ -193,8 +195,7 @@ class Jobs:
             self._worker = self._make_worker()
         except OSError as error:  # no memory or no process left
             self._worker = None
-            problem = f"the worker process cannot be started: {error}"
-            self._refuse_waiting(WorkbenchError(problem))
+            self._refuse_waiting(WorkbenchError(JobText.NO_START(error=str(error))))
 
     def _wait_and_listen(self) -> None:
         sources = [self._bell]
@@ -223,7 +224,7 @@ class Jobs:
             for request in dropped:
                 self._waiting.remove(request)
         for request in dropped:
-            self._tell_end(request, JobCancelled(f"task {request.name!r} was cancelled"))
+            self._tell_end(request, _cancelled(request.name))
         if self._running is not None and self._running.number in numbers and self._worker:
             self._worker.to_cancel.value = self._running.number
             self._kill_at = time.monotonic() + GRACE
@@ -235,7 +236,7 @@ class Jobs:
             self._replace_worker()
         elif self._worker is None:
             # Nobody waits for a worker that cannot be: a job that needs one says why.
-            self._drop_questions(WorkbenchError("there is no worker process"))
+            self._drop_questions(WorkbenchError(JobText.NO_WORKER()))
         elif self._worker.is_ready:
             with self._lock:
                 self._running = self._waiting.popleft() if self._waiting else self._next_asked()
@@ -268,8 +269,8 @@ class Jobs:
         except Exception as error:
             # Unpacking runs the code of what was packed, which may raise anything.
             log.exception("an answer of the worker process cannot be read")
-            problem = "the answer of the worker process cannot be read: "
-            self._running_ended(WorkbenchError(f"{problem}{type(error).__name__}: {error}"))
+            problem = JobText.UNREADABLE(kind=type(error).__name__, error=str(error))
+            self._running_ended(WorkbenchError(problem))
             return
         match message:
             case GettingReady():
@@ -305,16 +306,16 @@ class Jobs:
         if self._running is not None:
             name = self._running.name
             self._running_ended(
-                JobCancelled(f"{task_message(name)} was cancelled")
+                _cancelled(name)
                 if was_cancelled
-                else WorkbenchError(f"the worker process ended ({how}) during {task_message(name)}")
+                else WorkbenchError(JobText.ENDED(how=how, task=task_message(name)))
             )
         if self._failed_starts < ATTEMPTS:
             self._replace_worker()
         else:
             self._worker = None
             self._failed_starts = ATTEMPTS - 1
-            ends = WorkbenchError(f"the worker process ends at its start ({how})")
+            ends = WorkbenchError(JobText.ENDS_AT_START(how=how))
             self._refuse_waiting(self._unable or ends)
 
     def _running_ended(self, result: Any) -> None:
@@ -343,6 +344,15 @@ class Jobs:
             listener(*what)
         except Exception:
             log.exception("a listener to jobs failed")
+
+
+def internal_error(error: Exception) -> MessageText:
+    """The message about an error that nobody has expected; the log has the rest."""
+    return JobText.INTERNAL(kind=type(error).__name__, error=str(error))
+
+
+def _cancelled(task: str) -> JobCancelled:
+    return JobCancelled(JobText.CANCELLED(task=task_message(task)))
 
 
 class _Worker:

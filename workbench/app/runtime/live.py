@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from workbench.app.emptying.film import Filmed
 from workbench.app.runtime.worker import GettingReady
+from workbench.model.messages.message import Message
 from workbench.model.release import LinkStatus
 from workbench.model.scan import Detection, LocalizationResult
 
@@ -20,39 +21,39 @@ class Live:
     `job` is the number of the job that `done` (0..1), `note` and `started` [s since the epoch]
     belong to, 0 before the first.  `getting_ready` is what jobs wait for just now, if anything;
     it does not count as their time.  `joints` (name -> rad) is what the controller reports,
-    `robot` its own word for what it does; both are empty while it reports nothing.  `last_joints`
+    `robot` what it does by that; empty and None while it reports nothing.  `last_joints`
     (name -> rad) is what it reported last, at `reported_at` [s since the epoch], also when it
     reports nothing any more; empty before its first report.  `link`
     is how the last connection for motion stands, or how it ended.
     `findings` are of the last search for parts, with what it rejected: the journal keeps the
     parts alone, since the rest decides nothing and can be computed again.  So are `films` of the
     piles that were emptied last: the same seeds bring them again.  `unrecorded` says why
-    the end of a task or of a sending is not on record yet; empty otherwise.  `is_saving`: the
+    the end of a task or of a sending is not on record yet; else None.  `is_saving`: the
     cell is being written, or the last time it could not be.
     """
 
     job: int = 0
     done: float = 0.0
-    note: str = ""
+    note: Message | str = ""
     started: float = 0.0
     joints: Mapping[str, float] = field(default_factory=dict[str, float])
-    robot: str = ""
+    robot: Message | None = None
     last_joints: Mapping[str, float] = field(default_factory=dict[str, float])
     reported_at: float = 0.0
     link: LinkStatus = field(default_factory=LinkStatus)
     findings: LocalizationResult | None = None
     films: Filmed | None = None
     getting_ready: GettingReady | None = None
-    unrecorded: str = ""
+    unrecorded: Message | None = None
     is_saving: bool = False
 
-    def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[str, ...]:
+    def wrong_sizes(self, detections: tuple[Detection, ...] | None) -> tuple[Message, ...]:
         """What the search that brought these detections says of CAD files of a wrong size."""
         if self.findings is None or self.findings.detections is not detections:
             return ()
-        return tuple(scale.words for scale in self.findings.scales if scale.is_off)
+        return tuple(scale.words for scale in self.findings.scales if scale.words is not None)
 
-    def told_of(self, job: int) -> tuple[float, str]:
+    def told_of(self, job: int) -> tuple[float, Message | str]:
         """Share done and note of the job with that number, or of what it waits for."""
         if self.getting_ready is not None:
             return self.getting_ready.done, self.getting_ready.note

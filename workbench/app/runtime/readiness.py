@@ -23,11 +23,12 @@ from workbench.app.runtime.compiled_code import (
     is_ready,
     take_shipped,
 )
+from workbench.model.messages.work import ProgressText
 from workbench.plugins.progress import Report
 
 log = logging.getLogger(__name__)
 
-NOTE = "getting ready, once, about a minute"
+NOTE = ProgressText.GETTING_READY()
 """What is told meanwhile."""
 
 WARM_UP = "workbench.app.runtime.warm_up"

@@ -15,6 +15,7 @@ from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import State
 from workbench.app.runtime.insisting import insist
+from workbench.app.runtime.jobs import internal_error
 from workbench.model.cell import Cell
 from workbench.model.errors import (
     CommandRefused,
@@ -24,6 +25,8 @@ from workbench.model.errors import (
     WorkbenchError,
 )
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message, all_of, plain
+from workbench.model.messages.work import LinkText, phase_message
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, PartReport, Receipt, RobotState
 from workbench.plugins.robot_link import USUAL, LinkPatience, send, states
@@ -55,14 +58,14 @@ class Run:
     stopped: threading.Event
     clock: Callable[[], float]
     receipts: list[Receipt] = field(default_factory=list[Receipt])
-    doubt: str = ""
+    doubt: Message | None = None
     doubted_at: float = 0.0
     let: int = 0
     following: Plan | None = None
 
     def is_to_stop(self) -> bool:
         """Whether somebody stops it, or what is reported does not fit what was sent."""
-        return self.stopped.is_set() or (self.doubt != "" and self.clock() >= self.doubted_at)
+        return self.stopped.is_set() or (self.doubt is not None and self.clock() >= self.doubted_at)
 
 
 class LinkRunner:
@@ -162,7 +165,7 @@ class LinkRunner:
             self._send(*wanted)
 
     def _send(self, run: Run, approval: Approval) -> None:
-        fault = ""
+        fault: Message | None = None
         try:
             fault = self._spoken(run, approval)
             outcome = self._outcome(run, fault)
@@ -174,16 +177,17 @@ class LinkRunner:
             log.exception("the end of a sending cannot be told as it was")
             self._going = self._run = None
             # A text that no journal can hold may have been the reason.
-            self._end((fault or _internal(error)).encode("ascii", "backslashreplace").decode())
+            text = str(fault or internal_error(error))
+            self._end(plain(text.encode("ascii", "backslashreplace").decode()))
             self._show_link(replace(self._status, phase="closed"))
 
-    def _spoken(self, run: Run, approval: Approval) -> str:
+    def _spoken(self, run: Run, approval: Approval) -> Message | None:
         """Send the plan, message by message; what ended that early, if anything did."""
-        fault, is_silent = "", self._is_silent()
+        fault, is_silent = None, self._is_silent()
         self._show_link(LinkStatus(phase="connecting"))
         try:
             if run.stopped.is_set():
-                raise JobCancelled("stopped before anything of this plan was sent")
+                raise JobCancelled(LinkText.NOTHING_SENT())
             self._spend(approval)
             # Where the link says nothing, nobody else compares what is done with what was said.
             self._going, self._run = run, run if is_silent else None
@@ -206,17 +210,17 @@ class LinkRunner:
             # A link that has nothing but its end says nothing of the robot.
             if is_silent and self._status.stopped is None:
                 self._see_it_stand(run)
-            fault = str(error) if run.stopped.is_set() else f"{run.doubt}; {error}"
+            fault = error.message if run.stopped.is_set() else all_of((run.doubt, error.message))
         except CommandRefused as error:
-            fault = str(error)
+            fault = error.message
         except WorkbenchError as error:
-            fault = self._explain(str(error)) if is_silent else str(error)
+            fault = self._explain(error.message) if is_silent else error.message
         except Exception as error:
             log.exception("sending failed")
-            fault = _internal(error)
+            fault = internal_error(error)
         return fault
 
-    def _outcome(self, run: Run, fault: str) -> tuple[int, tuple[PartReport, ...]]:
+    def _outcome(self, run: Run, fault: Message | None) -> tuple[int, tuple[PartReport, ...]]:
         """How many parts were put down, and what is known of each."""
         self._going = self._run = None
         self._show_link(replace(self._status, phase="closed"))
@@ -237,24 +241,26 @@ class LinkRunner:
             CommandRefused: it has been used.
         """
         if approval.digest in self._used:
-            raise CommandRefused("this approval has been used; have the plan approved again")
+            raise CommandRefused(LinkText.APPROVAL_USED())
         self._used.add(approval.digest)
 
     def _parts(self, run: Run) -> tuple[PartReport, ...]:
         """What was reported of each part of the plan; where nothing was, nobody knows."""
         latest = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
-        why = f"{self._cell.controller.link} had told nothing of it at the end"
+        why = LinkText.NO_REPORT(link=self._cell.controller.link)
         return tuple(
             latest.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
             for arm in run.plan.arms
         )
 
-    def _end(self, fault: str, placed: int = 0, parts: tuple[PartReport, ...] = ()) -> None:
-        ended = LinkEnded(fault, placed, parts)
-        how = fault or "it went well"
+    def _end(
+        self, fault: Message | None, placed: int = 0, parts: tuple[PartReport, ...] = ()
+    ) -> None:
+        ended = LinkEnded(fault or "", placed, parts)
+        how = fault or LinkText.WENT_WELL()
 
-        def tell(problem: str) -> None:
-            self._show(unrecorded=f"{how}; {problem}" if problem else "")
+        def tell(problem: Message | None) -> None:
+            self._show(unrecorded=problem and LinkText.ENDED_BUT(how=how, problem=problem))
 
         insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, tell=tell)
 
@@ -287,10 +293,10 @@ class LinkRunner:
         report = self._wait_for(stands)
         took = time.monotonic() - began
         if report is None or not stands(report):
-            words = "nobody has reported that the robot stands: use the emergency stop"
+            words = LinkText.NOT_SEEN_STANDING()
             self._show_link(replace(self._status, stop=words))
         else:
-            words = f"the robot was reported to stand after {took * 1000:.0f} ms"
+            words = LinkText.STANDS_AFTER(took=took)
             self._show_link(replace(self._status, stopped=took, stop=words))
 
     def _show_link(self, status: LinkStatus) -> None:
@@ -300,15 +306,19 @@ class LinkRunner:
             return
         if status.phase == "closed":
             # From now on nobody reports where the robot is moved to.
-            self._show(joints={}, robot="")
+            self._show(joints={}, robot=None)
         elif status.joints:
-            words = f"{status.phase}, step {status.step} of {status.steps}"
+            words = LinkText.PHASE(
+                phase=phase_message(status.phase), step=status.step, steps=status.steps
+            )
             self._show(joints=self._by_joint(status.joints), robot=words)
 
-    def _explain(self, fault: str) -> str:
+    def _explain(self, fault: Message) -> Message:
         """A fault of the link with what the controller says about it, if it does."""
         report = self._wait_for(lambda report: report.fault != "")
-        return f"{fault}; the controller says: {report.fault}" if report and report.fault else fault
+        if report is None or not report.fault:
+            return fault
+        return LinkText.CONTROLLER_SAYS(fault=fault, report=report.fault)
 
     def _placed_since(self, before: RobotState | None, messages: int) -> int:
         """Parts put down since a report, as reported once that many messages have arrived."""
@@ -337,7 +347,7 @@ class LinkRunner:
                     self._take(report, wanted)
             except ProtocolError as error:
                 log.debug("what the robot reports makes no sense: %s", error)
-                self._doubt(str(error))
+                self._doubt(error.message)
             except LinkError as error:
                 log.debug("no report from the robot: %s", error)
             except Exception:
@@ -352,11 +362,11 @@ class LinkRunner:
             self._reports.notify_all()
         if report is not None:
             self._compare(report)
-            self._show(joints=self._by_joint(report.joints), robot=_words(report))
+            self._show(joints=self._by_joint(report.joints), robot=_message(report))
         elif before is not None:
-            self._show(joints={}, robot="")
+            self._show(joints={}, robot=None)
 
-    def _doubt(self, why: str) -> None:
+    def _doubt(self, why: Message) -> None:
         """A robot of which nonsense is reported goes on with no plan."""
         run = self._going
         if run is not None and not run.doubt:
@@ -370,11 +380,11 @@ class LinkRunner:
         received = report.received - (run.before.received if run.before else 0)
         if report.fault and (received or run.before is None or report.fault != run.before.fault):
             run.doubted_at = self._patience.clock() + self._patience.doubt
-            run.doubt = f"the controller reports a fault: {report.fault}"
+            run.doubt = LinkText.REPORTS_FAULT(fault=report.fault)
         elif run.before is not None and report.moving and 1 <= received <= len(run.receipts):
-            told = run.receipts[received - 1].arm
-            if report.moving != told:
-                run.doubt = f"the controller moves arm {report.moving}, arm {told} was told to"
+            ordered = run.receipts[received - 1].arm
+            if report.moving != ordered:
+                run.doubt = LinkText.OTHER_ARM(moving=report.moving, ordered=ordered)
 
     def _by_joint(self, joints: Mapping[str, Sequence[float] | Floats]) -> Mapping[str, float]:
         return {
@@ -384,11 +394,7 @@ class LinkRunner:
         }
 
 
-def _internal(error: Exception) -> str:
-    return f"internal error, see the log: {type(error).__name__}: {error}"
-
-
-def _words(report: RobotState) -> str:
+def _message(report: RobotState) -> Message:
     if report.fault:
-        return f"fault: {report.fault}"
-    return f"moves arm {report.moving}" if report.moving else "stands"
+        return LinkText.FAULT(fault=report.fault)
+    return LinkText.MOVES(arm=report.moving) if report.moving else LinkText.STANDS()

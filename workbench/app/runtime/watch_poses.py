@@ -9,12 +9,13 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.session import PosesRefused
-from workbench.app.core.state import State, counted
+from workbench.app.core.state import State
 from workbench.app.core.value_checks import LONGEST_NAME
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.commands import EditText
 from workbench.model.scan import PosesFolder
 
 log = logging.getLogger(__name__)
@@ -112,7 +113,9 @@ class PosesWatch:
         command: Command
         try:
             detections = read_poses(path, folder.part or (parts[0].name if parts else ""))
-            says = f"{counted(len(detections), 'pose')} from {_shorten(path.name, LONGEST_NAME)}"
+            says = EditText.POSES_FROM(
+                count=len(detections), file=_shorten(path.name, LONGEST_NAME)
+            )
             command = UseDetections(detections, says)
         except InputError as error:
             command = PosesRefused(_shorten(str(error)))

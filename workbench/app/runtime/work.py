@@ -17,6 +17,7 @@ from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
@@ -58,14 +59,14 @@ def sight(
 ) -> PlateObservation:
     """The reference plate, held by `arm` at `q`, in a scan of the cell's scanner."""
     arm, q, plate = cell.arm(arguments["arm"]), arguments["q"], arguments["plate"]
-    report(0.1, "the scanner looks at the plate")
+    report(0.1, ProgressText.SCANNER_LOOKS())
     if cell.scanner.source == "simulated":
         scan = simulated_sight(cell, arm, q, plate, seed=arguments["seed"])
     else:
         scan = scanner_of(cell).scan(ScanRequest(), report, cancelled)
     if cancelled():
-        raise JobCancelled("the scan of the plate was cancelled")
-    report(0.5, "looking for the balls")
+        raise JobCancelled(CancelText.PLATE_SCAN())
+    report(0.5, ProgressText.BALLS())
     return sight_plate(scan, plate, arguments["name"], arm.name, q)
 
 
@@ -91,7 +92,7 @@ def plan(
     Refusals say so where only the bodies that stand for a part may be too near.
     """
     scan, detections = arguments["scan"], arguments["detections"]
-    report(0.0, "looking for obstacles that no model explains")
+    report(0.0, ProgressText.OBSTACLES())
     around = Unexplained() if scan is None else look_around(cell, scan, detections)
     result = plan_row(
         cell,

@@ -21,6 +21,8 @@ from typing import Any, Protocol
 
 from workbench.model.cell import Cell
 from workbench.model.errors import WorkbenchError
+from workbench.model.messages.message import Message as MessageText
+from workbench.model.messages.work import JobText
 from workbench.plugins.progress import Cancelled, Report
 
 JobFunction = Callable[[Cell, Mapping[str, Any], Report, Cancelled], Any]
@@ -68,7 +70,7 @@ class GettingReady:
     """
 
     done: float
-    note: str
+    note: MessageText | str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,7 +92,7 @@ class Progress:
 
     number: int
     done: float
-    note: str
+    note: MessageText | str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,7 +200,7 @@ def _serve(connection: Connection, module: str, to_cancel: Flag) -> None:
         if get_ready is not None:
             get_ready(lambda done, note: send(connection, in_parts(GettingReady(done, note))))
     except Exception as error:
-        problem = WorkbenchError(f"the worker process cannot start: {_describe(error)}")
+        problem = WorkbenchError(JobText.NOT_READY(error=_describe(error)))
         send(connection, in_parts(Unable(problem, traceback.format_exc())))
         return
     send(connection, in_parts(Ready()))
@@ -221,8 +223,7 @@ def _answer(
     number = request.number
     try:
         if request.name not in jobs:
-            known = ", ".join(sorted(jobs))
-            raise WorkbenchError(f"there is no task {request.name!r}; there are {known}")
+            raise WorkbenchError(JobText.UNKNOWN(name=repr(request.name), known=sorted(jobs)))
         report = _reporter(number, connection)
         result = jobs[request.name](
             cell, request.arguments, report, lambda: to_cancel.value == number
@@ -231,14 +232,15 @@ def _answer(
     except WorkbenchError as error:
         return in_parts(Failure(number, error))
     except Exception as error:
-        problem = WorkbenchError(f"internal error, see the log: {_describe(error)}")
+        problem = WorkbenchError(JobText.INTERNAL(kind=type(error).__name__, error=str(error)))
         return in_parts(Failure(number, problem, traceback.format_exc()))
 
 
 def _reporter(number: int, connection: Connection) -> Report:
-    last_note, next_at = "", 0.0
+    last_note: MessageText | str = ""
+    next_at = 0.0
 
-    def report(done: float, note: str) -> None:
+    def report(done: float, note: MessageText | str) -> None:
         nonlocal last_note, next_at
         now = time.monotonic()
         if note != last_note or now >= next_at:

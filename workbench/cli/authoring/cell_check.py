@@ -45,8 +45,8 @@ def check_cell(typed: CellCheck) -> int:
         for arm, reach in zip(cell.arms, reaches, strict=True)
         for problem in _problems(cell, arm, reach)
     ]
-    problems += station_problems(cell)
-    problems += pallet_problems(cell)
+    problems += map(str, station_problems(cell))
+    problems += map(str, pallet_problems(cell))
     loads = [(arm, tool_load(arm.tool)) for arm in cell.arms]
     notes = list(_load_notes(cell))
     if typed.json:

@@ -216,7 +216,7 @@ def _check_form(check: GraspCheck) -> dict[str, Any]:
         "ok": check.is_ok,
         "width_mm": None if check.width is None else round(check.width * 1000, 2),
         "clearance_mm": round(check.clearance * 1000, 2),
-        "findings": [finding.text for finding in check.findings],
+        "findings": [str(finding.text) for finding in check.findings],
         **({} if check.firmness is None else {"held_share": round(check.firmness.share, 3)}),
     }
 

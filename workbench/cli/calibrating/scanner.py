@@ -53,5 +53,5 @@ def _form(seen: FirstScan) -> dict[str, Any]:
         "rim_mm": None if seen.found.rim is None else shorts(1000 * np.array(seen.found.rim), 1),
         "is_bin_found": seen.found.T_scanner_bin is not None,
         "share_in_range": round(seen.fitting, 3),
-        "says": list(seen.says),
+        "says": list(map(str, seen.says)),
     }

@@ -84,7 +84,7 @@ def _form(cell: Cell, found: RecordedDrift) -> dict[str, Any]:
         "parts": drift.parts,
         "moved_mm_deg": None if drift.moved is None else _numbers(drift.moved),
         "covariance": None if drift.covariance is None else drift.covariance.tolist(),
-        "says": list(drift_words(cell, drift)),
+        "says": list(map(str, drift_words(cell, drift))),
     }
 
 
@@ -96,7 +96,7 @@ def _course_form(cell: Cell, course: Course) -> dict[str, Any]:
         "change_mm_deg": _numbers(course.change),
         "deviation_mm_deg": _numbers(course.deviation),
         "is_told": course.is_told.tolist(),
-        "at_corners_mm": round(at_corners(cell, course.change), 4),
+        "at_corners_mm": round(at_corners(cell, course.change) * 1000, 4),
     }
 
 

@@ -65,7 +65,7 @@ def explain(typed: arguments.Explain) -> int:
                 ],
                 "blockers": [_blocker_form(blocker) for blocker in blockers(cell, candidates)],
                 "fixes": [
-                    {"change": change, "parts": [number + 1 for number in parts]}
+                    {"change": str(change), "parts": [number + 1 for number in parts]}
                     for change, parts in fixes
                 ],
                 "placing": [_sure_form(candidate, budget) for candidate, budget in sure],
@@ -106,8 +106,8 @@ def _sure_form(candidate: Candidate, budget: Budget) -> dict[str, object]:
         "shift_mm": round(budget.shift * 1000, 3),
         "turn_deg": round(float(np.rad2deg(budget.turn)), 3),
         "confidence": SURE,
-        "most_from": source,
-        "axis": axis,
+        "most_from": str(source()),
+        "axis": str(axis()),
         "chance": budget.chance,
     }
 
@@ -155,4 +155,4 @@ def _reasons(candidates: tuple[Candidate, ...], stage: Stage) -> str:
 
 
 def _fix_form(fix: Fix) -> dict[str, object]:
-    return {**candidate_form(fix.candidate), "change": fix.change}
+    return {**candidate_form(fix.candidate), "change": str(fix.change), "said": fix.change.told}

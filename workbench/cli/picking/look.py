@@ -129,4 +129,4 @@ def _sureness(detection: Detection) -> tuple[str, str, str]:
 
 def _rejected_words(hypothesis: RejectedHypothesis) -> tuple[str, ...]:
     place = (f"{p * 1000:.1f}" for p in hypothesis.T_world_part.translation)
-    return (hypothesis.part, *place, f"{hypothesis.score:.2f}", hypothesis.words)
+    return (hypothesis.part, *place, f"{hypothesis.score:.2f}", str(hypothesis.words))

@@ -18,6 +18,8 @@ from workbench.devices.abb_egm.orders import Order, Run, Score
 from workbench.devices.streamed_way import Ride
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import LinkText, StopText
 from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
@@ -120,7 +122,7 @@ class Sending:
         heard, trouble = dict.fromkeys(self._channels, 0), ""
         while min(heard.values()) < LOOKS:
             if cancelled():
-                raise JobCancelled("sending was stopped before anything was sent")
+                raise JobCancelled(LinkText.NOTHING_SENT())
             if self._patience.clock() > until:
                 arm = min(heard, key=lambda name: heard[name])
                 raise LinkError(trouble or f"no EGM of a controller reports {arm} at its UDP port")
@@ -301,22 +303,18 @@ class Sending:
         Raises:
             JobCancelled: always.
         """
-        where = f"sending was stopped at {self._where}"
         began = self._patience.clock()
-        stands, why = False, ""
+        stands, missing = False, StopText.NOT_STANDING()
         try:
             stands = self._come_to_rest()
         except LinkError as error:
-            why = f" ({error})"
+            missing = StopText.SINCE(what=missing, why=error.message)
         if not stands:
-            raise JobCancelled(
-                f"{where}; the controller did not report that it stands: "
-                f"use the emergency stop{why}"
-            )
+            raise JobCancelled(StopText.AT(where=self._where, how=missing))
         took = self._patience.clock() - began
-        words = f"the controller reported that it stands after {took * 1000:.0f} ms"
+        words = StopText.STANDS(took=took)
         self._tell("stopped", took, words)
-        raise JobCancelled(f"{where}; {words}")
+        raise JobCancelled(StopText.AT(where=self._where, how=words))
 
     def _come_to_rest(self) -> bool:
         """Slow down along the way, then end EGM; whether every arm was reported to stand.
@@ -364,7 +362,7 @@ class Sending:
         orders = (self._score.ticket, float(self._count[name]))
         return feedback is not None and feedback.told[1:3] == orders
 
-    def _tell(self, phase: str, stopped: float | None = None, stop: str = "") -> None:
+    def _tell(self, phase: str, stopped: float | None = None, stop: Message | None = None) -> None:
         joints = {name: channel.q for name, channel in self._channels.items()}
         legs, at = sum(isinstance(item, Run) for item in self._score.items), self._now()
         heard = f"leg {self._leg}"

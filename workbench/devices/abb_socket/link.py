@@ -10,6 +10,7 @@ from workbench.devices.abb_socket.program import program_of
 from workbench.devices.abb_socket.sending import Sending
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
+from workbench.model.messages.work import StopText
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
@@ -123,20 +124,20 @@ def _stop(
     Raises:
         JobCancelled: always; it states what came of it.
     """
-    where = f"sending was stopped at {talk.where}"
     if not talk.is_begun:
-        raise JobCancelled(f"{where}, before the controller was spoken to")
+        raise JobCancelled(StopText.NOT_SPOKEN())
     yield from talk.unanswered()
-    missing = "the controller did not acknowledge the stop: use the emergency stop"
+    missing = StopText.NOT_ACKNOWLEDGED()
     try:
         _say(link, talk.abort(patience.clock()), talk.where)
         until = patience.clock() + patience.stop
         while not talk.has_stopped and patience.clock() < until:
             yield from talk.hear(_received(link, talk), patience.clock())
     except LinkError as error:
-        raise JobCancelled(f"{where}; {missing} ({error})") from None
+        why = StopText.SINCE(what=missing, why=error.message)
+        raise JobCancelled(StopText.AT(where=talk.where, how=why)) from None
     show(talk.status)
-    raise JobCancelled(f"{where}; {talk.status.stop or missing}")
+    raise JobCancelled(StopText.AT(where=talk.where, how=talk.status.stop or missing))
 
 
 def _received(link: socket.socket, talk: Sending) -> bytes:

@@ -31,6 +31,7 @@ from workbench.devices.abb_socket.program import Line, Program, lines_of
 from workbench.devices.abb_socket.program_reports import ProgramReports
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.messages.work import StopText
 from workbench.model.plan import Plan
 from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.robot_link import USUAL, none_let
@@ -229,7 +230,7 @@ class Sending:
             # The abort overtook whatever was under way; only its own answer counts now.
             if frame.word == "stopped":
                 took = at - self._aborted_at
-                words = f"the controller acknowledged the stop after {took * 1000:.0f} ms"
+                words = StopText.ACKNOWLEDGED(took=took)
                 self.status = replace(self.status, phase="stopped", stopped=took, stop=words)
                 yield self._make_receipt(frame)
             return

@@ -13,6 +13,7 @@ from workbench.devices.universal_robots.told import State, States
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.work import StopText
 from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience
@@ -154,7 +155,7 @@ class Sending:
         until = self._patience.clock() + self._patience.answer
         while self._patience.clock() < until:
             if cancelled():
-                raise JobCancelled("sending was stopped before the controller was spoken to")
+                raise JobCancelled(StopText.NOT_SPOKEN())
             message = self._client.hear(POLL)
             if message is not None and message.get("remote") is False:
                 raise LinkError("the robot is in local control; choose remote control on its panel")
@@ -220,8 +221,7 @@ class Sending:
         Raises:
             JobCancelled: always.
         """
-        where = f"sending was stopped at {self._where}"
-        missing = "the controller did not report that it stands: use the emergency stop"
+        missing = StopText.NOT_STANDING()
         clock = self._patience.clock
         began, is_heard, before = clock(), False, None
         try:
@@ -236,15 +236,15 @@ class Sending:
                 last, before = before, state if state.stands else None
                 if last is not None and before is not None and _is_still(last, before):
                     took = clock() - began
-                    words = f"the controller reported that it stands after {took * 1000:.0f} ms"
+                    words = StopText.STANDS(took=took)
                     legs, at = len(self._program.legs), self._now()
                     self._show(
                         LinkStatus(self._link, "stopped", self._leg, legs, "", 0.0, at, took, words)
                     )
-                    raise JobCancelled(f"{where}; {words}")
+                    raise JobCancelled(StopText.AT(where=self._where, how=words))
         except LinkError as error:
-            raise JobCancelled(f"{where}; {missing} ({error})") from None
-        raise JobCancelled(f"{where}; {missing}")
+            missing = StopText.SINCE(what=missing, why=error.message)
+        raise JobCancelled(StopText.AT(where=self._where, how=missing))
 
     def _tell(self, state: State) -> None:
         joints, at = {self._arm.name: state.q}, self._now()

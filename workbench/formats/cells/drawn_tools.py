@@ -27,6 +27,9 @@ from workbench.model.geometry import (
     pose_from_rpy,
     put,
 )
+from workbench.model.messages.parts import DrawnText
+from workbench.model.messages.refusals import ChangeRefusal
+from workbench.model.messages.work import ProgressText
 from workbench.plugins.progress import Report, silent
 
 Bytes = NDArray[np.uint8]
@@ -121,44 +124,47 @@ def check_drawn(drawn: DrawnTool) -> None:
     """
     check_name(drawn.name)
     _check_drawing(drawn.body)
-    _check_length("where the drawing lies", drawn.T_flange_drawing.translation, -1000, 1000)
+    _check_length(DrawnText.DRAWING, drawn.T_flange_drawing.translation, -1000, 1000)
     if drawn.begins is not None:
-        _check_length("where it begins", drawn.begins, -1000, 1000)
+        _check_length(DrawnText.BEGIN, drawn.begins, -1000, 1000)
     match drawn.takes_by:
         case TwoFingers(size=size, stroke=stroke, force=force, drawing=drawing):
             if drawing.content.size or drawing.file:
                 _check_drawing(drawing)
             else:
                 if np.shape(size) != (3,):
-                    raise InputError("a finger has three lengths")
-                _check_length("a finger", size, 0.5, 500)
-            _check_length("the stroke", stroke, 0.5, 500)
+                    raise InputError(DrawnText.FINGER_SIZE())
+                _check_length(DrawnText.FINGER, size, 0.5, 500)
+            _check_length(DrawnText.STROKE, stroke, 0.5, 500)
         case SuctionLip(radius=radius, length=length, press=press, force=force):
-            _check_length("the radius of the cup", radius, 0.5, 150)
-            _check_length("the length of the cup", length, 0.5, 500)
-            _check_length("what the lip gives way", press, 0, 50)
+            _check_length(DrawnText.CUP_RADIUS, radius, 0.5, 150)
+            _check_length(DrawnText.CUP_LENGTH, length, 0.5, 500)
+            _check_length(DrawnText.PRESS, press, 0, 50)
     if force is not None and not 0 < force <= 1e5:
-        raise InputError(f"the force must lie between 0 and 100,000 N, not {force!r}")
+        raise InputError(DrawnText.FORCE(value=repr(force)))
 
 
 def _check_drawing(drawing: Drawing) -> None:
     name = drawing.file
     if PurePosixPath(name).suffix.lower() not in KINDS:
-        raise InputError(f"{name[-LONGEST_NAME:]!r} is no CAD file: one of {', '.join(KINDS)} is")
+        raise InputError(ChangeRefusal.NO_CAD(file=repr(name[-LONGEST_NAME:]), kinds=KINDS))
     if not 0 < drawing.content.size <= LARGEST_CAD:
         raise InputError(
-            f"{name[-LONGEST_NAME:]} has {drawing.content.size:,} bytes; up to "
-            f"{LARGEST_CAD / MB:g} MB are taken"
+            ChangeRefusal.FILE_SIZE(
+                file=name[-LONGEST_NAME:],
+                bytes=f"{drawing.content.size:,}",
+                most=f"{LARGEST_CAD / MB:g}",
+            )
         )
     if drawing.unit not in ("", *UNITS):
-        raise InputError(f"unit {drawing.unit!r} is not one of {', '.join(UNITS)}")
+        raise InputError(DrawnText.UNIT(unit=repr(drawing.unit), known=UNITS))
 
 
-def _check_length(what: str, metres: Any, low_mm: float, high_mm: float) -> None:
+def _check_length(what: DrawnText, metres: Any, low_mm: float, high_mm: float) -> None:
     lengths = np.asarray(metres, np.float64) * 1000
     # Written so that what is not a number is refused, too.
     if not np.all((lengths >= low_mm) & (lengths <= high_mm)):
-        raise InputError(f"{what} must lie between {low_mm:g} and {high_mm:g} mm")
+        raise InputError(DrawnText.LENGTH(what=what(), low=low_mm / 1000, high=high_mm / 1000))
 
 
 def made_of(drawn: DrawnTool, report: Report = silent) -> Tool:
@@ -176,19 +182,19 @@ def made_of(drawn: DrawnTool, report: Report = silent) -> Tool:
     """
     check_drawn(drawn)
     T = drawn.T_flange_drawing
-    report(0.0, "reading the body")
+    report(0.0, ProgressText.READING_BODY())
     body = _mesh_of(drawn.body, drawn.is_mended)
-    report(0.2, "convex pieces")
+    report(0.2, ProgressText.CONVEX_PIECES())
     pieces = pieces_of(body, tolerance=CLOSE_ENOUGH, most=MOST_PIECES)
     if pieces is None:
-        raise InputError(f"{drawn.body.file} is flat, a tool is not")
+        raise InputError(DrawnText.FLAT_TOOL(file=drawn.body.file))
     solids = [
         Solid(f"body_{number}", piece, T, GREY)
         for number, piece in enumerate(pieces.pieces, start=1)
     ]
     top = float(np.asarray(body.points)[:, 2].max())
     begins = top if drawn.begins is None else drawn.begins
-    report(0.8, "fingers or cup")
+    report(0.8, ProgressText.FINGERS_OR_CUP())
     match drawn.takes_by:
         case SuctionLip(radius=radius, length=length, press=press, force=force):
             at = T * pose_from_rpy((0.0, 0.0, begins + length / 2))
@@ -219,13 +225,10 @@ def _finger(two: TwoFingers, begins: float, is_mended: bool) -> tuple[Shape, pin
         return Box(two.size), at, begins + float(long)
     hull = hull_of(_mesh_of(two.drawing, is_mended))
     if hull is None:
-        raise InputError(f"{two.drawing.file} is flat, a finger is not")
+        raise InputError(DrawnText.FLAT_FINGER(file=two.drawing.file))
     low, high = hull.points.min(axis=0), hull.points.max(axis=0)
     if low[0] < -CLOSE_ENOUGH:
-        raise InputError(
-            f"{two.drawing.file} reaches to x = {low[0] * 1000:.1f} mm: the finger is expected on "
-            "the side of x above 0, as when closed"
-        )
+        raise InputError(DrawnText.FINGER_SIDE(file=two.drawing.file, low=float(low[0])))
     return hull, pin.SE3.Identity(), float(high[2])
 
 
@@ -241,13 +244,6 @@ def _check_size(tool: Tool) -> None:
         InputError: it could not: mostly another unit was meant.
     """
     if tool.reach > LARGEST_TOOL:
-        raise InputError(
-            f"{tool.name} would reach {tool.reach * 1000:.0f} mm from the flange, and "
-            f"{LARGEST_TOOL * 1000:g} mm at most are taken: is its drawing in another unit, or "
-            "elsewhere than at the flange?"
-        )
+        raise InputError(DrawnText.TOO_LARGE(tool=tool.name, reach=tool.reach, most=LARGEST_TOOL))
     if tool.reach < SMALLEST_TOOL:
-        raise InputError(
-            f"{tool.name} would reach {tool.reach * 1000:.1f} mm from the flange: is its drawing "
-            "in another unit?"
-        )
+        raise InputError(DrawnText.TOO_SMALL(tool=tool.name, reach=tool.reach))

@@ -15,6 +15,8 @@ import numpy as np
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import FileText
 from workbench.model.scan import Option
 
 LARGEST_FILE = 4 * MB
@@ -57,10 +59,10 @@ class Table:
         """The keys that are given, for tables in which any printable name may stand."""
         return tuple(self._printable(key, key, False) for key in self._values)
 
-    def error(self, key: str, problem: str) -> FileError:
+    def error(self, key: str, problem: Message | str) -> FileError:
         """An error that names the file and the key."""
         name = key if key.isprintable() and 0 < len(key) <= 60 else shown(key)
-        return FileError(self.path, f"key {self.place}{name}: {problem}")
+        return FileError(self.path, FileText.KEY(key=f"{self.place}{name}", problem=problem))
 
     def has(self, key: str) -> bool:
         """Whether the key is given."""

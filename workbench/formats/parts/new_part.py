@@ -27,6 +27,7 @@ from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import read_part, tolerance_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Mesh
+from workbench.model.messages.work import ProgressText
 from workbench.model.part import Part
 from workbench.model.symmetry import Symmetry
 from workbench.plugins.progress import Report, silent
@@ -95,7 +96,7 @@ def import_mesh(
         FileError: it cannot be read (`read_cad`), or its surface is not closed, with the reason.
     """
     cad = read_cad(path, unit, solid=solid, density=density)
-    report(0.4, "joining triangles")
+    report(0.4, ProgressText.JOINING())
     mesh, done = joined_corners(cad.mesh)
     if len(mesh.triangles) < 4:
         raise FileError(path, f"has {len(mesh.triangles)} triangles, a body has four at least")
@@ -107,7 +108,7 @@ def import_mesh(
         done, surface = (*done, *turned), examined(mesh)
     is_hollow = surface.is_watertight and _encloses_nothing(surface)
     if (surface.problems or is_hollow) and repair:
-        report(0.6, "mending")
+        report(0.6, ProgressText.MENDING())
         mesh, mended = repaired(mesh)
         done, surface = (*done, *mended), examined(mesh)
     if surface.problems and not is_open:
@@ -118,7 +119,7 @@ def import_mesh(
     if not surface.problems and _encloses_nothing(surface):
         raise FileError(path, "its surface encloses nothing")
     if len(mesh.triangles) > LARGE:
-        report(0.8, f"simplifying {len(mesh.triangles)} triangles")
+        report(0.8, ProgressText.SIMPLIFYING(count=len(mesh.triangles)))
         mesh, words = simplified(path, mesh)
         done, surface = (*done, words), examined(mesh)
     return Imported(path, cad, mesh, surface, done)
@@ -198,7 +199,7 @@ def write_part(
         surface = triangles_of(imported.mesh)
         write_whole(made / f"{name}.stl", stl_of(surface.apply_scale(1000)))
         write_whole(made / "grasps.toml", GRASPS.format(name=name).encode())
-        report(0.2, "convex pieces")
+        report(0.2, ProgressText.CONVEX_PIECES())
         part = read_part(made / "part.toml")  # divides the mesh, and keeps the pieces for later
         try:
             made.rename(folder)

@@ -108,7 +108,9 @@ class CandidatesPanel:
         if old is None or old.pose is not new.pose:
             self._draw_pose(old, new)
         if old is None or old.fix is not new.fix:
-            self._fix_line.content = line(sentence(new.fix.words), kind="warn")
+            self._fix_line.content = line(
+                sentence(self._visitor.words.render(new.fix.words)), kind="warn"
+            )
             self._fix_line.visible = bool(new.fix.words)
         if old is None or old.sure != new.sure:
             self._sure_line.content = line(sentence(new.sure), kind="hint")

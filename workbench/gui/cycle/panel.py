@@ -136,7 +136,9 @@ class CyclePanel:
         state = new.state
         self._outcomes.show(old, new)
         if old is None or old.help is not new.help:
-            self._help_line.content = line(sentence(new.help.words), kind="warn")
+            self._help_line.content = line(
+                sentence(self._visitor.words.render(new.help.words)), kind="warn"
+            )
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
         self._play.show(old, new)

@@ -51,7 +51,7 @@ class Sureness:
             return
         try:
             detection = (state.detections or ())[candidate.detection]
-            known[number] = budget_of(state.cell, detection, candidate).words
+            known[number] = str(budget_of(state.cell, detection, candidate).words)
         except Exception:
             # A rim: a candidate of which nothing can be said leaves the page as it is.
             log.exception("how sure a candidate is could not be worked out")

@@ -46,7 +46,7 @@ def events_of(
             continue
         is_more = moment.kind in MANY and moment.kind == before
         first = found.pop().first if is_more else number
-        what = said(COMMANDS[moment.kind].right.says, words)
+        what = said(COMMANDS[moment.kind].right.says(), words)
         is_fault = state.phase is Phase.FAULT
         says = words.render(state.fault) if is_fault else said(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))

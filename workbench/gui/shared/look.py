@@ -87,7 +87,7 @@ class Look:
 class Help:
     """What would admit a refused candidate: `words` for people, and the `fix` if there is one."""
 
-    words: str = ""
+    words: Message | str = ""
     fix: Fix | None = None
 
 

@@ -88,7 +88,7 @@ class RestoreControls:
             self._kept.options = names
 
     def _problem(self, state: State) -> str:
-        live = self._view.live.robot if self._view is not None else ""
+        live = self._view.live.robot if self._view is not None else None
         return self._visitor.obstacle(state, ChangeCell) or not_restored(state, live)
 
     def _missing(self) -> str:

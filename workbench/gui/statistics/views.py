@@ -12,13 +12,14 @@ from workbench.gui.shared.views import line, table_html, time_of_day, zone
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.candidate import Reason
 from workbench.model.messages.message import Message, plain
+from workbench.model.messages.work import LinkText
 from workbench.words.words import IN_ENGLISH, Words
 
 MOST_BARS = 12
 """Of one chart; a part may have very many grasps."""
 
 
-def not_restored(state: State, robot: str) -> str:
+def not_restored(state: State, robot: Message | None) -> str:
     """Why no backup may be restored now; empty when it may.
 
     Args:
@@ -27,7 +28,7 @@ def not_restored(state: State, robot: str) -> str:
     """
     if state.phase is Phase.APPROVED:
         return "a plan is approved: send it, or make another, before something is restored"
-    if robot.startswith("moves"):
+    if robot is not None and robot.text is LinkText.MOVES:
         return "the robot moves: wait until it stands"
     if state.saved != state.cell.digest:
         return "the cell has changes that nobody has saved: save or undo them first"

@@ -4,24 +4,48 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
+from workbench.model.messages.calibration import (
+    BinText,
+    DriftText,
+    FirstScanText,
+    PlateText,
+    PoseText,
+)
+from workbench.model.messages.cells import CellText, DifferenceText, InventoryText, LoadText
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
+from workbench.model.messages.commands import (
+    CommandText,
+    EditText,
+    MannerText,
+    NameText,
+    RoleText,
+    StaleText,
+)
+from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
+from workbench.model.messages.parts import DrawnText, FailureText, PileText
+from workbench.model.messages.places import PalletText, StationText
 from workbench.model.messages.plans import (
+    CycleText,
     GuaranteeText,
     LegText,
     MotionText,
     PlanNote,
     RowEnd,
+    StepText,
     StrategyText,
 )
 from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
+    FileText,
     Refusal,
     ValueRefusal,
 )
+from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.states import (
+    AheadText,
     ClearanceText,
     ControlText,
     LeftText,
@@ -36,6 +60,15 @@ from workbench.model.messages.verdicts import (
     StationNote,
     VerdictNote,
     VerdictText,
+)
+from workbench.model.messages.work import (
+    CancelText,
+    CaseRefusal,
+    JobText,
+    LinkPhase,
+    LinkText,
+    ProgressText,
+    StopText,
 )
 
 SUBJECTS: tuple[type[Text], ...] = (
@@ -67,6 +100,43 @@ SUBJECTS: tuple[type[Text], ...] = (
     ChangeText,
     FillText,
     RemainText,
+    PlateText,
+    PoseText,
+    DriftText,
+    FirstScanText,
+    BinText,
+    DifferenceText,
+    CellText,
+    LoadText,
+    InventoryText,
+    CommandText,
+    RoleText,
+    MannerText,
+    NameText,
+    EditText,
+    StaleText,
+    GripText,
+    FixText,
+    BudgetText,
+    PileText,
+    FailureText,
+    DrawnText,
+    PalletText,
+    StationText,
+    StepText,
+    CycleText,
+    FileText,
+    ScanText,
+    ObjectionText,
+    ScaleText,
+    AheadText,
+    JobText,
+    LinkText,
+    StopText,
+    LinkPhase,
+    CaseRefusal,
+    ProgressText,
+    CancelText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

@@ -14,6 +14,20 @@ class LegText(Text, subject="leg"):
     HOME = "home"
 
 
+class StepText(Text, subject="step"):
+    """What a step of a plan moves."""
+
+    RUN = "{arm} {leg}"
+    RUNS = "{runs:and}"
+
+
+class CycleText(Text, subject="cycle"):
+    """How long a plan takes."""
+
+    TIME = "{seconds:s}"
+    BOUND = "{seconds:s}, {times:1} times the bound"
+
+
 class StrategyText(Text, subject="strategy"):
     """Which arms work."""
 
@@ -84,3 +98,10 @@ def leg_message(leg: str) -> Message:
 def motion_message(motion: str) -> Message:
     """How a leg moves, for people."""
     return MotionText[motion.upper()]()
+
+
+def cycle_words(seconds: float, bound: float) -> Message:
+    """How long a plan takes [s], for people, and how that compares with its bound, where known."""
+    if bound <= 0:
+        return CycleText.TIME(seconds=seconds)
+    return CycleText.BOUND(seconds=seconds, times=seconds / bound)

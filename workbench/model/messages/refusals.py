@@ -9,12 +9,13 @@ class Refusal(Text, subject="refusal"):
     NOT_NOW = "{command} is not possible now: {missing}"
     TASK_RUNS = "{command} has to wait until {task} ends or is cancelled"
     MACHINES_ONLY = "{command} is reported by a machine, not by {person}"
-    OTHER_ROLE = "{command} is for {role}s; you are {yours}"
+    OTHER_ROLE = "{command} is for {role}; you are {yours}"
     IN_CONTROL = "{person} is in control; ask for control first"
     ACKNOWLEDGE_FIRST = "sending has to wait until an engineer acknowledges: {changes}"
     CHANGED = "this has changed since {since}: {changes}"
     CHANGED_MORE = "this has changed since {since}: {changes}; and {count} more"
     FAULT_FIRST = "{missing} ({fault})"
+    NEEDS_NAME = "{command} needs a name: log in as somebody"
     NO_TASK = "no task is running"
 
     SCAN_FIRST = "finding parts is not possible now: take a scan first"
@@ -40,6 +41,7 @@ class Refusal(Text, subject="refusal"):
     )
     NEWER_SCAN = "there is a newer scan than that of the plan; make a new plan"
     NOT_PLAYED = "the plan has not been played to its end; play it first"
+    SPEED_SHARE = "a plan is sent at {least:%} to 100% of its speed, not at {share}"
     NO_MANNER = "step by step is either so or not, {value} is neither"
     NO_LOGIN = "{person} stands for people without a login; a person approves by their own name"
     NOT_APPROVED = "nobody has approved the plan"
@@ -134,7 +136,21 @@ class ChangeRefusal(Text, subject="cell-change"):
         "what runs now has the digest {digest}, not {named}: look at the current changes and "
         "decide again"
     )
+    STRATEGY = "strategy {strategy} is not one of {known} in cell {cell}"
+    CELL = "cell {cell}: {problem}"
+    ROW_ORDER = (
+        "plan {number} of the row cannot follow plan {before}, since nobody knows how the parts "
+        "lie then: {why}"
+    )
+    NO_PAIR_GAP = "the cell has no pair_gap_mm"
     NOTE_EMPTY = "the note is empty"
+    MOST_GRASPS = (
+        "with all copies of patterns and symmetry the part would have {count} grasps; {most} are "
+        "allowed"
+    )
+    GRASP_GONE = "grasp {grasp} does not exist any more; somebody has removed it"
+    GRASP_CHANGED = "grasp {grasp} was changed by somebody else in the meantime"
+    GRASP_TWICE = "the grasp name {grasp} would be used twice"
 
 
 class ControlRefusal(Text, subject="control"):
@@ -151,6 +167,13 @@ class ControlRefusal(Text, subject="control"):
     NOT_YOURS = "{person} has to give control back, not {other}"
 
 
+class FileText(Text, subject="file"):
+    """What is wrong with a file, behind its path."""
+
+    PROBLEM = "{path}: {problem}"
+    KEY = "key {key}: {problem}"
+
+
 class ValueRefusal(Text, subject="value"):
     """Why a value of a command cannot be used."""
 
@@ -158,6 +181,7 @@ class ValueRefusal(Text, subject="value"):
     MACHINE = "{person} is the name of a machine; a person has to ask for this"
     INTEGER = "{name} must be a whole number from {lowest} to {highest}, not {value}"
     NUMBER = "{name} must lie between {lowest} and {highest} {unit}, not {value}"
+    RATIO = "{name} must lie between {lowest} and {highest}, not {value}"
     TEXT = "{name} must be a text of up to {most} printable characters, not {value}"
     AMONG = "{name} {value} is not known; there are {known}"
     POSES = "1 to {most} poses are needed, not {count}"

@@ -48,10 +48,10 @@ class StateText(Text, subject="state"):
     PLAN = "plan {plan}"
     PLAN_AND_ROW = "plan {plan} and {count} after it"
     ROW_LENGTH = "{person} limits this row to {count} of {total} picks"
-    VOTED = "approved by {people}, {count} of {total} people"
-    APPROVED = "{plan} approved by {people}"
+    VOTED = "approved by {people:and}, {count} of {total} people"
+    APPROVED = "{plan} approved by {people:and}"
     TO_BE_SENT = "{what}, to be sent {manner}"
-    UNSEEN = "no page has shown it to {people}"
+    UNSEEN = "no page has shown it to {people:and}"
     SENDS = "{person} sends {plan}"
     STOPS_SENDING = "{person} stops the sending"
     MESSAGES_SENT = "{count} of {total} messages sent"
@@ -84,7 +84,31 @@ class StateText(Text, subject="state"):
     OPENED_AGAIN = "session opened again: earlier previews and approvals are void"
     CHANGES_ACKNOWLEDGED = "{person} acknowledged the changes since {since}"
     NOTE = "{person} notes: {text}"
+    SCANNING = "scanning"
+    SCANNING_PLATE = "scanning the plate"
+    SEARCHING = "searching for parts"
+    PLANNING = "planning"
+    EMPTIED = (
+        "{taken} of {parts} {parts:part|parts} taken out of {piles} {piles:pile|piles} in "
+        "simulation"
+    )
+    CHANGES_TRIED = "{emptied}; {count} {count:change|changes} tried"
+    NOT_AHEAD = "the next cycle was not prepared: {why}"
+    PICKS_FAILED = "{count} picks in a row have failed; check bin, grippers and grasps"
     MORE_PLANS = "{count} more {count:plan|plans} in the row"
+
+
+class AheadText(Text, subject="ahead"):
+    """Why the next cycle is not prepared while a plan is sent."""
+
+    CANCELLED = "cancelled by {person}"
+    PLAN_STOPPED = "the plan is stopped"
+    NOT_AS_PLANNED = "the plan has not ended as planned"
+    ROW_ENDED = "the row has ended early"
+    CONTROL_GONE = "nobody, or somebody else, is in control now"
+    PICK_FAILED = "a pick has failed, so somebody has to check"
+    NOT_ALL_PICKED = "the robot has not reported every part as picked"
+    OTHER_PLACES = "the places are not as expected"
 
 
 class ControlText(Text, subject="in-control"):

@@ -17,6 +17,8 @@ from scipy.optimize import least_squares
 from workbench.model.calibration import Calibration, Light, PoseResidual
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
+from workbench.model.messages.calibration import PlateText
+from workbench.model.messages.message import Message, all_of
 from workbench.perception.calibration.plate_poses import (
     Answer,
     PlatePose,
@@ -103,37 +105,28 @@ def _check(poses: Sequence[PlatePose]) -> None:
         InputError: they cannot; says why.
     """
     if len(poses) > MOST:
-        raise InputError(f"{len(poses)} poses; up to {MOST} are taken")
+        raise InputError(PlateText.MOST_POSES(count=len(poses), most=MOST))
     distinct: list[PlatePose] = []
-    same: list[str] = []
+    same: list[Message] = []
     for pose in poses:
         twin = next((plate_pose for plate_pose in distinct if _is_same(plate_pose, pose)), None)
         if twin is None:
             distinct.append(pose)
         else:
-            same.append(f"{pose.name} is the same as {twin.name}")
+            same.append(PlateText.SAME_POSE(pose=pose.name, other=twin.name))
     if len(distinct) < FEWEST:
-        why = f" ({'; '.join(same)})" if same else ""
-        raise InputError(
-            f"a calibration needs {FEWEST} different poses, {ADVISED} are better; there are "
-            f"{len(distinct)}{why}"
-        )
+        few = PlateText.TOO_FEW_POSES(fewest=FEWEST, advised=ADVISED, count=len(distinct))
+        alike = all_of(same)
+        raise InputError(few if alike is None else PlateText.SINCE_SAME(problem=few, same=alike))
     first = distinct[0].T_world_flange.rotation
     turns = np.array([pin.log3(first.T @ pose.T_world_flange.rotation) for pose in distinct])
     _, sizes, axes = np.linalg.svd(turns)
     sizes /= np.sqrt(len(distinct))
     if sizes[0] < TURNED:
-        raise InputError(
-            "the flange is turned alike in all poses, so the position of the scanner is open in "
-            "every direction: turn the wrist by 20 degrees or more between the poses"
-        )
+        raise InputError(PlateText.NOT_TURNED())
     if sizes[1] < TURNED:
         axis = ", ".join(f"{value:.2f}" for value in first @ axes[0] + 0.0)
-        raise InputError(
-            f"the flange is turned about one axis only, ({axis}) in the world, so the position of "
-            "the scanner along it is open: tilt the wrist about another axis, too, by 20 degrees "
-            "or more"
-        )
+        raise InputError(PlateText.ONE_AXIS(axis=axis))
 
 
 def _is_same(plate_pose: PlatePose, other: PlatePose) -> bool:
@@ -144,11 +137,11 @@ def _is_same(plate_pose: PlatePose, other: PlatePose) -> bool:
 def _check_left(wanted: Sequence[PlatePose], used: Sequence[int]) -> None:
     if len(used) == len(wanted):
         return
-    out = ", ".join(pose.name for k, pose in enumerate(wanted) if k not in used)
+    out = [pose.name for k, pose in enumerate(wanted) if k not in used]
     try:
         _check([wanted[k] for k in used])
     except InputError as error:
-        raise InputError(f"without {out}, which does not agree with the others: {error}") from None
+        raise InputError(PlateText.WITHOUT(poses=out, problem=error.message)) from None
 
 
 def _consensus(poses: Sequence[PlatePose], centres: Floats) -> Answer:
@@ -160,11 +153,7 @@ def _consensus(poses: Sequence[PlatePose], centres: Floats) -> Answer:
     ]
     best = int(np.argmin(middles))
     if middles[best] > HOPELESS:
-        raise InputError(
-            f"the poses do not agree: at best half of them fit to {middles[best] * 1000:.1f} mm. "
-            "Are the joint values those of the scans, in the controller's order, and the distances "
-            "of the balls those of the plate? Did the plate stay as it was held?"
-        )
+        raise InputError(PlateText.NO_CONSENSUS(far=middles[best]))
     return answers[best]
 
 
@@ -223,11 +212,7 @@ def _check_sure(found: Calibration) -> None:
     if position > LARGEST_ERROR[0] or angle > LARGEST_ERROR[1]:
         directions = np.linalg.eigh(found.covariance[:3, :3])[1]
         world = ", ".join(f"{v:.2f}" for v in directions[:, -1] + 0.0)
-        raise InputError(
-            f"these poses tell the scanner's position only to {position * 1000:.1f} mm (worst "
-            f"along ({world}) in the world) and its direction to {np.rad2deg(angle):.2f} degrees: "
-            "take more poses, further apart, with the wrist turned more"
-        )
+        raise InputError(PlateText.TOO_UNCERTAIN(far=position, axis=world, turn=angle))
 
 
 def _residual(
@@ -246,13 +231,10 @@ def _residual(
     if id(pose) in ahead:
         predicted = ahead[id(pose)]
         light: Light = "warning" if predicted is None else _light(*predicted)
-        return PoseResidual(pose.name, distance, angle, light, "", predicted)
-    left_out = "left out by a person"
+        return PoseResidual(pose.name, distance, angle, light, None, predicted)
+    left_out = PlateText.LEFT_OUT()
     if pose.is_used:
-        left_out = (
-            f"does not agree: {distance * 1000:.1f} mm and {np.rad2deg(angle):.1f} degrees off, "
-            f"the others {rms * 1000:.2f} mm"
-        )
+        left_out = PlateText.CONFLICT(far=distance, turn=angle, rms=rms)
     # The others have said so without it.
     return PoseResidual(pose.name, distance, angle, "bad", left_out, (distance, angle))
 

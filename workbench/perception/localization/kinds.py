@@ -17,6 +17,8 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Detection, LocalizationResult, Objection, RejectedHypothesis, Scan
 from workbench.perception.localization.assessment import Assessment, assess
 from workbench.perception.localization.choice import (
@@ -91,16 +93,16 @@ def localize_parts(
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
 
-    def step(note: str) -> None:
+    def step(note: Message) -> None:
         if cancelled():
-            raise JobCancelled("the search for parts was cancelled")
+            raise JobCancelled(CancelText.SEARCH())
         report(1.0 - 0.88 ** (next(steps) / len(cell.parts)), note)
 
     sizes = [prepare(part).diameter for part in cell.parts]
     scene = scene_model(scan, cell, smallest=min(sizes, default=0.0))
     brought: list[PartSearch | PartSurface] = []
     for part in cell.parts:
-        step(f"prepare {part.name} and map the scan")
+        step(ProgressText.PREPARE(part=part.name))
         brought.append(begin_search(scan, part, cell, detail=detail, scene=scene))
     found = [search for search in brought if isinstance(search, PartSearch)]
     closely = partial(look_closely, step)
@@ -131,7 +133,7 @@ def localize_parts(
 
 
 def _rounds(
-    found: Sequence[PartSearch], seed: int, step: Callable[[str], None]
+    found: Sequence[PartSearch], seed: int, step: Callable[[Message], None]
 ) -> Iterator[tuple[int, Sequence[bool]]]:
     """The number of the effort of each round, and for each kind whether it is its turn.
 
@@ -146,7 +148,7 @@ def _rounds(
     yield from rounds
 
 
-def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[str], None]) -> list[bool]:
+def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[Message], None]) -> list[bool]:
     """For each kind whether poses of it stand that a few votes propose, among those of all kinds.
 
     Nothing is checked closely, so twice as much is tolerated.
@@ -163,7 +165,7 @@ def _likely(found: Sequence[PartSearch], seed: int, step: Callable[[str], None])
     ]
     proposed: list[list[Hypothesis]] = []
     for search, coarse_map in zip(found, glances, strict=True):
-        step("glance")
+        step(ProgressText.GLANCE())
         poses = find_coarse_poses(
             search.coarse_map, search.surface, search.tolerance, search.are_possible, seed=seed
         )
@@ -182,10 +184,10 @@ Closely = Callable[[PartSearch, Hypothesis], Assessment]
 
 
 def look_closely(
-    step: Callable[[str], None], search: PartSearch, hypothesis: Hypothesis
+    step: Callable[[Message], None], search: PartSearch, hypothesis: Hypothesis
 ) -> Assessment:
     """The best pose near one that was fitted roughly."""
-    step("look closely")
+    step(ProgressText.LOOK_CLOSELY())
     return assess(
         search.depth_map, search.coarse_map, search.surface, hypothesis.pose, search.tolerance
     )
@@ -199,7 +201,7 @@ def _as_it_is(search: PartSearch, hypothesis: Hypothesis) -> Assessment:
         None,
         roll_known=True,
         is_constrained=True,
-        is_flip_resolved=True,
+        share=1.0,
     )
 
 

@@ -12,6 +12,8 @@ import pinocchio as pin
 
 from workbench.model.calibration import BinCheck, Light
 from workbench.model.geometry import Bools, Floats, pose_from_rpy, shift_and_turn
+from workbench.model.messages.calibration import BinText
+from workbench.model.messages.message import Message
 from workbench.model.part import Bin
 from workbench.model.scan import Scan
 from workbench.perception.scene.bin_fit import FARTHEST, as_in_cell, fit_bin
@@ -71,11 +73,9 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     T = rim_place(p_bin, bin)
     if T is None:
         above = filled(p_bin, bin, as_in_cell()).above
-        hidden = f"something is {above * 1000:.0f} mm above it" if above > OVER else ""
-        finding = (
-            f"the rim of the bin is not seen where the cell has it, nor within "
-            f"{REACH * 1000:.0f} mm: {hidden or 'is the bin there?'}"
-        )
+        finding = BinText.NO_RIM(reach=REACH)
+        if above > OVER:
+            finding = BinText.RIM_COVERED(reach=REACH, above=above)
         return BinCheck(None, 0.0, 0.0, None, above, "bad", (finding,), is_overfull=above > OVER)
     shift, turn = shift_and_turn(T)
     is_elsewhere = shift > SHIFTED or turn > TURNED
@@ -84,27 +84,20 @@ def check_bin(scan: Scan, bin: Bin) -> BinCheck:
     filling = filled(p_bin, bin, seen)
     fill, above = filling.fill, filling.above
     is_overfull = _is_too_full(fill, above)
-    findings: list[str] = []
+    findings: list[Message] = []
     if is_overfull:
-        findings.append(f"the bin is too full: parts lie {above * 1000:.0f} mm above its rim")
+        findings.append(BinText.TOO_FULL(above=above))
     elif above > OVER:
-        findings.append(f"a part stands {above * 1000:.0f} mm above the rim")
+        findings.append(BinText.STANDS_OUT(above=above))
     if is_elsewhere:
-        x, y, z = np.round(T.translation * 1000, 1) + 0.0
-        findings.append(
-            f"the bin is {shift * 1000:.1f} mm and {np.rad2deg(turn):.1f} degrees from where the "
-            f"cell has it (x {x:+.1f}, y {y:+.1f}, z {z:+.1f} mm): it was moved, or the scanner "
-            "is not calibrated"
-        )
+        x, y, z = (f"{value:+.1f}" for value in np.round(T.translation * 1000, 1) + 0.0)
+        findings.append(BinText.MOVED(shift=shift, turn=turn, x=x, y=y, z=z))
     if abs(seen.floor[0]) > SHIFTED:
-        way = "higher" if seen.floor[0] > 0 else "lower"
-        findings.append(
-            f"the floor of the bin lies {abs(seen.floor[0]) * 1000:.1f} mm {way} under its rim "
-            "than the cell has it"
-        )
+        off = BinText.FLOOR_HIGHER if seen.floor[0] > 0 else BinText.FLOOR_LOWER
+        findings.append(off(off=float(abs(seen.floor[0]))))
     is_empty = _is_empty(filling, findings)
     if fill is None:
-        findings.append("the inside of the bin is hardly seen")
+        findings.append(BinText.HARDLY_SEEN())
     light: Light = "warning" if findings else "good"
     return BinCheck(
         bin.T_world_bin * T,
@@ -125,23 +118,14 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     seen = fit_bin(p_bin, pin.SE3.Identity(), bin, noise=0.0)
     filling = filled(p_bin, bin, seen)
     fill, above = filling.fill, filling.above
-    is_overfull, height = _is_too_full(fill, above), f"{bin.size[2] * 1000:.0f} mm"
-    findings: list[str] = []
+    is_overfull, height = _is_too_full(fill, above), float(bin.size[2])
+    findings: list[Message] = []
     if is_overfull:
-        findings.append(
-            f"overfilled: parts lie {above * 1000:.0f} mm above the height up to which they may, "
-            f"{height}"
-        )
+        findings.append(BinText.OVERFILLED(above=above, height=height))
     elif above > OVER:
-        findings.append(
-            f"a part stands {above * 1000:.0f} mm above the height up to which parts may lie, "
-            f"{height}"
-        )
+        findings.append(BinText.STANDS_TOO_HIGH(above=above, height=height))
     if not seen.is_floor_seen:
-        findings.append(
-            "the surface that parts lie on is not seen where the cell has it, nor within "
-            f"{FARTHEST * 1000:.0f} mm: is it there?"
-        )
+        findings.append(BinText.NO_SURFACE(reach=FARTHEST))
         return BinCheck(
             None, 0.0, 0.0, None, above, "bad", tuple(findings), is_overfull=is_overfull,
             has_walls=False,
@@ -151,14 +135,11 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     shift, turn = shift_and_turn(T)
     is_elsewhere = shift > SHIFTED or turn > TURNED
     if is_elsewhere:
-        findings.append(
-            f"the surface that parts lie on is {seen.floor[0] * 1000:+.1f} mm from the height that "
-            f"the cell has, and leans by {np.rad2deg(turn):.1f} degrees more: it was moved, or the "
-            "scanner is not calibrated"
-        )
+        off = f"{seen.floor[0] * 1000:+.1f}"
+        findings.append(BinText.SURFACE_MOVED(off=off, turn=turn))
     is_empty = _is_empty(filling, findings)
     if fill is None:
-        findings.append("the surface that parts lie on is hardly seen")
+        findings.append(BinText.SURFACE_HARDLY_SEEN())
     return BinCheck(
         bin.T_world_bin * T,
         shift,
@@ -174,14 +155,14 @@ def _check_surface(p_bin: Floats, bin: Bin) -> BinCheck:
     )
 
 
-def _is_empty(filling: Filling, findings: list[str]) -> bool:
+def _is_empty(filling: Filling, findings: list[Message]) -> bool:
     """Whether nothing is seen to lie there; how flat a thing would be missed is a finding."""
     if filling.fill is None or filling.covered >= EMPTY:
         return False
     if filling.is_flat_seen:
-        findings.append(f"only things lower than {LOW * 1000:.0f} mm lie on the floor")
+        findings.append(BinText.ONLY_FLAT(low=LOW))
         return False
-    findings.append(f"nothing higher than {filling.lowest * 1000:.1f} mm lies on the floor")
+    findings.append(BinText.EMPTY(lowest=filling.lowest))
     return True
 
 

@@ -11,6 +11,8 @@ from scipy.spatial import ConvexHull
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats
+from workbench.model.messages.calibration import BinText
+from workbench.model.messages.message import Message
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
 from workbench.perception.scene.bin_fit import SeenBin, above_floor
@@ -43,7 +45,7 @@ MORE = 1.6
 found, took the room of 19."""
 
 
-def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> str:
+def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> Message:
     """How many parts were found, and of about how many where more seem to lie in the bin.
 
     A heap takes, as seen from above, about the room of its parts' convex hulls: what is hidden
@@ -51,14 +53,15 @@ def parts_in_words(cell: Cell, check: BinCheck, found: Sequence[Detection]) -> s
     how well).
     """
     count = len(found)
-    noun = "part" if count == 1 else "parts"
     if check.fill is None or check.is_empty:
-        return f"{count} {noun}"
+        return BinText.PARTS(count=count)
     rooms = {part.name: _room(part) for part in cell.parts}
     kinds = [detection.part for detection in found if detection.part in rooms] or list(rooms)
     taken = check.fill * float(np.prod(cell.bin.size))
     about = round(taken / float(np.mean([rooms[kind] for kind in kinds])))
-    return f"{count} of about {about} parts" if about > MORE * count else f"{count} {noun}"
+    if about > MORE * count:
+        return BinText.PARTS_OF(count=count, about=about)
+    return BinText.PARTS(count=count)
 
 
 @lru_cache(maxsize=64)

@@ -10,6 +10,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.parts import PileText
 from workbench.model.part import Bin, Part
 from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.simulation.physics import (
@@ -18,7 +19,7 @@ from workbench.perception.simulation.physics import (
     model_of,
     poses_of,
 )
-from workbench.perception.simulation.room import check_room, radius_of, words_of
+from workbench.perception.simulation.room import check_room, kinds_of, radius_of
 from workbench.perception.simulation.unloading import is_in_bin
 
 BETWEEN_DROPS = 0.35
@@ -83,7 +84,7 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     if most and not bin.has_walls:
         return most
     raise InputError(
-        f"{words_of(parts)} did not stay in the bin in {ATTEMPTS} attempts; take fewer"
+        PileText.FALLEN_OUT(count=len(parts), parts=kinds_of(parts), attempts=ATTEMPTS)
     )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.model.errors import InputError
+from workbench.model.messages.parts import PileText
 from workbench.model.part import Bin, Part
 
 FULL = 0.6
@@ -19,17 +20,17 @@ def check_room(parts: Sequence[Part], bin: Bin) -> None:
     """
     for part in parts:
         if 2 * radius_of(part) > float(np.linalg.norm(bin.size[:2])):
-            raise InputError(f"part {part.name} is too large for the bin")
+            raise InputError(PileText.TOO_LARGE(part=part.name))
     room = float(np.prod(bin.size)) * FULL
     volume = sum(_volume(part) for part in parts)
     if volume > room:
         most = int(len(parts) * room / volume)
-        raise InputError(f"{words_of(parts)} do not fit into the bin; take {most} or fewer")
+        raise InputError(PileText.TOO_MANY(count=len(parts), parts=kinds_of(parts), most=most))
 
 
-def words_of(parts: Sequence[Part]) -> str:
-    """This many parts, and of which kinds."""
-    return f"{len(parts)} parts {', '.join(dict.fromkeys(part.name for part in parts))}"
+def kinds_of(parts: Sequence[Part]) -> tuple[str, ...]:
+    """The kinds of parts by their names, each once."""
+    return tuple(dict.fromkeys(part.name for part in parts))
 
 
 def radius_of(part: Part) -> float:

@@ -13,6 +13,8 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.geometry import Bools, Floats, frozen, put, spread_directions
+from workbench.model.messages.message import Message
+from workbench.model.messages.work import ProgressText
 from workbench.model.part import Part
 from workbench.planning.grasps.grasp_suggestions import Suggestion, suggest
 from workbench.planning.grasps.grasp_trial import Trial
@@ -104,7 +106,7 @@ def coverage(
     turns: int = TURNS,
     places: tuple[tuple[float, float], ...] = PLACES,
     advise: bool = True,
-    report: Callable[[float, str], None] = lambda done, note: None,
+    report: Callable[[float, Message], None] = lambda done, note: None,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Coverage:
     """Try every grasp of a part in orientations spread evenly.
@@ -131,7 +133,7 @@ def coverage(
     for done, k in enumerate(np.argsort(np.arange(len(ups)) * 0.6180339887 % 1.0).tolist()):
         if cancelled():
             break
-        report(0.9 * done / len(ups), f"{done} of {len(ups)} directions")
+        report(0.9 * done / len(ups), ProgressText.DIRECTIONS(done=done, count=len(ups)))
         works[k] = trial.works(poses[k], grasps, usable)
         seen[k] = True
     works, ups = works[seen], ups[seen]
@@ -140,7 +142,7 @@ def coverage(
     lying = _lying_share(trial, usable, turns, places, cancelled) if len(ups) else None
     missing = None
     if advise and len(ups) and not cancelled():
-        report(0.9, "what to add")
+        report(0.9, ProgressText.WHAT_TO_ADD())
         missing = _missing(trial, ups, shares, [poses[k] for k in np.flatnonzero(seen)], cancelled)
     return Coverage(
         part.name,

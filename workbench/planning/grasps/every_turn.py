@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part, turned
 from workbench.model.scan import Detection
@@ -110,7 +110,7 @@ def _compare_holds(
         leak = next((found[0] for found in seals if found), None)
         if leak is None:
             return None
-        return Uneven(VerdictNote.AT_SOME_TURN(problem=plain(leak.text)), leak.amount)
+        return Uneven(VerdictNote.AT_SOME_TURN(problem=leak.text), leak.amount)
     if checker.pads is None:
         return Uneven(VerdictNote.MANY_FINGERS(count=len(tool.fingers)), 0.0)
     holds = [checker.hold(hand, opening) for hand in hands]

@@ -11,6 +11,8 @@ from itertools import product
 import numpy as np
 
 from workbench.model.geometry import Floats
+from workbench.model.messages.grasps import GripText
+from workbench.model.messages.message import Message
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.grip_program import Contacts, Program, Touch
 from workbench.planning.grasps.pads import Hold
@@ -137,18 +139,24 @@ def _blocks(points: Floats, weights: Floats) -> tuple[Floats, Floats]:
     return (sums / whole[:, None]).astype(np.float64), whole.astype(np.float64)
 
 
-def in_words(firmness: Firmness) -> str:
-    """The text about a grip, with the numbers that it depends on."""
-    by = f"{firmness.force:g} N, friction {firmness.friction:g}, {firmness.acceleration:.1f} m/s2"
+def in_words(firmness: Firmness) -> Message:
+    """The message about a grip, with the numbers that it depends on."""
+    by = GripText.CONDITIONS(
+        force=f"{firmness.force:g}",
+        friction=f"{firmness.friction:g}",
+        acceleration=firmness.acceleration,
+    )
     if firmness.is_enough:
-        return f"holds {min(firmness.share, MOST_TOLD):.1f} times the load ({by})"
-    share = np.floor(firmness.share * 100) / 100  # what is not enough is never told as 1.00
+        return GripText.HOLDS(times=min(firmness.share, MOST_TOLD), conditions=by)
+    # What is not enough is never reported as 1.00.
+    share = float(np.floor(firmness.share * 100)) / 100
     match firmness.turns, firmness.is_cup:
         case True, False:
-            return f"would turn in the fingers: {share:.2f} of the torque is held ({by})"
+            text = GripText.TURNS_IN_FINGERS
         case True, True:
-            return f"would turn on the cup: {share:.2f} of the torque is held ({by})"
+            text = GripText.TURNS_ON_CUP
         case False, False:
-            return f"would slip in the fingers: {share:.2f} of the load is held ({by})"
+            text = GripText.SLIPS_IN_FINGERS
         case _:
-            return f"would slip on the cup: {share:.2f} of the load is held ({by})"
+            text = GripText.SLIPS_ON_CUP
+    return text(share=share, conditions=by)

@@ -7,6 +7,8 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
+from workbench.model.messages.grasps import GripText
+from workbench.model.messages.message import Message
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.distances.measuring import Group, group_distance
 from workbench.planning.grasps.cup import Cup
@@ -49,7 +51,7 @@ class GraspFinding:
     """
 
     kind: FindingKind
-    text: str
+    text: Message
     amount: float
     is_problem: bool = True
 
@@ -145,7 +147,7 @@ class GraspChecker:
         """Everything that can be said about a grasp without a cell."""
         findings: list[GraspFinding] = []
         if grasp.tool and grasp.tool != self.tool.name:
-            text = f"is for the tool {grasp.tool}, not for {self.tool.name}"
+            text = GripText.OTHER_TOOL(wanted=grasp.tool, tool=self.tool.name)
             findings.append(GraspFinding("tool", text, 0.0, is_problem=False))
         hold = None
         if self.tool.fingers:
@@ -189,20 +191,24 @@ class GraspChecker:
         """Where the tool cuts the part: arriving, on the way, closed; the clearance on arrival."""
         press = self.tool.press
         allowed = ROUNDING if self.tool.fingers else press
-        opening = f" at opening {_mm(grasp.opening)}" if self.tool.fingers else ""
+        has_fingers, opening = bool(self.tool.fingers), grasp.opening
         clearance, at = self.clearance(grasp.T_part_tcp, grasp.opening)
         if clearance < -allowed:
-            text = f"{at} cuts the part by {_mm(-clearance)}{opening}"
+            text = GripText.CUTS(solid=at, depth=-clearance)
+            if has_fingers:
+                text = GripText.CUTS_AT(solid=at, depth=-clearance, opening=opening)
             findings.append(GraspFinding("cut", text, -clearance))
         worst, where, at = self.way_in(grasp)
         if worst < -allowed and worst < clearance - ROUNDING:
-            text = f"{at} cuts the part by {_mm(-worst)} on the way in, {_mm(where)} before its end"
-            findings.append(GraspFinding("approach", text + opening, -worst))
+            cut = {"solid": at, "depth": -worst, "before": where}
+            text = GripText.CUTS_ON_WAY(**cut)
+            if has_fingers:
+                text = GripText.CUTS_ON_WAY_AT(**cut, opening=opening)
+            findings.append(GraspFinding("approach", text, -worst))
         if self.tool.fingers:
             closed, at = self.clearance(grasp.T_part_tcp, grasp.grip, within=0.0)
             if closed < -press - ROUNDING:
-                text = f"closed to {_mm(grasp.grip)}, {at} cuts the part by {_mm(-closed)}"
-                text += f", {_mm(press)} are allowed"
+                text = GripText.CUTS_CLOSED(grip=grasp.grip, solid=at, depth=-closed, press=press)
                 findings.append(GraspFinding("cut", text, -closed))
         return clearance
 
@@ -212,19 +218,18 @@ class GraspChecker:
         if cup is None:
             return []
         seal = cup.seal(self.part.mesh, grasp.T_part_tcp.inverse(), grasp.approach_length)
-        press, across = self.tool.press, _mm(2 * cup.radius)
+        press, across = self.tool.press, 2 * cup.radius
         if seal is None:
-            return [GraspFinding("seal", "there is nothing under the cup", 1.0)]
+            return [GraspFinding("seal", GripText.NOTHING_UNDER_CUP(), 1.0)]
         found: list[GraspFinding] = []
         if seal.missing > MOST_UNSEALED:
-            text = f"{seal.missing:.0%} of the lip of the cup, {across} across, lie beyond the part"
+            text = GripText.LIP_BEYOND(share=seal.missing, across=across)
             found.append(GraspFinding("seal", text, seal.missing))
         if seal.unevenness > press:
-            text = f"the surface under the lip is uneven by {_mm(seal.unevenness)}"
-            text += f", the lip gives way by {_mm(press)}"
+            text = GripText.UNEVEN(uneven=seal.unevenness, press=press)
             found.append(GraspFinding("seal", text, seal.unevenness))
         elif seal.height < -press:
-            text = f"the cup ends {_mm(-seal.height)} before the surface"
+            text = GripText.CUP_SHORT(gap=-seal.height)
             found.append(GraspFinding("seal", text, -seal.height))
         return found
 
@@ -232,10 +237,10 @@ class GraspChecker:
 def _stroke_findings(grasp: Grasp, tool: Tool) -> list[GraspFinding]:
     low, high = tool.stroke
     found: list[GraspFinding] = []
-    for name, value in (("opening", grasp.opening), ("grip", grasp.grip)):
+    for name, value in ((GripText.OPENING, grasp.opening), (GripText.GRIP, grasp.grip)):
         beyond = max(value - high, low - value)
         if beyond > ROUNDING:
-            text = f"{name} {_mm(value)} is outside of the stroke, {_mm(low)} to {_mm(high)}"
+            text = name(value=value, low=low, high=high)
             found.append(GraspFinding("stroke", text, beyond))
     return found
 
@@ -243,26 +248,22 @@ def _stroke_findings(grasp: Grasp, tool: Tool) -> list[GraspFinding]:
 def _hold_findings(grasp: Grasp, tool: Tool, hold: Hold | None) -> list[GraspFinding]:
     """Whether both pads lie on the part as the grasp says."""
     if hold is None:
-        return [GraspFinding("contact", "there is nothing between the fingers", 0.0)]
+        return [GraspFinding("contact", GripText.NOTHING_BETWEEN(), 0.0)]
     found: list[GraspFinding] = []
     apart = grasp.grip - hold.width
     if abs(apart) > tool.press:
-        text = f"the part is {_mm(hold.width)} wide between the fingers, the grip {_mm(grasp.grip)}"
+        text = GripText.WIDTH(width=hold.width, grip=grasp.grip)
         found.append(GraspFinding("width", text, abs(apart)))
     names = [finger.solid.name for finger in tool.fingers]
     for name, slant, area in zip(names, hold.slants, hold.areas, strict=True):
         if slant > FRICTION:
-            text = f"{name} meets a face inclined by {np.rad2deg(slant):.0f} degrees and would slip"
+            text = GripText.INCLINED(finger=name, angle=slant)
             found.append(GraspFinding("slip", text, slant))
         if area < LEAST_AREA:
-            text = f"{name} touches {area * 1e6:.1f} mm2 only"
+            text = GripText.SMALL_AREA(finger=name, area=f"{area * 1e6:.1f}")
             found.append(GraspFinding("contact", text, area, is_problem=False))
     if abs(hold.offset) > tool.press:
         first = names[0] if hold.offset > 0 else names[1]
-        text = f"the part lies {_mm(abs(hold.offset))} off the middle: {first} touches it first"
+        text = GripText.OFF_CENTRE(aside=abs(hold.offset), finger=first)
         found.append(GraspFinding("contact", text, abs(hold.offset), is_problem=False))
     return found
-
-
-def _mm(length: float) -> str:
-    return f"{length * 1000:.1f} mm"

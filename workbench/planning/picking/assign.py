@@ -11,6 +11,7 @@ from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import PlanNote, strategy_message
 from workbench.model.messages.verdicts import VerdictNote
+from workbench.model.messages.work import CancelText
 from workbench.model.plan import Plan, Strategy
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
@@ -115,7 +116,7 @@ def plan_first_feasible(
     request = _Request(world, picks, strategy, threshold, scan_digest, seed)
     for chosen, assigned in islice(_assignments(world, picks, strategy, request.cost), ATTEMPTS):
         if cancelled():
-            raise JobCancelled("planning was cancelled")
+            raise JobCancelled(CancelText.PLANNING())
         result = _plan_picks(request, chosen, assigned, cancelled)
         if not isinstance(result, Verdict):
             return result, Verdict(Reason.OK, Stage.ROUTE)
@@ -160,7 +161,7 @@ def _plan_picks(
     tried = 0
     for pair in islice(_alike(request, assigned, is_free=is_free), TRIED):
         if cancelled():
-            raise JobCancelled("planning was cancelled")
+            raise JobCancelled(CancelText.PLANNING())
         found = _route(request, chosen, pair, is_free=is_free)
         if isinstance(found, Verdict):
             refusal = refusal or found

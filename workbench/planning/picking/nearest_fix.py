@@ -10,6 +10,8 @@ import pinocchio as pin
 from workbench.model.candidate import Candidate, Pick, Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell, Policy, Tool
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.grasps import FixText
+from workbench.model.messages.message import FoundPart, Message
 from workbench.model.part import Grasp
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
@@ -33,7 +35,7 @@ OPENINGS = (2, 4, 6, 8, 10, 12)
 MOVES = (20, 40, 60, 80, 100, 150, 200, 300, 400)
 """[mm] by which the bin, with all that lies in it, may lie elsewhere along one axis."""
 
-SHOWN = "know the roll of every part: from another scan, or by hand"
+SHOWN = FixText.ROLL()
 """The change that admits what works for parts as they were found, but not for every roll."""
 
 LEAST_AIR = 0.001
@@ -47,26 +49,27 @@ MOST_REFUSED = 8
 class Fix:
     """A change that admits a refused candidate; it was tried up to the place.
 
-    `change` says it in words.  Of one of the grasp `grasp` is the candidate's as it was tried, of
-    one of the cell's policy `policy` the cell's; both are None where nothing here can make it:
-    `SHOWN`.
+    `change` is the message about it.  Of one of the grasp `grasp` is the candidate's as it was
+    tried, of one of the cell's policy `policy` the cell's; both are None where nothing here can
+    make it: `SHOWN`.
     """
 
     candidate: Candidate
-    change: str
+    change: Message
     grasp: Grasp | None = None
     policy: Policy | None = None
 
 
-def fix_words(fix: Fix | None) -> str:
+def fix_words(fix: Fix | None) -> Message:
     """A fix as the command line and the page say it: for which candidate, and what was tried."""
     if fix is None:
-        return "nearest fix: none of the small changes tried"
+        return FixText.NONE()
     candidate = fix.candidate
-    return (
-        f"nearest fix: {candidate.arm} arm, part-{candidate.detection + 1} "
-        f"by {candidate.grasp.name}: {fix.change}; "
-        "reach and collisions were tried, the grip was not"
+    return FixText.NEAREST(
+        arm=candidate.arm,
+        part=FoundPart(candidate.detection),
+        grasp=candidate.grasp.name,
+        change=fix.change,
     )
 
 
@@ -151,8 +154,8 @@ def _moved_bin(
             )
             for candidate in reached:
                 if admits(candidate, candidate.grasp):
-                    by, back = f"{sign * way:+d} mm", f"{-sign * way:+d} mm"
-                    change = f"move the bin by {by} along {axis}, or the robot's base by {back}"
+                    by, back = f"{sign * way:+d}", f"{-sign * way:+d}"
+                    change = FixText.MOVE_BIN(by=by, axis=axis, back=back)
                     return Fix(candidate, change)
     return None
 
@@ -174,45 +177,43 @@ class Fixes:
         self._cell = cell
         self._given = (detections, obstacles, seed)
         self._of: Candidate | None = None
-        self._changed: dict[str, Grasp] = {}
-        self._trials: dict[str, Callable[[Candidate, Grasp], bool]] = {}
+        self._changed: dict[Message, Grasp] = {}
+        self._trials: dict[Message | None, Callable[[Candidate, Grasp], bool]] = {}
         policy = cell.policy
-        self._policies: dict[str, Policy] = {}
-        self._rolls: dict[str, tuple[Detection, ...]] = {}
+        self._policies: dict[Message, Policy] = {}
+        self._rolls: dict[Message, tuple[Detection, ...]] = {}
         if not all(detection.roll_known for detection in detections):
             self._rolls[SHOWN] = tuple(
                 replace(detection, roll_known=True, roll_axis=None) for detection in detections
             )
-        self._of_lifts: list[str] = []
+        self._of_lifts: list[Message] = []
         if set(policy.lifts) != set(LIFT_NAMES):
-            words = f"lift it in other ways as well (lifts: {', '.join(LIFT_NAMES)})"
+            words = FixText.LIFTS(lifts=LIFT_NAMES)
             self._policies[words] = replace(policy, lifts=LIFT_NAMES)
             self._of_lifts.append(words)
         if policy.near_margin > 0:
-            words = (
-                f"ask for no near_margin, {policy.near_margin * 1000:g} mm now, on straight legs"
-            )
+            words = FixText.NEAR_MARGIN(margin=policy.near_margin)
             self._policies[words] = replace(policy, near_margin=0.0)
 
-    def of(self, candidate: Candidate) -> list[str]:
+    def of(self, candidate: Candidate) -> list[Message]:
         """The changes in words, the smallest first; other lifts first where that is blocked."""
         first = self._of_lifts if candidate.verdict.stage is Stage.EXTRACT else []
         rest = (words for words in self._policies if words not in first)
         return [*first, *self._grasps(candidate), *rest, *self._rolls]
 
-    def _grasps(self, candidate: Candidate) -> dict[str, Grasp]:
+    def _grasps(self, candidate: Candidate) -> dict[Message, Grasp]:
         if self._of is not candidate:
             tool = self._cell.arm(candidate.arm).tool
             self._of, self._changed = candidate, dict(_changes(candidate.grasp, tool))
         return self._changed
 
-    def fix(self, candidate: Candidate, change: str) -> Fix:
+    def fix(self, candidate: Candidate, change: Message) -> Fix:
         """A change in words, of those for a candidate, with what it makes of grasp or policy."""
         policy = self._policies.get(change)
         grasp = self._grasps(candidate).get(change)
         return Fix(candidate, change, grasp, policy)
 
-    def admits(self, candidate: Candidate, change: str) -> bool:
+    def admits(self, candidate: Candidate, change: Message) -> bool:
         """Whether a candidate works with a change, up to the place."""
         grasp, policy = candidate.grasp, self._policies.get(change)
         detections, obstacles, seed = self._given
@@ -220,7 +221,7 @@ class Fixes:
         is_of_all = policy is not None or change in self._rolls
         if not is_of_all:
             grasp = self._grasps(candidate)[change]
-        key = change if is_of_all else ""
+        key = change if is_of_all else None
         if key not in self._trials:
             cell = self._cell if policy is None else replace(self._cell, policy=policy)
             self._trials[key] = _trial(cell, detections, obstacles, seed)
@@ -241,32 +242,32 @@ def _trial(
     return admits
 
 
-def _changes(grasp: Grasp, tool: Tool) -> Iterator[tuple[str, Grasp]]:
+def _changes(grasp: Grasp, tool: Tool) -> Iterator[tuple[Message, Grasp]]:
     """Changed grasps with the change in words, in the order of its size against its range."""
-    found: list[tuple[float, str, Grasp]] = []
+    found: list[tuple[float, Message, Grasp]] = []
 
-    def add(size: float, words: str, xyz: tuple[float, float, float], yaw: float = 0.0) -> None:
+    def add(size: float, words: Message, xyz: tuple[float, float, float], yaw: float = 0.0) -> None:
         T = grasp.T_part_tcp * pose_from_rpy(xyz, (0.0, 0.0, np.deg2rad(yaw)))
         found.append((size, words, replace(grasp, T_part_tcp=T)))
 
     for turn in TURNS:
         for sign in (1, -1):
-            words = f"turn the grasp about its approach axis by {sign * turn} degrees"
+            words = FixText.TURN(angle=sign * turn)
             add(turn / TURNS[-1], words, (0.0, 0.0, 0.0), sign * turn)
     for back in BACK_OFFS:
-        add(back / BACK_OFFS[-1], f"take it {back} mm less deep", (0.0, 0.0, -back / 1000))
+        add(back / BACK_OFFS[-1], FixText.LESS_DEEP(by=back / 1000), (0.0, 0.0, -back / 1000))
     for slide in SLIDES:
         for sign in (1, -1):
             way = sign * slide / 1000
             size = slide / SLIDES[-1]
-            add(size, f"move it {sign * slide} mm along x of the TCP", (way, 0.0, 0.0))
-            add(size, f"move it {sign * slide} mm along y of the TCP", (0.0, way, 0.0))
+            add(size, FixText.SLIDE(by=sign * slide, axis="x"), (way, 0.0, 0.0))
+            add(size, FixText.SLIDE(by=sign * slide, axis="y"), (0.0, way, 0.0))
     low, high = tool.stroke
     for step in OPENINGS if tool.fingers else ():
         for sign in (-1, 1):
             wide = grasp.opening + sign * step / 1000
             if max(grasp.grip + 2 * LEAST_AIR, low) <= wide <= high:
-                words = f"let the fingers arrive {wide * 1000:.0f} mm apart"
+                words = FixText.OPENING(opening=wide)
                 found.append((step / OPENINGS[-1], words, replace(grasp, opening=wide)))
     for _, words, changed in sorted(found, key=lambda entry: entry[0]):
         yield words, changed

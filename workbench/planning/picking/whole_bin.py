@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from workbench.model.candidate import Candidate, Reason
 from workbench.model.cell import Cell
+from workbench.model.messages.message import FoundPart, Message
+from workbench.model.messages.work import ProgressText
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.bodies import carried_bodies, part_label
 from workbench.planning.kinematics.robot import Kinematics
@@ -81,8 +83,8 @@ def common_fixes(
     *,
     seed: int,
     obstacles: tuple[Obstacle, ...] = (),
-    report: Callable[[float, str], None] = lambda done, note: None,
-) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    report: Callable[[float, Message], None] = lambda done, note: None,
+) -> tuple[tuple[Message, tuple[int, ...]], ...]:
     """Changes that admit a candidate of parts that nothing takes, and of which parts: most first.
 
     Each change is made to every grasp alone, not to those of other parts; it is tried up to the
@@ -99,9 +101,9 @@ def common_fixes(
     taken = {candidate.detection for candidate in candidates if candidate.verdict.is_ok}
     stay = [number for number in range(len(detections)) if number not in taken]
     fixes = Fixes(cell, detections, obstacles, seed=seed)
-    found: dict[str, list[int]] = {}
+    found: dict[Message, list[int]] = {}
     for done, number in enumerate(stay):
-        report(done / len(stay), f"what would take part-{number + 1}")
+        report(done / len(stay), ProgressText.WHAT_TAKES(part=FoundPart(number)))
         mine = [
             candidate
             for candidate in candidates
@@ -110,14 +112,14 @@ def common_fixes(
         best = sorted(mine, key=lambda candidate: candidate.verdict.progress, reverse=True)[
             :MOST_EACH
         ]
-        works: set[str] = set()
+        works: set[Message] = set()
         for candidate in best:
             works |= {
                 change
                 for change in fixes.of(candidate)
                 if change not in works and fixes.admits(candidate, change)
             }
-        for change in sorted(works):
+        for change in sorted(works, key=str):
             found.setdefault(change, []).append(number)
-    rows = sorted(found, key=lambda change: (-len(found[change]), change))
+    rows = sorted(found, key=lambda change: (-len(found[change]), str(change)))
     return tuple((change, tuple(found[change])) for change in rows)

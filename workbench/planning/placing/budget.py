@@ -10,6 +10,8 @@ import pinocchio as pin
 from workbench.model.candidate import Candidate
 from workbench.model.cell import Cell, Tool
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.messages.grasps import BudgetText
+from workbench.model.messages.message import Message
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
@@ -17,19 +19,19 @@ from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, dra
 from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
 from workbench.planning.placing.sources import calibration_error, localization_error
 
-CALIBRATION, LOCALIZATION, GRIP = "the calibration", "the localization", "the grip"
+CALIBRATION, LOCALIZATION, GRIP = (
+    BudgetText.CALIBRATION,
+    BudgetText.LOCALIZATION,
+    BudgetText.GRIP,
+)
 
 ALONG = {
-    True: ("across the pads", "along the fingers' travel", "along the tool"),
-    False: ("across the tool", "across the tool", "along the tool"),
+    True: (BudgetText.ACROSS_PADS, BudgetText.ALONG_TRAVEL, BudgetText.ALONG_TOOL),
+    False: (BudgetText.ACROSS_TOOL, BudgetText.ACROSS_TOOL, BudgetText.ALONG_TOOL),
 }
 ABOUT = {
-    True: ("about the line across the pads", "about the fingers' travel", "about the tool's axis"),
-    False: (
-        "about a line across the tool",
-        "about a line across the tool",
-        "about the tool's axis",
-    ),
+    True: (BudgetText.ABOUT_PADS, BudgetText.ABOUT_TRAVEL, BudgetText.ABOUT_TOOL),
+    False: (BudgetText.ABOUT_ACROSS, BudgetText.ABOUT_ACROSS, BudgetText.ABOUT_TOOL),
 }
 """Words for the axes of the hand, with fingers and without."""
 
@@ -48,11 +50,11 @@ class Budget:
     """
 
     covariance: Floats
-    shares: Mapping[str, Floats]
+    shares: Mapping[BudgetText, Floats]
     R_part_hand: Floats
     shift: float
     turn: float
-    largest: tuple[str, str]
+    largest: tuple[BudgetText, BudgetText]
     counted: Counted
     place: PartPlace | None
     chance: float | None
@@ -65,20 +67,19 @@ class Budget:
         return within(self._off(), place)
 
     @property
-    def words(self) -> str:
+    def words(self) -> Message:
         """All of it in one sentence."""
         source, axis = self.largest
-        mm, degrees = self.shift * 1000, float(np.rad2deg(self.turn))
-        told = (
-            f"held so, the part lies within {mm:.1f} mm and {degrees:.1f} degrees of where it "
-            f"shall in {SURE:.0%} of picks; most of that comes from {source}, {axis}"
+        error = BudgetText.PLACED(
+            far=self.shift, turn=self.turn, sure=SURE, source=source(), axis=axis()
         )
         if self.place is None or self.chance is None:
-            return told
-        mm, degrees = self.place.tolerance * 1000, float(np.rad2deg(self.place.turn_tolerance))
-        return (
-            f"{told}; in {self.chance:.0%} it lies within the {mm:g} mm and {degrees:g} degrees of "
-            "its place"
+            return error
+        return BudgetText.WITHIN(
+            error=error,
+            chance=self.chance,
+            tolerance=self.place.tolerance,
+            turn_tolerance=self.place.turn_tolerance,
         )
 
     def _off(self) -> tuple[Floats, Floats]:
@@ -183,12 +184,12 @@ def _grip(checker: GraspChecker, tool: Tool, T_part_tcp: pin.SE3, T_world_part: 
 
 
 def _largest(
-    shares: Mapping[str, Floats],
+    shares: Mapping[BudgetText, Floats],
     R_part_hand: Floats,
     what: Counted,
     place: PartPlace | None,
     has_fingers: bool,
-) -> tuple[str, str]:
+) -> tuple[BudgetText, BudgetText]:
     """From where most of what counts comes, and along or about which axis of the hand.
 
     Shifts and turns are weighed by what a place allows.

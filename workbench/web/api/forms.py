@@ -32,10 +32,10 @@ def state_form(state: State, live: Live) -> Form:
         "phase": str(state.phase),
         "message": str(state.message),
         "said": as_message(state.message).told,
-        "fault": state.fault,
-        "stale": state.stale,
+        "fault": str(state.fault),
+        "stale": "" if state.stale is None else str(state.stale),
         "ran": None if state.ran is None else state.ran.digest,
-        "changed": list(state.changed),
+        "changed": list(map(str, state.changed)),
         "cell": state.cell.name,
         "cell_digest": state.cell.digest,
         "is_saved": state.saved == state.cell.digest,
@@ -45,7 +45,7 @@ def state_form(state: State, live: Live) -> Form:
         "getting_ready": _preparing(live),
         "scan": None if state.scan is None else state.scan.digest,
         "detections": None if state.detections is None else len(state.detections),
-        "wrong_sizes": list(live.wrong_sizes(state.detections)),
+        "wrong_sizes": list(map(str, live.wrong_sizes(state.detections))),
         "verdict": None if state.verdict is None else verdict_form(state.verdict),
         "plan": None if state.plan is None else state.plan.digest,
         "strategy": None if state.plan is None else str(state.plan.strategy),
@@ -66,7 +66,7 @@ def state_form(state: State, live: Live) -> Form:
         "messages_sent": len(state.receipts),
         "parts_placed": state.parts_placed,
         "outcomes": [
-            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": o.why}
+            {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": str(o.why)}
             for o in (() if sent is None else sent.outcomes)
         ],
     }
@@ -101,7 +101,7 @@ def job_form(state: State, live: Live) -> Form:
             "name": job.name,
             "at": job.at,
             "done": finite(live.told_of(job.number)[0]),
-            "note": live.told_of(job.number)[1],
+            "note": str(live.told_of(job.number)[1]),
         },
         "getting_ready": _preparing(live),
     }

@@ -21,6 +21,7 @@ from workbench.app.core.people import NOBODY, Person
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.json_pieces import encoded
 from workbench.model.errors import NotAllowed, WorkbenchError
+from workbench.model.messages.refusals import Refusal
 from workbench.web.api.calls import CALLS, Call
 from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.web.api.fields import LARGEST_BODY, body_of
@@ -146,7 +147,7 @@ class Api:
     async def give(self, call: Call, request: web.Request, person: Person) -> web.Response:
         """Give a command in the name of who asks."""
         if person.name == NOBODY and call.kind in NAMED:
-            raise NotAllowed(f"{call.kind.right.says} needs a name: log in as somebody")
+            raise NotAllowed(Refusal.NEEDS_NAME(command=call.kind.right.says()))
         content = await _body(request)
         if isinstance(content, web.Response):
             return content

@@ -85,7 +85,7 @@ async def _refuse(request: web.Request) -> web.Response | None:
     if person is None:
         return problem(HTTPStatus.UNAUTHORIZED, "log in first")
     if not person.role.covers(Role.ENGINEER):
-        said = f"this file is for engineers; you are {person.role.said}"
+        said = f"this file is for engineers; you are {person.role.said()}"
         return problem(HTTPStatus.FORBIDDEN, said)
     return None
 

@@ -43,7 +43,7 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "Number": state.number,
         "Phase": str(state.phase),
         "Message": str(state.message),
-        "Fault": state.fault,
+        "Fault": str(state.fault),
         "Control": state.control,
         "PartsFound": len(state.detections or ()),
         "PlanDigest": "" if state.plan is None else state.plan.digest,

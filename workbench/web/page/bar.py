@@ -16,6 +16,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.model.errors import WorkbenchError
 from workbench.model.messages.message import Message, all_of, as_message
+from workbench.model.messages.work import LinkText
 from workbench.web.page.tour import tour_of
 from workbench.web.texts import BarText
 
@@ -91,8 +92,9 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     why = lacks_right(state, Stop, person.name, person.role) or obstacle(state, Stop)
     # How a stop ended belongs to it: that nobody saw the robot stand must not stay in a tab.
     # Where the fault has it in it already, once is enough.
-    fault = (state.fault, live.link.stop) if state.phase is Phase.FAULT else ()
-    if fault and live.link.stop in state.fault:
+    stop = live.link.stop
+    fault = (state.fault, stop) if state.phase is Phase.FAULT else ()
+    if isinstance(state.fault, Message) and stop is not None and state.fault.part(stop.text):
         fault = (state.fault,)
     return {
         "robot": robot,
@@ -114,5 +116,5 @@ def _robot(state: State, live: Live) -> tuple[Message | str, str]:
         return BarText.SENDING(state=robot), "busy"
     if not live.robot:
         return "Robot: no report", "off"
-    is_fault = live.robot.startswith("fault")
-    return BarText.ROBOT(state=as_message(live.robot)), "bad" if is_fault else "good"
+    is_fault = live.robot.text is LinkText.FAULT
+    return BarText.ROBOT(state=live.robot), "bad" if is_fault else "good"

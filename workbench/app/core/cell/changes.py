@@ -19,12 +19,13 @@ from workbench.app.core.state import (
     stale_by,
     without_approval,
 )
-from workbench.app.core.value_checks import check_cell, check_text
+from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import put
+from workbench.model.messages.commands import CommandText, EditText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
@@ -41,13 +42,13 @@ MOST_UNDO = 50
 class ChangeCell(Command):
     """Go on with another cell; `says` names the change for people."""
 
-    right: ClassVar[Right] = Right("a change of the cell", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.CHANGE_CELL, SAFE, role=Role.ENGINEER)
 
     cell: Cell
-    says: str
+    says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", self.says)
+        check_says("says", self.says)
         check_cell(self.cell)
         if self.cell.digest == state.cell.digest:
             raise CommandRefused(ChangeRefusal.CELL_AS_IT_WAS())
@@ -60,7 +61,7 @@ class ChangeCell(Command):
 class UndoCell(Command):
     """Go back to the cell before the last change."""
 
-    right: ClassVar[Right] = Right("an undo", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.UNDO_CELL, SAFE, role=Role.ENGINEER)
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.before:
@@ -74,7 +75,7 @@ class UndoCell(Command):
 class RedoCell(Command):
     """Take back the last undo."""
 
-    right: ClassVar[Right] = Right("a redo", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.REDO_CELL, SAFE, role=Role.ENGINEER)
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.undone:
@@ -88,7 +89,7 @@ class RedoCell(Command):
 class SaveCell(Command):
     """Write the changes of the cell and its parts to their files, with a remark of who saves."""
 
-    right: ClassVar[Right] = Right("saving the cell", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.SAVE_CELL, SAFE, role=Role.ENGINEER)
 
     remark: str
 
@@ -110,13 +111,13 @@ class CellRead(Command):
     `says` states for people what was written.  Older sessions did not record it: both are empty.
     """
 
-    right: ClassVar[Right] = Right("a new cell file", SAFE, by_machine=True)
+    right: ClassVar[Right] = Right(CommandText.CELL_READ, SAFE, by_machine=True)
 
     cell: Cell | None = None
     problem: str = ""
     is_saved: bool = False
     written: str = ""
-    says: str = field(default_factory=str, metadata=LATER)
+    says: Message | str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         # It may name a file whose name is no text.
@@ -130,7 +131,7 @@ class CellRead(Command):
 class EmptyPallets(Command):
     """What was put down has been taken away."""
 
-    right: ClassVar[Right] = Right("emptying the pallets", SAFE)
+    right: ClassVar[Right] = Right(CommandText.EMPTY_PALLETS, SAFE)
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.placed:
@@ -149,7 +150,7 @@ def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
 def undone(state: State) -> Changed:
     """The state with the cell before the last change."""
     cell, *before = state.before
-    after, effects = _with_cell(state, cell, "the last change of the cell is undone")
+    after, effects = _with_cell(state, cell, EditText.CELL_UNDONE())
     undone = (state.cell, *state.undone)[:MOST_UNDO]
     return replace(after, before=tuple(before), undone=undone), effects
 
@@ -157,7 +158,7 @@ def undone(state: State) -> Changed:
 def redone(state: State) -> Changed:
     """The state with the cell before the last undo."""
     cell, *undone = state.undone
-    after, effects = _with_cell(state, cell, "the change of the cell is made again")
+    after, effects = _with_cell(state, cell, EditText.CELL_REDONE())
     before = (state.cell, *state.before)[:MOST_UNDO]
     return replace(after, before=before, undone=tuple(undone)), effects
 
@@ -177,14 +178,14 @@ def cell_read(state: State, command: CellRead) -> Changed:
             says = StateText.APPROVERS(count=cell.approvers)
             return replace(state, message=says), (UseCell(kept),)
     if cell.digest == state.cell.digest:
-        return replace(state, message=command.says or "the cell is as in its file"), ()
+        return replace(state, message=command.says or EditText.CELL_AS_FILE()), ()
     if command.is_saved and command.written not in ("", state.cell.digest):
         message = StateText.SAVE_AGAIN()
         return replace(state, message=message), ()
     if command.is_saved:
         # Files hold fewer digits: what is read differs from what was saved by rounding only.
-        return _with_cell(state, cell, command.says or "the cell is saved")
-    return changed_cell(state, cell, "the cell file was changed, and is read again")
+        return _with_cell(state, cell, command.says or EditText.CELL_SAVED())
+    return changed_cell(state, cell, EditText.CELL_FILE_CHANGED())
 
 
 def _with_cell(state: State, cell: Cell, message: Message | str) -> Changed:

@@ -5,7 +5,7 @@ from typing import ClassVar, get_args
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
 from workbench.app.core.people import Role
-from workbench.app.core.state import State, counted
+from workbench.app.core.state import State
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import (
     MOST_PARTS,
@@ -16,6 +16,8 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.commands import CommandText, NameText
+from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.prediction import CHANGE_KINDS, Emptying, Seen
@@ -31,7 +33,7 @@ class TryEmptying(Command):
     """
 
     # It moves nothing, but it keeps the worker for itself, and is about how the cell is made.
-    right: ClassVar[Right] = Right("emptying piles in simulation", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.TRY_EMPTYING, SAFE, role=Role.ENGINEER)
 
     kinds: tuple[str, ...] = ()
     count: int = 15
@@ -64,13 +66,13 @@ def check_emptying(cell: Cell, command: TryEmptying) -> None:
     check_integer("seed", command.seed, 0, SEED_LIMIT - MOST_PILES)
     check_among("seen", command.seen, get_args(Seen))
     for kind in command.changes:
-        check_among("kind of change", kind, CHANGE_KINDS)
+        check_among(NameText.KIND_OF_CHANGE, kind, CHANGE_KINDS)
 
 
-def emptying_words(found: Emptying) -> str:
+def emptying_words(found: Emptying) -> Message:
     """What came of piles emptied in simulation, in one sentence."""
     plain = found.plain
     taken, parts = sum(pile.taken for pile in plain), sum(pile.parts for pile in plain)
-    words = f"{taken} of {counted(parts, 'part')} taken out of {counted(len(plain), 'pile')}"
+    emptied = StateText.EMPTIED(taken=taken, parts=parts, piles=len(plain))
     tried = len({pile.task.change for pile in found.piles} - {None})
-    return f"{words} in simulation" + (f"; {counted(tried, 'change')} tried" if tried else "")
+    return emptied if not tried else StateText.CHANGES_TRIED(emptied=emptied, count=tried)

@@ -21,6 +21,7 @@ from workbench.model.cell import Arm, Cell, Tool
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import frozen, put
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part import Part
@@ -50,7 +51,7 @@ class ImportPart(Command):
     state its symmetry; `solid`: which of several, empty for all as one rigid part.
     """
 
-    right: ClassVar[Right] = Right("a new part", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.IMPORT_PART, SAFE, role=Role.ENGINEER)
 
     name: str
     file: str
@@ -76,7 +77,7 @@ class ImportPart(Command):
 class AddTool(Command):
     """Make a tool of drawings, and have the arm of that name carry it."""
 
-    right: ClassVar[Right] = Right("a new tool", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.ADD_TOOL, SAFE, role=Role.ENGINEER)
 
     arm: str
     drawn: DrawnTool
@@ -131,7 +132,7 @@ def check_import(cell: Cell, command: ImportPart) -> None:
     try:
         check_name(command.name)
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
     if command.name in (part.name for part in cell.parts):
         raise CommandRefused(ChangeRefusal.PART_EXISTS(part=command.name))
     if len(cell.parts) >= MOST_KINDS:
@@ -162,7 +163,7 @@ def check_tool(cell: Cell, command: AddTool) -> None:
     try:
         check_drawn(command.drawn)
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
     known = {tool.name for arm in cell.arms for tool in (arm.tool, *arm.tools)}
     if name in known:
         raise CommandRefused(ChangeRefusal.TOOL_EXISTS(tool=name))

@@ -9,10 +9,12 @@ from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Ri
 from workbench.app.core.effects import RemoveDraft
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
-from workbench.app.core.value_checks import check_text
+from workbench.app.core.value_checks import check_says
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.commands import CommandText, EditText
+from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part import Entry as GraspEntry
@@ -32,17 +34,17 @@ class EditPart(Command):
     place: who edits something that was changed meanwhile is refused.  None: as it is.
     """
 
-    right: ClassVar[Right] = Right("a change of grasps", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.EDIT_PART, SAFE, role=Role.ENGINEER)
 
     part: str
     was: tuple[GraspEntry, ...] = ()
     now: tuple[GraspEntry, ...] = ()
     pairs: tuple[GraspPair, ...] | None = None
     symmetry: Symmetry | None = None
-    says: str = ""
+    says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", self.says)
+        check_says("says", self.says)
         check_edit(state.cell, self)
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -53,7 +55,7 @@ class EditPart(Command):
 class DropDraft(Command):
     """Forget the changes of a part's grasps that an earlier session has not saved."""
 
-    right: ClassVar[Right] = Right("dropping a draft", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.DROP_DRAFT, SAFE, role=Role.ENGINEER)
 
     part: str
 
@@ -69,7 +71,7 @@ def edited_cell(state: State, edit: EditPart) -> Changed:
     """The state with other grasps or another symmetry of a part."""
     part = edited_part(state.cell.part(edit.part), edit)
     cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
-    return changed_cell(state, cell, edit.says or f"the grasps of {part.name} are changed")
+    return changed_cell(state, cell, edit.says or EditText.GRASPS(part=part.name))
 
 
 def part_of(cell: Cell, name: str) -> Part:
@@ -81,7 +83,7 @@ def part_of(cell: Cell, name: str) -> Part:
     try:
         return cell.part(name)
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
 
 
 def check_edit(cell: Cell, edit: EditPart) -> None:
@@ -94,7 +96,7 @@ def check_edit(cell: Cell, edit: EditPart) -> None:
     try:
         after = edited_part(part, edit)
     except InputError as error:
-        raise CommandRefused(str(error)) from error
+        raise CommandRefused(error.message) from error
     if after.digest == part.digest:
         raise CommandRefused(ChangeRefusal.PART_AS_IT_WAS(part=part.name))
 
@@ -122,7 +124,4 @@ def _check_count(entries: Sequence[GraspEntry], symmetry: Symmetry) -> None:
     count = sum(entry.count if isinstance(entry, GraspPattern) else 1 for entry in entries)
     count *= 1 + len(symmetry.turns)
     if count > MOST_GRASPS:
-        raise InputError(
-            f"with patterns and symmetry written out there would be {count:,} grasps; "
-            f"{MOST_GRASPS:,} are allowed"
-        )
+        raise InputError(ChangeRefusal.MOST_GRASPS(count=f"{count:,}", most=f"{MOST_GRASPS:,}"))

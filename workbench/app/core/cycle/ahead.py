@@ -20,9 +20,10 @@ from workbench.app.core.state import Ahead, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message, all_of, as_message, plain
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import StateText
+from workbench.model.messages.states import AheadText, RowStop, StateText
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
@@ -40,7 +41,7 @@ class GoOn(Command):
     the scanner sees past the arms (0: with its end).  `placed` will lie on pallets by then.
     """
 
-    right: ClassVar[Right] = Right("going on", frozenset({Phase.SENDING, Phase.DONE}))
+    right: ClassVar[Right] = Right(CommandText.GO_ON, frozenset({Phase.SENDING, Phase.DONE}))
 
     scan: TakeScan = field(default_factory=TakeScan)
     find: FindParts = field(default_factory=FindParts)
@@ -96,13 +97,12 @@ def brought_ahead(state: State, number: int, result: Any, entry: Entry) -> Begun
     return replace(state, job=following.job, message=message), effects
 
 
-def given_up(state: State, why: str) -> Ended:
+def given_up(state: State, why: Message) -> Ended:
     """The state without what was worked on ahead, and without the wish for it."""
     if state.ahead is None:
         return state, ()
     effects = () if state.job is None else (StopJob(state.job.number),)
-    words = plain(f"the next cycle is not worked on ahead: {why}")
-    message = all_of((as_message(state.message), words))
+    message = all_of((as_message(state.message), StateText.NOT_AHEAD(why=why)))
     return replace(state, ahead=None, job=None, message=message), effects
 
 
@@ -121,7 +121,7 @@ def after_the_end(before: State, after: State, entry: Entry) -> Ended:
         return given_up(after, why)
     if not ahead.brought and before.job is None:
         begun, effects = take_scan(after, entry, ahead.wanted.scan, then=ahead.wanted)
-        message = all_of((as_message(after.message), plain("scanning")))
+        message = all_of((as_message(after.message), StateText.SCANNING()))
         return replace(begun, ahead=None, message=message), effects
     taken = _taken_over(replace(after, ahead=None), ahead)
     if before.job is not None and before.job.name == "plan":
@@ -165,22 +165,22 @@ def _taken_over(state: State, ahead: Ahead) -> State:
     return state
 
 
-def _in_doubt(before: State, after: State, at: float) -> str:
-    """Why what was worked on ahead does not fit the world after the end; empty when it does."""
+def _in_doubt(before: State, after: State, at: float) -> Message | None:
+    """Why what was worked on ahead does not fit the world after the end; None when it does."""
     if after.phase is not Phase.DONE:
-        return "the plan has not ended as planned"
+        return AheadText.NOT_AS_PLANNED()
     if after.stopped_by:
-        return f"stopped by {after.stopped_by}"
+        return RowStop.STOPPED_BY(person=after.stopped_by)
     if before.row:
-        return "the row has ended early"
+        return AheadText.ROW_ENDED()
     # A person may have seen more than the gripper felt afterwards.
     if _has_failed(before) or _has_failed(after):
-        return "a pick has failed, so somebody has to look"
+        return AheadText.PICK_FAILED()
     if before.job is None and before.ahead is not None and not before.ahead.brought:
-        return ""
+        return None
     arms = () if after.plan is None else after.plan.arms
     if sum(part.is_picked is True for part in after.part_reports) < len(arms):
-        return "the robot has not reported every part as picked"
+        return AheadText.NOT_ALL_PICKED()
     if digest_of(after.placed) != digest_of(_as_if_ended(before, at).placed):
-        return "the places are not as they were expected"
-    return ""
+        return AheadText.OTHER_PLACES()
+    return None

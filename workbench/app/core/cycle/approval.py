@@ -13,7 +13,8 @@ from workbench.app.core.value_checks import check_number, check_person, named_pl
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message, all_of, plain
+from workbench.model.messages.commands import CommandText, NameText
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
@@ -29,7 +30,7 @@ class Approve(Command):
     """
 
     right: ClassVar[Right] = Right(
-        "an approval", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
+        CommandText.APPROVE, frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
     )
 
     plan_digest: str
@@ -40,7 +41,9 @@ class Approve(Command):
     def check(self, state: State, asked: Asked) -> None:
         plan = named_plan(state, self.plan_digest)
         manner = self.speed_share, self.is_stepped
-        check_number("speed share", self.speed_share, SLOWEST, 1.0, "of the planned speed")
+        check_number(
+            NameText.SPEED_SHARE, self.speed_share, SLOWEST, 1.0, NameText.OF_PLANNED_SPEED
+        )
         if self.is_stepped not in (True, False):
             raise CommandRefused(Refusal.NO_MANNER(value=repr(self.is_stepped)))
         _check_scene(state, plan)
@@ -250,10 +253,10 @@ def _approve(state: State, entry: Entry, vote: Approve) -> State:
         message = StateText.APPROVED(plan=row_message(state), people=_names(votes))
         state = replace(state, phase=Phase.APPROVED, approval=approval)
     if words:
-        message = StateText.TO_BE_SENT(what=message, manner=plain(words))
-    shown = StateText.UNSEEN(people=plain(" and ".join(unseen))) if unseen else None
+        message = StateText.TO_BE_SENT(what=message, manner=words)
+    shown = StateText.UNSEEN(people=unseen) if unseen else None
     return replace(state, votes=votes, message=all_of((message, shown)))
 
 
-def _names(votes: tuple[Vote, ...]) -> Message:
-    return plain(" and ".join(vote.actor for vote in votes))
+def _names(votes: tuple[Vote, ...]) -> tuple[str, ...]:
+    return tuple(vote.actor for vote in votes)

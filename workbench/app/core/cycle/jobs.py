@@ -12,9 +12,10 @@ from workbench.app.core.state import Phase, State
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Tool
 from workbench.model.errors import WorkbenchError
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import StateText, task_message
+from workbench.model.messages.states import AheadText, StateText, task_message
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
@@ -29,7 +30,7 @@ class JobEnded(Command):
     `Tool`, an `Emptying`, or the error that ended it.
     """
 
-    right: ClassVar[Right] = Right("the end of a task", EVERY, beside_job=True, by_machine=True)
+    right: ClassVar[Right] = Right(CommandText.JOB_ENDED, EVERY, beside_job=True, by_machine=True)
 
     number: int
     result: (
@@ -58,7 +59,7 @@ class JobEnded(Command):
 class CancelJob(Command):
     """End the running task."""
 
-    right: ClassVar[Right] = Right("cancelling", EVERY, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.CANCEL_JOB, EVERY, beside_job=True)
 
     @classmethod
     def obstacle(cls, state: State) -> Message | None:
@@ -70,7 +71,7 @@ class CancelJob(Command):
 
 def _cancel(state: State, entry: Entry) -> Decision:
     if state.ahead is not None:
-        return given_up(state, f"cancelled by {entry.actor}")
+        return given_up(state, AheadText.CANCELLED(person=entry.actor))
     if state.job is None:
         return state, ()
     # The job leaves the state at once; whatever it still brings is recorded and not used.

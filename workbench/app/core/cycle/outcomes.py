@@ -17,11 +17,12 @@ from workbench.app.core.state import (
     plans_begun,
     sent_for,
 )
-from workbench.app.core.value_checks import check_text
+from workbench.app.core.value_checks import check_says
 from workbench.model.cell import Cell
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import FoundPart, Message, all_of, plain
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, StateText
 from workbench.model.messages.verdicts import VerdictNote
@@ -53,11 +54,11 @@ class SendingEnd:
     `row_ends` says why no plan of a row may follow, as the link or the bench knows it.
     """
 
-    fault: str = ""
+    fault: Message | str = ""
     parts_placed: int = 0
     parts: tuple[PartReport, ...] = ()
     placed: tuple[Detection, ...] | None = None
-    row_ends: str = field(default_factory=str, metadata=LATER)
+    row_ends: Message | str = field(default_factory=str, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +70,7 @@ class ReportPick(Command):
     """
 
     right: ClassVar[Right] = Right(
-        "the outcome of a pick",
+        CommandText.REPORT_PICK,
         frozenset({Phase.SENDING, Phase.DONE, Phase.FAULT}),
         NextText.NOTHING_SENT,
         by_anybody=True,
@@ -78,7 +79,7 @@ class ReportPick(Command):
 
     detection: int
     is_picked: bool
-    why: str = ""
+    why: Message | str = ""
 
     @classmethod
     def is_in_phase(cls, state: State) -> bool:
@@ -87,7 +88,7 @@ class ReportPick(Command):
         return is_unscanned or state.phase in cls.right.phases
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("why", self.why)
+        check_says("why", self.why)
         refuse(outcome_problem(state, self))
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -98,7 +99,7 @@ class ReportPick(Command):
 class ForgetAvoided(Command):
     """No part is avoided any more because its pick has failed."""
 
-    right: ClassVar[Right] = Right("forgetting what is avoided", SAFE)
+    right: ClassVar[Right] = Right(CommandText.FORGET_AVOIDED, SAFE)
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.avoided:
@@ -112,7 +113,9 @@ class ForgetAvoided(Command):
 class AcknowledgeFault(Command):
     """A person has seen the fault and cleared the cell."""
 
-    right: ClassVar[Right] = Right("acknowledging", frozenset({Phase.FAULT}), NextText.NO_FAULT)
+    right: ClassVar[Right] = Right(
+        CommandText.ACKNOWLEDGE_FAULT, frozenset({Phase.FAULT}), NextText.NO_FAULT
+    )
 
     def apply(self, state: State, entry: Entry) -> Decision:
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
@@ -144,11 +147,11 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
     if ended.fault:
-        message = StateText.FAULT_WHILE_SENDING(fault=plain(ended.fault))
+        message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
     expected = sum(len(plan.arms) for plan in plans_begun(state) if not _goes_on(plan))
     failed = [
-        StateText.ARM_FAILED(arm=part.arm, why=plain(part.why))
+        StateText.ARM_FAILED(arm=part.arm, why=part.why)
         for part in ended.parts
         if part.is_picked is False
     ]
@@ -265,7 +268,7 @@ def _outcome_message(command: ReportPick, actor: str) -> Message:
         said = StateText.PICKED(part=part, person=actor)
     else:
         said = StateText.PICK_FAILED(part=part, person=actor)
-    return StateText.SINCE(what=said, why=plain(command.why)) if command.why else said
+    return StateText.SINCE(what=said, why=command.why) if command.why else said
 
 
 def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
@@ -291,10 +294,7 @@ def escalated(state: State) -> State:
     """The state, stopped with a fault when a cycle ends and too many picks in a row have failed."""
     if state.phase is not Phase.DONE or state.failures < MOST_FAILURES:
         return state
-    fault = (
-        f"{state.failures} picks in a row have failed; look at bin, grippers and grasps before "
-        "going on"
-    )
+    fault = StateText.PICKS_FAILED(count=state.failures)
     return replace(state, phase=Phase.FAULT, fault=fault, message=fault)
 
 
@@ -306,7 +306,7 @@ def avoided_parts(state: State, at: float) -> tuple[tuple[int, Message], ...]:
             if at < entry.until and _is_at(state.cell, detection, entry):
                 why = VerdictNote.PICK_FAILED()
                 if entry.why:
-                    why = VerdictNote.PICK_FAILED_SINCE(why=plain(entry.why))
+                    why = VerdictNote.PICK_FAILED_SINCE(why=entry.why)
                 found.append((number, why))
                 break
     return tuple(found)

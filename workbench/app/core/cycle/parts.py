@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
 from workbench.app.core.people import POSES_FOLDER
-from workbench.app.core.state import PartsState, Phase, ScanState, State, begun, counted, stale_by
+from workbench.app.core.state import PartsState, Phase, ScanState, State, begun, stale_by
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -13,11 +13,12 @@ from workbench.app.core.value_checks import (
     check_detections,
     check_integer,
     check_number,
-    check_text,
+    check_says,
 )
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import plain
+from workbench.model.messages.commands import CommandText, EditText, NameText, StaleText
+from workbench.model.messages.message import Message, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import Detection, Remark, Search, SearchOverrides
@@ -37,7 +38,7 @@ class FindParts(Command):
     `is_compared`: the search is listed with the earlier ones, and a person decides which to take.
     """
 
-    right: ClassVar[Right] = Right("finding parts", SAFE - {Phase.IDLE, Phase.DONE})
+    right: ClassVar[Right] = Right(CommandText.FIND_PARTS, SAFE - {Phase.IDLE, Phase.DONE})
 
     seed: int = 0
     overrides: SearchOverrides = field(default_factory=SearchOverrides, metadata=called("wishes"))
@@ -61,13 +62,13 @@ class UseDetections(Command):
     `says` states for people what was done; empty: poses from outside.
     """
 
-    right: ClassVar[Right] = Right("using poses from outside", SAFE, also_by=POSES_FOLDER)
+    right: ClassVar[Right] = Right(CommandText.USE_DETECTIONS, SAFE, also_by=POSES_FOLDER)
 
     detections: tuple[Detection, ...]
-    says: str = ""
+    says: Message | str = ""
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", self.says)
+        check_says("says", self.says)
         check_detections(state.cell, self.detections)
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -81,8 +82,8 @@ def check_search(command: FindParts) -> None:
         CommandRefused: they are not.
     """
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
-    check_number("detail", command.overrides.detail, *DETAIL, "of the usual")
-    check_number("least score", command.overrides.least_score, 0.0, 1.0, "")
+    check_number("detail", command.overrides.detail, *DETAIL, NameText.OF_USUAL)
+    check_number(NameText.LEAST_SCORE, command.overrides.least_score, 0.0, 1.0)
 
 
 def find_parts(
@@ -104,7 +105,7 @@ def find_parts(
         entry,
         "localize",
         arguments,
-        "finding parts",
+        StateText.SEARCHING(),
         seed=command.seed,
         overrides=command.overrides,
         is_compared=command.is_compared,
@@ -129,7 +130,7 @@ def with_detections(state: State, search: Search) -> State:
         searches=(*state.searches, search)[-MOST_SEARCHES:],
         detections=detections,
         scene_digest=state.scan.digest if state.scan is not None else "",
-        stale=stale_by(state, "parts were looked for again"),
+        stale=stale_by(state, StaleText.PARTS_SOUGHT()),
         message=StateText.FOUND(count=len(detections)) if detections else StateText.NOTHING_FOUND(),
     )
 
@@ -137,7 +138,7 @@ def with_detections(state: State, search: Search) -> State:
 def with_outside_detections(state: State, entry: Entry, command: UseDetections) -> State:
     """The state with parts from outside: a file, another matcher, or a person's correction."""
     detections = command.detections
-    says = command.says or f"{counted(len(detections), 'pose')} taken from outside"
+    says = command.says or EditText.POSES_TAKEN(count=len(detections))
     remark = Remark(entry.at, entry.actor, says)
     # Poses from another matcher usually belong to this scan, but never to a picked bin.
     is_picked = state.phase is Phase.DONE
@@ -155,6 +156,6 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
         parts_before=() if is_picked else before[:MOST_REMARKS],
         detections=detections,
         scene_digest=digest_of(detections),
-        stale="" if is_picked else stale_by(state, "the parts are others"),
-        message=StateText.PARTS_FROM_OUTSIDE(change=plain(says), person=entry.actor),
+        stale=None if is_picked else stale_by(state, StaleText.PARTS_CHANGED()),
+        message=StateText.PARTS_FROM_OUTSIDE(change=as_message(says), person=entry.actor),
     )

@@ -18,6 +18,7 @@ from workbench.app.core.value_checks import (
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
@@ -36,7 +37,7 @@ class MakePlan(Command):
     """
 
     right: ClassVar[Right] = Right(
-        "planning", frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
+        CommandText.MAKE_PLAN, frozenset({Phase.LOCALIZED, Phase.PLANNED, Phase.APPROVED})
     )
 
     strategy: str = "auto"
@@ -55,7 +56,7 @@ class MakePlan(Command):
 class WantThreshold(Command):
     """A person wants this threshold [m]; while the plan has another one, the plan is stale."""
 
-    right: ClassVar[Right] = Right("another threshold", SAFE, beside_job=True)
+    right: ClassVar[Right] = Right(CommandText.WANT_THRESHOLD, SAFE, beside_job=True)
 
     threshold: float
 
@@ -104,7 +105,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
         "seed": command.seed,
         "planning": command.overrides,
     }
-    return begin_task(state, entry, "plan", arguments, "planning", **about)
+    return begin_task(state, entry, "plan", arguments, StateText.PLANNING(), **about)
 
 
 def with_plan(state: State, result: PlanResult, job: Job) -> State:

@@ -12,8 +12,9 @@ from workbench.app.core.state import Job, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.calibration import PlateObservation
 from workbench.model.errors import JobCancelled, WorkbenchError
-from workbench.model.messages.message import Message, all_of, as_message, plain
+from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.states import StateText, task_message
+from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan, Search
@@ -45,7 +46,7 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
         case (_, JobCancelled()):
             return replace(state, message=StateText.TASK_CANCELLED(task=task_message(job.name)))
         case (_, WorkbenchError()):
-            return replace(state, message=_failure_message(job, str(result)))
+            return replace(state, message=_failure_message(job, result.message))
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
@@ -53,7 +54,7 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return (compared if job.is_compared else with_detections)(state, search)
         case ("sight", PlateObservation()):
             observations = (*state.observations, result)
-            message = StateText.PLATE_SEEN(pose=plain(result.name), count=len(observations))
+            message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))
             return replace(state, observations=observations, message=message)
         case ("emptying", Emptying()):
             return replace(state, emptying=result, message=emptying_words(result))
@@ -61,11 +62,11 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return with_plan(state, result, job)
         case _:
             wrong = type(result).__name__
-            return replace(state, message=_failure_message(job, f"it brought a {wrong}"))
+            return replace(state, message=_failure_message(job, JobText.WRONG_RESULT(kind=wrong)))
 
 
-def _failure_message(job: Job, why: str) -> Message:
-    return StateText.TASK_FAILED(task=task_message(job.name), why=plain(why))
+def _failure_message(job: Job, why: Message) -> Message:
+    return StateText.TASK_FAILED(task=task_message(job.name), why=why)
 
 
 def gone_on(before: State, after: State, entry: Entry) -> Begun:

@@ -11,7 +11,8 @@ from workbench.app.core.effects import Send
 from workbench.app.core.state import Phase, State, without_approval
 from workbench.app.core.value_checks import check_integer, named_plan
 from workbench.model.cell import MOST_PICKS
-from workbench.model.messages.message import FoundPart, Message, Others, all_of, as_message, plain
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import FoundPart, Message, Others, all_of, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import RowStop, StateText
 from workbench.model.plan import Plan, Proven
@@ -28,7 +29,7 @@ class ShortenRow(Command):
     """
 
     right: ClassVar[Right] = Right(
-        "another length of the row", frozenset({Phase.PLANNED, Phase.APPROVED})
+        CommandText.SHORTEN_ROW, frozenset({Phase.PLANNED, Phase.APPROVED})
     )
 
     plan_digest: str
@@ -144,17 +145,17 @@ def _ends_because(
 ) -> Message | None:
     """Why the next plan must not follow; None when it may."""
     if ended.fault:
-        return plain(ended.fault)
+        return as_message(ended.fault)
     if after.stopped_by:
         return RowStop.STOPPED_BY(person=after.stopped_by)
     if ended.row_ends:
-        return plain(ended.row_ends)
+        return as_message(ended.row_ends)
     if after.plan is None or len(ended.parts) < len(after.plan.arms):
         return RowStop.NO_REPORT()
     for part in ended.parts:
         if part.is_picked is not True:
             if part.why:
-                return RowStop.NOT_PICKED_SINCE(arm=part.arm, why=plain(part.why))
+                return RowStop.NOT_PICKED_SINCE(arm=part.arm, why=part.why)
             return RowStop.NOT_PICKED(arm=part.arm)
     for said in after.outcomes:
         # A person has seen more than the gripper felt.

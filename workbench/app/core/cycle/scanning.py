@@ -14,6 +14,7 @@ from workbench.app.core.value_checks import (
     check_among,
     check_configuration,
     check_integer,
+    check_says,
     check_text,
 )
 from workbench.model.calibration import BallPlate, PlateObservation
@@ -21,6 +22,8 @@ from workbench.model.cell import Cell
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.messages.commands import CommandText, StaleText
+from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.scan import ALL_KINDS, Scan
@@ -37,7 +40,7 @@ class TakeScan(Command):
     each in turn.
     """
 
-    right: ClassVar[Right] = Right("a scan", SAFE)
+    right: ClassVar[Right] = Right(CommandText.TAKE_SCAN, SAFE)
 
     seed: int = 0
     parts: int = 2
@@ -54,7 +57,7 @@ class TakeScan(Command):
 class UseScan(Command):
     """Take a scan from a file instead of the scanner."""
 
-    right: ClassVar[Right] = Right("using a scan from a file", SAFE)
+    right: ClassVar[Right] = Right(CommandText.USE_SCAN, SAFE)
 
     scan: Scan
 
@@ -69,7 +72,7 @@ class SightPlate(Command):
     `seed` is that of the simulated scanner's noise.
     """
 
-    right: ClassVar[Right] = Right("a scan of the plate", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.SIGHT_PLATE, SAFE, role=Role.ENGINEER)
 
     arm: str
     q: Floats
@@ -93,13 +96,13 @@ class SightPlate(Command):
 class UseObservations(Command):
     """Go on with these observations of the plate, some left out; `says` states so for people."""
 
-    right: ClassVar[Right] = Right("a change of the calibration's poses", SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(CommandText.USE_OBSERVATIONS, SAFE, role=Role.ENGINEER)
 
     observations: tuple[PlateObservation, ...] = field(metadata=called("sightings"))
-    says: str
+    says: Message | str
 
     def check(self, state: State, asked: Asked) -> None:
-        check_text("says", self.says)
+        check_says("says", self.says)
         if len(self.observations) > MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES(most=MOST_OBSERVATIONS))
         for observation in self.observations:
@@ -129,7 +132,7 @@ def take_scan(
 ) -> Begun:
     """The scanner is triggered; with `then` the next steps of a cycle follow the scan."""
     arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
-    return begin_task(state, entry, "scan", arguments, "scanning", then=then)
+    return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then)
 
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
@@ -140,7 +143,7 @@ def with_scan(state: State, scan: Scan, at: float) -> State:
         phase=Phase.SCANNED,
         scan=scan,
         scene_digest=scan.digest,
-        stale="" if state.phase is Phase.DONE else stale_by(state, "there is a newer scan"),
+        stale=None if state.phase is Phase.DONE else stale_by(state, StaleText.NEWER_SCAN()),
         message=StateText.SCANNED(points=f"{len(scan.points):,}"),
     )
 
@@ -165,4 +168,4 @@ def sight_plate(state: State, entry: Entry, command: SightPlate) -> Begun:
         "plate": command.plate,
         "seed": command.seed,
     }
-    return begin_task(state, entry, "sight", arguments, "looking at the plate")
+    return begin_task(state, entry, "sight", arguments, StateText.SCANNING_PLATE())

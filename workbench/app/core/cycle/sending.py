@@ -14,9 +14,10 @@ from workbench.app.core.rights import changes_said
 from workbench.app.core.state import Phase, RunState, State, begun, row_message
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.message import Message, plain
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import NextText, StateText
+from workbench.model.messages.states import AheadText, NextText, StateText
 from workbench.model.plan import Plan
 from workbench.model.release import Receipt
 from workbench.plugins.robot_link import misfit
@@ -26,7 +27,7 @@ from workbench.plugins.robot_link import misfit
 class SendPlan(Command):
     """Send the approved plan with this digest to the robot, and its row as far as all is well."""
 
-    right: ClassVar[Right] = Right("sending", frozenset({Phase.APPROVED}))
+    right: ClassVar[Right] = Right(CommandText.SEND_PLAN, frozenset({Phase.APPROVED}))
 
     plan_digest: str
 
@@ -56,7 +57,9 @@ class SendPlan(Command):
 class NextStep(Command):
     """Let the step of the plan run that the robot waits before, which is `number`, from 1 on."""
 
-    right: ClassVar[Right] = Right("a step", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING)
+    right: ClassVar[Right] = Right(
+        CommandText.NEXT_STEP, frozenset({Phase.SENDING}), NextText.NOTHING_SENDING
+    )
 
     number: int
 
@@ -74,13 +77,13 @@ class Stop(Command):
 
     # Nobody who sees that something goes wrong has to ask first.
     right: ClassVar[Right] = Right(
-        "a stop", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, without_control=True
+        CommandText.STOP, frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, without_control=True
     )
 
     def apply(self, state: State, entry: Entry) -> Decision:
         says = StateText.STOPS_SENDING(person=entry.actor)
         stopped = replace(state, message=says, stopped_by=entry.actor)
-        after, effects = given_up(stopped, "the plan is stopped")
+        after, effects = given_up(stopped, AheadText.PLAN_STOPPED())
         return after, (StopSending(), *effects)
 
 
@@ -89,7 +92,7 @@ class Sent(Command):
     """The robot link reports one message that went out."""
 
     right: ClassVar[Right] = Right(
-        "a message sent", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, by_machine=True
+        CommandText.SENT, frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, by_machine=True
     )
 
     receipt: Receipt
@@ -103,7 +106,10 @@ class LinkEnded(SendingEnd, Command):
     """The robot link is closed."""
 
     right: ClassVar[Right] = Right(
-        "the end of sending", frozenset({Phase.SENDING}), NextText.NOTHING_SENDING, by_machine=True
+        CommandText.LINK_ENDED,
+        frozenset({Phase.SENDING}),
+        NextText.NOTHING_SENDING,
+        by_machine=True,
     )
 
     def check(self, state: State, asked: Asked) -> None:
@@ -151,8 +157,8 @@ def step_reported(state: State) -> int:
 
 def step_message(plan: Plan, number: int) -> Message:
     """A step of a plan, counted from 1, for people."""
-    words = plan.sequence[number - 1].words
-    return StateText.STEP(number=number, total=len(plan.sequence), legs=plain(words))
+    legs = plan.sequence[number - 1].words
+    return StateText.STEP(number=number, total=len(plan.sequence), legs=legs)
 
 
 def step_problem(state: State, number: int, now: float) -> Message | None:

@@ -8,6 +8,7 @@ from workbench.app.core.people import NOBODY, is_same_person
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import named_plan
 from workbench.model.digest import LATER
+from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
@@ -23,7 +24,7 @@ class WatchPlan(Command):
 
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
     right: ClassVar[Right] = Right(
-        "a preview", frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
+        CommandText.WATCH_PLAN, frozenset({Phase.PLANNED, Phase.APPROVED}), without_control=True
     )
 
     plan_digest: str

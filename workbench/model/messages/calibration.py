@@ -1,0 +1,175 @@
+"""What scans say of the scanner, its calibration, the bin and the reference plate."""
+
+from workbench.model.messages.message import Text
+
+
+class PlateText(Text, subject="plate"):
+    """Why a reference plate or an observation of it cannot be used."""
+
+    BALLS = "a plate needs balls of 4 to 400 mm in diameter, and three distances"
+    DISTANCES = "the distances of the balls must be longer than their diameter, and up to 2 m"
+    TOO_ALIKE = (
+        "the three distances of the balls must differ by {least:mm0} each, so that the balls can "
+        "be distinguished"
+    )
+    ON_LINE = "the three balls lie nearly on one line; a triangle is needed"
+    POINTS = "observation {name}: points of shape (n, 3) are needed"
+    CENTRES = "observation {name}: three centres of balls are needed"
+    NO_POSE = "no pose was scanned yet; a calibration needs 4, 8 are better"
+    MOST_POSES = "{count} poses; up to {most} are taken"
+    SAME_POSE = "{pose} is the same as {other}"
+    TOO_FEW_POSES = (
+        "a calibration needs {fewest} different poses, {advised} are better; there are {count}"
+    )
+    SINCE_SAME = "{problem} ({same})"
+    NOT_TURNED = (
+        "the flange has the same orientation in all poses, so the scanner's position stays unknown "
+        "in every direction: turn the wrist by 20 degrees or more between the poses"
+    )
+    ONE_AXIS = (
+        "the flange is turned about one axis only, ({axis}) in the world, so the scanner's "
+        "position along it stays unknown: tilt the wrist about another axis too, by 20 degrees or "
+        "more"
+    )
+    WITHOUT = "without {poses}, in conflict with the others: {problem}"
+    NO_CONSENSUS = (
+        "the poses are in conflict: at best half of them fit within {far:mm}. Are the joint values "
+        "those of the scans, in the controller's order, and the distances of the balls those of "
+        "the plate? Did the plate stay fixed in the gripper?"
+    )
+    TOO_UNCERTAIN = (
+        "these poses give the scanner's position only to {far:mm} (worst along ({axis}) in the "
+        "world) and its direction to {turn:deg}: take more poses, further apart, with the wrist "
+        "turned more"
+    )
+    LEFT_OUT = "left out by a person"
+    CONFLICT = "in conflict: {far:mm} and {turn:deg1} off, the others {rms:mm2}"
+    OTHER_PLATE = "{pose} is of another plate or arm than {first}; remove one of them"
+
+
+class PoseText(Text, subject="pose-step"):
+    """How a person brings the plate from one pose to the next."""
+
+    TURN_LEFT = "turn the plate by {angle:deg0} counterclockwise, seen from above"
+    TURN_RIGHT = "turn the plate by {angle:deg0} clockwise, seen from above"
+    TIP = "tip its upper side by {angle:deg0} towards {side}"
+    MOVE = "move it by {far:mm0} towards {side}"
+    RAISE = "raise it by {far:mm0}"
+    LOWER = "lower it by {far:mm0}"
+    FRONT = "the front wall"
+    FRONT_LEFT = "the front left corner"
+    LEFT = "the left wall"
+    BACK_LEFT = "the back left corner"
+    BACK = "the back wall"
+    BACK_RIGHT = "the back right corner"
+    RIGHT = "the right wall"
+    FRONT_RIGHT = "the front right corner"
+
+
+class DriftText(Text, subject="drift"):
+    """What recorded scans say of the scanner since its calibration."""
+
+    DRIFTED = (
+        "the scanner has drifted since its calibration, as {thing} shows: at the corners of the "
+        "bin the error has grown by {moved:mm2} (variation between days: {noise:mm2})"
+    )
+    BIN_MOVED = (
+        "the bin appears {moved:mm2} from where it was in the first days (variation between days: "
+        "{noise:mm2}), and nothing else shows that the scanner was moved: check which of the two "
+        "was moved"
+    )
+    PARTS_ELSEWHERE = (
+        "{count} parts that the robot has placed appear elsewhere, by more than the uncertainty "
+        "of the calibration"
+    )
+    TOO_FEW_DAYS = "there are scans of {days} days; {fewest} are needed to compare them"
+    NONE = "no drift within {days} days"
+    OPEN = (
+        "only the bin shows {axes:and} (shifts along axes, turns about them); fixtures in view, or "
+        "parts placed there and turned, would show them too"
+    )
+    CORRECTED = (
+        "with the scanner corrected by {moved:mm2} at the corners of the bin, the error there is "
+        "{error:mm2} or less (95 %)"
+    )
+
+
+class FirstScanText(Text, subject="first-scan"):
+    """What in a first scan does not fit the cell, with the key to change."""
+
+    NO_FIT = (
+        "{path}: {share:%} of its points lie where a scanner measures, {near} to {far} m in front "
+        "of it, in any unit and with any axes: is it a scan of this cell?"
+    )
+    RANGE = (
+        "the cloud lies outside of the measuring range: near_mm = {near}, far_mm = {far} in "
+        "[scanner]"
+    )
+    UNIT = 'the cloud is in {unit}: unit = "{unit}" in [scanner]'
+    AXES = 'the cloud has other axes: cloud_axes = "{axes}" in [scanner] instead of {was}'
+    FLOOR_ALONE = (
+        "no rim of the cell's bin is visible, but a floor with things of {length:mm0} x "
+        "{width:mm0} on it: the scanner's pose is that over the floor"
+    )
+    NO_WALLS = (
+        "the cell's bin has no walls, so no rim shows the scanner's pose: calibrate the scanner, "
+        "or scan a bin with walls = true in [bin] first"
+    )
+    NO_BIN = (
+        "no bin is visible: is it in the picture, with its rim? Without walls in the picture set "
+        "walls = false and size_mm in [bin]"
+    )
+    OTHER_RIM = (
+        "a rim of {length:mm0} x {width:mm0} is visible, not that of the cell's bin: is size_mm in "
+        "[bin] right?"
+    )
+    RIM_SIZE = (
+        "the rim measures {length:mm0} x {width:mm0} outside, in the cell {wanted_length:mm0} x "
+        "{wanted_width:mm0}: is size_mm in [bin] right?"
+    )
+    FLOOR_DEPTH = (
+        "the floor lies {depth:mm} below the rim, in the cell {wanted:mm}: size_mm in [bin]"
+    )
+    NOT_CALIBRATED = (
+        "the bin appears {shift:mm0} and {turn:deg1} off: the scanner is not calibrated; "
+        "position_mm, rpy_deg in [scanner]"
+    )
+    OFF = (
+        "the bin appears {shift:mm0} and {turn:deg1} off: was it moved, or is the calibration old?"
+    )
+
+
+class BinText(Text, subject="bin"):
+    """Where the bin is in a scan, and how full it is."""
+
+    IN_PLACE = "the bin is where it should be, within {off:mm}"
+    AT_HEIGHT = "parts lie as high as they should, within {off:mm}"
+    FULL = "{bin}, {fill:%} full"
+    NO_RIM = "no rim of the bin within {reach:mm0} of its place in the cell: is the bin there?"
+    RIM_COVERED = (
+        "no rim of the bin within {reach:mm0} of its place in the cell: something is {above:mm0} "
+        "above it"
+    )
+    TOO_FULL = "the bin is too full: parts lie {above:mm0} above its rim"
+    STANDS_OUT = "a part stands {above:mm0} above the rim"
+    MOVED = (
+        "the bin is {shift:mm} and {turn:deg1} from its place in the cell (x {x} mm, y {y} mm, z "
+        "{z} mm): it was moved, or the scanner is not calibrated"
+    )
+    FLOOR_HIGHER = "the floor of the bin lies {off:mm} higher than in the cell"
+    FLOOR_LOWER = "the floor of the bin lies {off:mm} lower than in the cell"
+    HARDLY_SEEN = "the inside of the bin is hardly visible"
+    ONLY_FLAT = "only things lower than {low:mm0} lie on the floor"
+    EMPTY = "nothing higher than {lowest:mm} lies on the floor"
+    OVERFILLED = "overfilled: parts lie {above:mm0} above the allowed height of {height:mm0}"
+    STANDS_TOO_HIGH = "a part stands {above:mm0} above the allowed height of {height:mm0}"
+    NO_SURFACE = (
+        "no surface for the parts within {reach:mm0} of its height in the cell: is it there?"
+    )
+    SURFACE_MOVED = (
+        "the surface that parts lie on is {off} mm from its height in the cell and leans by "
+        "{turn:deg1} more: it was moved, or the scanner is not calibrated"
+    )
+    SURFACE_HARDLY_SEEN = "the surface that parts lie on is hardly visible"
+    PARTS = "{count} {count:part|parts}"
+    PARTS_OF = "{count} of about {about} parts"

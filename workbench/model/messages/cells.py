@@ -1,0 +1,73 @@
+"""What messages say of cells: how two of them differ, loads, drawn tools, and what has changed."""
+
+from workbench.model.messages.message import Text
+
+
+class DifferenceText(Text, subject="difference"):
+    """How a cell differs from the one before."""
+
+    CELL = "the cell was changed"
+    MORE = "{first}; {count} more {count:difference|differences}"
+    BIN = "the bin"
+    ROBOT = "the robot"
+    SCANNER = "the scanner"
+    BIN_SIZE = "the bin has another size"
+    REGIONS = "the regions of interest were changed"
+    WALLS = "the bin has walls now"
+    NO_WALLS = "the bin has no walls any more"
+    ADDED = "{thing} was added"
+    REMOVED = "{thing} was removed"
+    MOVED = "{thing} was moved by {shift:mm}"
+    TURNED = "{thing} was turned by {turn:deg1}"
+    MOVED_AND_TURNED = "{thing} was moved by {shift:mm} and turned by {turn:deg1}"
+    STATIONS = "the stations were changed"
+    HOME = "the home of the {arm} arm was moved by up to {turn:deg1}"
+    OTHER_TOOL = "the {arm} arm has another tool"
+    OTHER_PLACES = "the {arm} arm has other places"
+    KEY = "{key} was {old}, now it is {new}"
+    PART_ADDED = "part {part} was added"
+    PART_REMOVED = "part {part} was removed"
+    PART_CHANGED = "part {part} was changed"
+    GRASPS = "part {part} has other grasps ({changes})"
+
+
+class CellText(Text, subject="cell"):
+    """Why a cell, or what is asked of it, cannot be used."""
+
+    NO_ARM = "cell {cell} has no arm {name}; it has {known}"
+    NO_PART = "cell {cell} has no part {name}; it has {known}"
+    PICKS = "a scan can be followed by 1 to {most} picks, not {count}"
+    PAIR_GAP = (
+        "several picks after one scan need a pair_gap_mm in [policy]: without it nobody knows "
+        "which parts move when one is taken"
+    )
+    STRATEGY = "strategy {strategy}: alternated, coordinated or the name of an arm is expected"
+    TRIANGLE_COLOURS = "part {part} has {triangles} triangles but colours of shape {shape}"
+
+
+class LoadText(Text, subject="load"):
+    """What an arm carries, and why no body has such a load."""
+
+    LOAD = "{mass} kg, centre of gravity {x}, {y}, {z} mm from the flange"
+    BOTH = "tool {tool}; with the part {both}"
+    IMPOSSIBLE = "this load is not possible: {problem}"
+    MASS = "its mass is {mass} kg, more than 0 is expected"
+    CENTRE = "its centre of gravity is not three numbers"
+    INERTIA = "its inertia is not nine numbers"
+    SYMMETRY = "its inertia is not symmetric"
+    MOMENTS = "no body has its inertia: each moment is at least 0 and at most the sum of the others"
+
+
+class InventoryText(Text, subject="inventory"):
+    """How software, machine, cell and people differ from those at the start before."""
+
+    VERSION = "{name} {was} is now {has}"
+    ADDED = "{name} {has} was added"
+    REMOVED = "{name} {was} was removed"
+    FILES = "the files of {name} {version} were changed"
+    PARTS = "parts of the cell were changed: {parts}"
+    CALIBRATION = "the scanner's pose was changed"
+    CELL = "the cell was changed"
+    NEW_USER = "new user {name} ({has})"
+    USER_GONE = "user {name} ({was}) was removed"
+    USER_ROLE = "user {name} is {has} now, was {was}"
