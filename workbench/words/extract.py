@@ -91,7 +91,7 @@ ALONE = frozenset(
     all alternated and approach approve approved at auto axis both busy
     candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
-    none nothing off ok one-at-a-time operator part parts picked pile pitch
+    none nothing off ok one-at-a-time operator part parts picked pitch
     place placed planning proof reach recorded regrasp rejected remaining
     resolve return roll route scan scanned scans sending simulated stopped
     stopping streamed synchronised thickness time-independent to touches

@@ -63,7 +63,7 @@ def test_discarded_poses_are_listed_with_score_and_reason():
     )
     listed = Reader(rejected_html(some))
     assert set(listed.tags) <= TAGS | {"details", "summary", "ul"}
-    for word in ("2 rejected hypotheses", "0.61", "a twin with a worse score of part-2", "0.20"):
+    for word in ("2 rejected hypotheses", "0.61", "a twin with a worse score: part-2", "0.20"):
         assert word in listed.text
     assert EVIL in listed.text
 

@@ -137,7 +137,7 @@ class CyclePanel:
         self._outcomes.show(old, new)
         if old is None or old.help is not new.help:
             self._help_line.content = line(
-                sentence(visitor.words.render(new.help.words)), kind="warn"
+                sentence(self._visitor.words.render(new.help.words)), kind="warn"
             )
             self._help_line.visible = bool(new.help.words)
         self._fix.show(old, new, new.help)
