@@ -18,13 +18,7 @@ from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
-from workbench.model.messages.plans import (
-    CycleText,
-    PlanNote,
-    StepText,
-    leg_message,
-    strategy_message,
-)
+from workbench.model.messages.plans import PlanNote, StepText, leg_message, strategy_message
 from workbench.model.messages.proofs import violation_message
 from workbench.model.scan import Detection, Obstacle, Scene
 
@@ -248,13 +242,6 @@ def floored(bound: float) -> float:
 def at_least(bound: float) -> str:
     """A distance [m] from below, for people; see `floored`."""
     return f"at least {floored(bound) * 1e3:.1f} mm"
-
-
-def cycle_words(seconds: float, bound: float) -> Message:
-    """How long a plan takes [s], for people, and how that compares with its bound, where known."""
-    if bound <= 0:
-        return CycleText.TIME(seconds=seconds)
-    return CycleText.BOUND(seconds=seconds, times=seconds / bound)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

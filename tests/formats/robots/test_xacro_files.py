@@ -214,6 +214,20 @@ def test_an_empty_argument_that_leads_to_no_file_is_named(tmp_path):
     assert link_names(path, dof="6") == ["base"]
 
 
+def test_a_file_that_lies_elsewhere_in_the_package_is_named_as_the_argument(tmp_path):
+    made_arm.written(tmp_path / "package.xml", "<package><name>arms</name></package>")
+    there = made_arm.written(tmp_path / "config" / "start.yaml", "links: [base]\n")
+    body = (
+        '<xacro:arg name="start" default="start.yaml"/>'
+        "<link name=\"${xacro.load_yaml('$(arg start)')['links'][0]}\"/>"
+    )
+    path = made_arm.written(tmp_path / "urdf" / "arm.xacro", xacro(body))
+    with pytest.raises(FileError, match="there is no file") as refused:
+        link_names(path)
+    assert str(refused.value).endswith(f"--xacro start:={there}")
+    assert link_names(path, start=str(there)) == ["base"]
+
+
 def test_a_file_that_is_not_there_is_no_fault_of_an_empty_argument(tmp_path):
     body = '<xacro:arg name="prefix" default=""/>' + CALLS.format("gone.xacro")
     with pytest.raises(FileError, match=r"there is no file .*gone\.xacro") as refused:

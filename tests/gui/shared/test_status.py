@@ -21,7 +21,8 @@ NOW = 1_760_000_000.0
 def test_the_warning_of_other_software_is_read_in_every_language(language):
     since = "session 20260101-yumi"
     state = State(read_cell("yumi"), changed=(InventoryText.CELL(),), changed_since=since)
-    said = words_of(language).html(views.changes_html(state, words_of(language)))
+    words = words_of(language)
+    said = words.html(views.changes_html(state, words))
     assert "20260101-yumi" in said
     assert not {"nothing", "before", "changed"} & set(re.findall("[a-z]+", said))
 

@@ -34,9 +34,7 @@ def a_part(number: int, *, violated: int, is_rim: bool = False) -> Assessment:
         hidden=np.arange(0),
         ahead=np.zeros(0),
     )
-    return Assessment(
-        np.eye(4), seen, None, roll_known=True, is_constrained=True, is_flip_resolved=True
-    )
+    return Assessment(np.eye(4), seen, None, roll_known=True, is_constrained=True, share=1.0)
 
 
 def test_what_is_looked_through_in_its_middle_is_taken_out():

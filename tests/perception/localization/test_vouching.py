@@ -31,9 +31,7 @@ def a_part(number: int, *, behind: int | None = None) -> Assessment:
         hidden=np.array(hidden, int),
         ahead=np.full(len(hidden), 2 * TOLERANCE),
     )
-    return Assessment(
-        pose, sighting, None, roll_known=True, is_constrained=True, is_flip_resolved=True
-    )
+    return Assessment(pose, sighting, None, roll_known=True, is_constrained=True, share=1.0)
 
 
 def lost(number: int, reason: Objection, rival: int) -> Rejection:

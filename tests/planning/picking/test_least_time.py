@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.model.plan import Strategy, cycle_words
+from workbench.model.messages.plans import cycle_words
+from workbench.model.plan import Strategy
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed

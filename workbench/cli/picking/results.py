@@ -8,7 +8,8 @@ from workbench.app.picking.numbers import renumber
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.messages.message import FoundPart, Message
-from workbench.model.plan import Plan, Proof, Violation, cycle_words, parts_taken
+from workbench.model.messages.plans import cycle_words
+from workbench.model.plan import Plan, Proof, Violation, parts_taken
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:

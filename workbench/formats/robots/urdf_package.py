@@ -1,18 +1,25 @@
 """A robot as a folder of its own: a URDF with convex pieces to check and meshes to look at."""
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pinocchio as pin
 
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
-from workbench.formats.meshes.pieces.convex_pieces import pieces_of
+from workbench.formats.meshes.pieces.convex_pieces import OVER, pieces_of
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_writer import joint_element, numbers, write_xml
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere
 from workbench.model.robot import Link, Robot
 from workbench.plugins.progress import Report, silent
+
+MOST_SPLIT = 1_024
+"""Pieces into which all meshes of a robot are split, before those that can be one are joined.
+
+It bounds the work for a robot of many meshes.  The work is counted, not timed: every machine makes
+the same pieces.
+"""
 
 
 def simplified(
@@ -27,7 +34,7 @@ def simplified(
     Args:
         robot: as it was read.
         tolerance: [m] by which a piece may be too large before it is divided.
-        most: pieces for one mesh.
+        most: pieces for one mesh; fewer where there are very many meshes (`MOST_SPLIT`).
         report: called with the share done, and which link is next.
 
     Returns:
@@ -36,14 +43,18 @@ def simplified(
     """
     links: list[Link] = []
     excess: dict[str, float] = {}
+    meshes = {mesh for link in robot.links for _, mesh in _with_meshes(link) if mesh is not None}
+    share = max(1, MOST_SPLIT // max(1, len(meshes)))
+    most = min(most, share)
+    over = min(OVER, share / most)
     for number, link in enumerate(robot.links):
         report(number / len(robot.links), link.name)
         solids: list[Solid] = []
-        for solid in link.collision or link.visual:
-            if not isinstance(solid.shape, Mesh) or solid.shape.is_convex:
+        for solid, mesh in _with_meshes(link):
+            if mesh is None:
                 solids.append(solid)
                 continue
-            found = pieces_of(solid.shape, tolerance=tolerance, most=most)
+            found = pieces_of(mesh, tolerance=tolerance, most=most, over=over)
             if found is None:
                 continue
             excess[link.name] = max(excess.get(link.name, 0.0), found.excess)
@@ -53,6 +64,13 @@ def simplified(
             ]
         links.append(Link(link.name, tuple(solids), link.visual))
     return Robot(robot.name, tuple(links), robot.joints, robot.disabled_pairs), excess
+
+
+def _with_meshes(link: Link) -> Iterator[tuple[Solid, Mesh | None]]:
+    """The solids that are checked of a link, each with its mesh where that has to be split."""
+    for solid in link.collision or link.visual:
+        shape = solid.shape
+        yield solid, shape if isinstance(shape, Mesh) and not shape.is_convex else None
 
 
 def write_package(path: Path, robot: Robot) -> None:

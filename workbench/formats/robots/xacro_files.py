@@ -18,9 +18,9 @@ from xml.parsers.expat import ExpatError
 import xacro
 
 from workbench.formats.files.toml_keys import shown
-from workbench.formats.files.whole_files import is_folder, read_whole
+from workbench.formats.files.whole_files import is_file, is_folder, read_whole
 from workbench.formats.files.xml_elements import LARGEST_FILE
-from workbench.formats.robots.packages import Packages
+from workbench.formats.robots.packages import MANIFEST, Packages
 from workbench.formats.robots.xacro_lines import (
     line_of_call,
     line_of_error,
@@ -290,8 +290,18 @@ def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
             in_path = [name for name, value in arguments.items() if not value] or in_path
     if in_path:
         name = in_path[0]
-        return f"{said}; its argument {name} is {shown(arguments[name])}: --xacro {name}:=VALUE"
+        value = "VALUE"
+        if arguments[name] == missing.name:
+            value = str(next(_of_that_name(path, missing.name), value))
+        return f"{said}; its argument {name} is {shown(arguments[name])}: --xacro {name}:={value}"
     return said
+
+
+def _of_that_name(path: Path, name: str) -> Iterator[Path]:
+    """The files of that name in the package in which a file lies."""
+    package = next((above for above in path.resolve().parents if is_file(above / MANIFEST)), None)
+    if package is not None:
+        yield from sorted(package.rglob(name))
 
 
 def _defaults(path: Path) -> dict[str, str]:

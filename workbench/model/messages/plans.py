@@ -98,3 +98,10 @@ def leg_message(leg: str) -> Message:
 def motion_message(motion: str) -> Message:
     """How a leg moves, for people."""
     return MotionText[motion.upper()]()
+
+
+def cycle_words(seconds: float, bound: float) -> Message:
+    """How long a plan takes [s], for people, and how that compares with its bound, where known."""
+    if bound <= 0:
+        return CycleText.TIME(seconds=seconds)
+    return CycleText.BOUND(seconds=seconds, times=seconds / bound)

@@ -7,11 +7,8 @@ import numpy as np
 
 from workbench.model.geometry import Bools, Floats, frozen, put
 from workbench.perception.colours.painted import Painted
-from workbench.perception.localization.assessment import (
-    FAR_BEHIND,
-    is_better,
-    refine_at_full_resolution,
-)
+from workbench.perception.localization.alternatives import is_better
+from workbench.perception.localization.assessment import FAR_BEHIND, refine_at_full_resolution
 from workbench.perception.localization.judging import PartSearch
 from workbench.perception.matching.sightings import closeness, tally
 from workbench.perception.parts.part_surface import PartSurface

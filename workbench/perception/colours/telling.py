@@ -176,7 +176,7 @@ def _decide(
         own,
         pose=pose,
         sighting=look(target.depth_map, target.surface, pose, target.tolerance),
-        is_flip_resolved=own.is_flip_resolved or (not is_open and _flips_show(kind)),
+        share=1.0 if not is_open and _flips_show(kind) else own.share,
         by_colour=not is_open,
     )
     return Told(seen.kind, seen.number, chosen, assessed)

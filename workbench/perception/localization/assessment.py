@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.model.geometry import Floats, frozen, put
+from workbench.perception.localization.alternatives import is_better, weights
 from workbench.perception.localization.certainty import count_shared
 from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.settling import is_constrained, refine_poses, roll_error
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import (
-    EXPLAINED,
     Sighting,
     closeness,
     gains,
@@ -23,6 +23,15 @@ from workbench.perception.parts.part_surface import PartSurface
 RIVALS = 4
 """Near-symmetric poses that are polished before the best of them is taken."""
 
+MOST_SHARING = 8
+"""Near-symmetric poses that may share the chance of the one found."""
+
+SHARING_TURNS = 2
+"""Turns about the axis that are brought to rest before the roll counts as known."""
+
+SLIDES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Shifts along the axis, over the tolerance, the best of which each of them gets first."""
+
 MOST_SWITCHES = 3
 """How often a pose gives way to one that its near-symmetries lead to."""
 
@@ -32,14 +41,9 @@ CLOSE = 0.02
 STEPS_OVER_TOLERANCE = (2.0, 1.0, 0.5, 0.25, 0.125)
 """Lengths of the polishing steps."""
 
-FAR_BEHIND = 0.2
-"""A rival that is seen by this share less well than the pose found needs no polish."""
-
-TELLING = 0.008
-"""Share of the explained pixels by which a pose must be better than another to exclude it."""
-
-FEWEST_TELLING = 8.0
-"""[pixels] And by no less than this."""
+FAR_BEHIND, TURNED_FAR_BEHIND = 0.2, 0.4
+"""A rival that is seen by this share less well than the pose found needs no polish; and one that is
+turned about the axis, which may have to be shifted along a thread."""
 
 ROLL_ERROR = float(np.deg2rad(1.0))
 """[rad] A roll whose standard error is larger counts as unknown."""
@@ -52,8 +56,9 @@ class Assessment:
     `gap` is by how much of the shown surface more it is explained than the best different pose
     of the same object, None when the part has no near-symmetry.  `roll_known` is False when
     turning the part about its axis changes nothing that the scan shows; `is_constrained` is False
-    when a small motion of another kind changes nothing either.  `is_flip_resolved` is False when it
-    is no better than one the other way round: of a cup that lies nobody sees which end is open.
+    when a small motion of another kind changes nothing either.  `share` is the chance of this turn
+    among all that the scan shows nearly as well, 0..1: of a cup that lies nobody sees which end is
+    open, so it is about a half.
     `by_colour` as that of a `Detection`.
     """
 
@@ -62,7 +67,7 @@ class Assessment:
     gap: float | None
     roll_known: bool
     is_constrained: bool
-    is_flip_resolved: bool
+    share: float
     by_colour: bool | None = None
 
     def __post_init__(self) -> None:
@@ -93,7 +98,7 @@ def assess(
         rival = pose @ motions[others[[best - 1]]]
         pose = _best_of(depth_map, coarse_map, surface, rival, tolerance)
         others = _different(coarse_map, surface, pose, tolerance)
-    is_turn = others < len(surface.symmetry.turns)
+    is_turn = _are_turns(surface, others)
     turns = others[is_turn][:RIVALS]
     sighting = look(depth_map, surface, pose, tolerance)
     own, *rest = tally(depth_map, surface, pose @ motions[[0, *others[:1], *turns]], tolerance)
@@ -101,17 +106,37 @@ def assess(
     if rest:
         gap = max(0.0, float(gains(own[None])[0] - gains(np.array(rest)).max()))
         gap /= max(sighting.shown, 1)
+    turned = np.array(rest[1:]).reshape(-1, 4)
+    is_known = len(turns) == 0 or _is_roll_known(
+        depth_map, surface, pose, sighting, own, turned, tolerance
+    )
+    is_round = surface.symmetry.axis is not None
+    # Where the roll is not known, all turns about the axis are one pose.
+    flips = others[~is_turn][: 1 if is_round else MOST_SHARING]
+    sharing = _rested(depth_map, surface, pose, pose @ motions[flips], own, tolerance, FAR_BEHIND)
+    if len(turns) > 0 and is_known:
+        # A screw that is turned by a face of its head and shifted along its thread looks the same.
+        nearest = _slid(depth_map, surface, pose @ motions[turns[:SHARING_TURNS]], tolerance)
+        rested = _rested(depth_map, surface, pose, nearest, own, tolerance, TURNED_FAR_BEHIND)
+        is_known = is_better(own, rested)
+        sharing = np.concatenate([sharing, rested, turned[SHARING_TURNS:]])
     return Assessment(
         pose=pose,
         sighting=sighting,
         gap=gap,
-        roll_known=len(turns) == 0
-        or _is_roll_known(depth_map, surface, pose, sighting, own, np.array(rest[1:]), tolerance),
+        roll_known=is_known,
         is_constrained=is_constrained(depth_map, surface, pose, tolerance),
-        is_flip_resolved=_is_told(
-            depth_map, surface, pose, pose @ motions[others[~is_turn][:1]], own, tolerance
-        ),
+        share=1.0 / (1.0 + float(weights(own, sharing).sum())),
     )
+
+
+def _are_turns(surface: PartSurface, which: np.ndarray) -> np.ndarray:
+    """Which of the near-symmetries (k,) are turns about the axis, up to a stated symmetry (k,)."""
+    if surface.symmetry.axis is None:
+        return np.zeros(len(which), np.bool_)
+    axis = surface.symmetry.axis[1]
+    moved = surface.symmetry.motions[which][:, None, :3, :3] @ surface.stated[:, :3, :3] @ axis
+    return (moved @ axis > np.cos(SAME_ANGLE)).any(axis=1)
 
 
 def _different(
@@ -138,27 +163,36 @@ def _apart(surface: PartSurface, poses: Floats, order: np.ndarray) -> np.ndarray
     )
 
 
-def _is_told(
+def _slid(depth_map: DepthMap, surface: PartSurface, poses: Floats, tolerance: float) -> Floats:
+    """The poses (k, 4, 4), each shifted along its near-symmetry axis to where it is seen best."""
+    assert surface.symmetry.axis is not None
+    slides = np.tile(np.eye(4), (len(SLIDES), 1, 1))
+    slides[:, :3, 3] = np.outer(SLIDES, tolerance * surface.symmetry.axis[1])
+    tried = (poses[:, None] @ slides).reshape(-1, 4, 4)
+    seen = closeness(tally(depth_map, surface, tried, tolerance)).reshape(len(poses), -1)
+    return poses @ slides[seen.argmax(axis=1)]
+
+
+def _rested(
     depth_map: DepthMap,
     surface: PartSurface,
     pose: Floats,
-    rival: Floats,
+    rivals: Floats,
     own: Floats,
     tolerance: float,
-) -> bool:
-    """Whether a pose with a tally (4,) is clearly better than a rival's (1, 4, 4), if there is one.
+    far: float,
+) -> Floats:
+    """The tallies (m, 4) [px] of rivals (k, 4, 4) of a pose with a tally (4,), brought to rest.
 
-    A rival that is not far behind is brought to rest first, as the pose was.
+    Those that are seen less well by the share `far` are left out, and those that come to rest where
+    others are.
     """
-    if len(rival) == 0:
-        return True
-    seen = closeness(tally(depth_map, surface, rival, tolerance))[0]
-    if seen < (1.0 - FAR_BEHIND) * closeness(own[None])[0]:
-        return True
-    rival = refine_at_full_resolution(depth_map, surface, rival, tolerance)
-    both = np.concatenate([pose[None], rival])
-    is_another = len(_apart(surface, both, np.arange(2))) == 2
-    return not is_another or is_better(own, tally(depth_map, surface, rival, tolerance))
+    seen = closeness(tally(depth_map, surface, rivals, tolerance))
+    rivals = rivals[seen >= (1.0 - far) * closeness(own[None])[0]]
+    rivals = refine_at_full_resolution(depth_map, surface, rivals, tolerance)
+    both = np.concatenate([pose[None], rivals])
+    rivals = both[_apart(surface, both, np.arange(len(both)))[1:]]
+    return tally(depth_map, surface, rivals, tolerance)
 
 
 def refine_at_full_resolution(
@@ -167,12 +201,6 @@ def refine_at_full_resolution(
     """Poses (k, 4, 4) [m] brought to rest, each where it is seen best; see `refine_poses`."""
     steps = tuple(step * tolerance for step in STEPS_OVER_TOLERANCE)
     return refine_poses(depth_map, surface, poses, tolerance, steps)
-
-
-def is_better(own: Floats, others: Floats) -> bool:
-    """Whether a tally (4,) is clearly better than all others (k, 4), no unit."""
-    margin = max(FEWEST_TELLING, TELLING * own[EXPLAINED])
-    return bool(closeness(own[None])[0] - closeness(others).max() >= margin)
 
 
 def _is_roll_known(

@@ -201,7 +201,7 @@ def _as_it_is(search: PartSearch, hypothesis: Hypothesis) -> Assessment:
         None,
         roll_known=True,
         is_constrained=True,
-        is_flip_resolved=True,
+        share=1.0,
     )
 
 

@@ -20,6 +20,8 @@ from workbench.model.scan import (
     RejectedHypothesis,
     Scan,
 )
+from workbench.model.symmetry import ROUND
+from workbench.perception.localization.alternatives import share_nearby
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.cad_scale import scale_check
 from workbench.perception.localization.certainty import (
@@ -62,9 +64,6 @@ TOLERANCE_OVER_NOISE = 4.0
 
 RIM = 2
 """Pixels around a part found that do not vote for others: edges, where normals are mixed."""
-
-FLIP_FACTOR = 0.5
-"""Share of the chance that a pose has which is no better than one the other way round."""
 
 MOST_REJECTED = 20
 """Rejected hypotheses that are reported, the best first."""
@@ -270,6 +269,16 @@ def _detection(scan: Scan, sought: PartSearch, assessed: Assessment, ratio: floa
         sought.tolerance,
         filled=sought.filled,
     )
+    if not sought.is_loose:
+        # With more tolerance the scan says little of small turns, and `chance` is of the place.
+        chance *= share_nearby(
+            sought.depth_map,
+            sought.surface,
+            assessed.pose,
+            known,
+            sought.tolerance,
+            is_roll_free=not assessed.roll_known or sought.part.symmetry.form == ROUND,
+        )
     return Detection(
         part=sought.part.name,
         T_world_part=scan.T_world_scanner * pin.SE3(assessed.pose),
@@ -279,7 +288,7 @@ def _detection(scan: Scan, sought: PartSearch, assessed: Assessment, ratio: floa
         residual=float(np.sqrt(np.mean(sighting.off**2))),
         roll_known=assessed.roll_known,
         covariance=axes @ known @ axes.T,
-        probability=chance * (1.0 if assessed.is_flip_resolved else FLIP_FACTOR),
+        probability=chance * assessed.share,
         roll_axis=None if assessed.roll_known else sought.surface.symmetry.axis,
         by_colour=assessed.by_colour,
     )

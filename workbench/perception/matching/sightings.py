@@ -39,6 +39,9 @@ EXPLAINED, VIOLATED, HIDDEN = 1, 2, 3
 RIM = 2
 """[pixels] From the edge of a part's picture: so far measurements of both sides are mixed."""
 
+ROUGHLY = 0.025
+"""From this tolerance on, over the diameter, the part's rough surface is drawn."""
+
 SQUARES = 0
 """Column of a tally that sums the squares of the distances of explained points; the others count
 the pixels of each state."""
@@ -154,9 +157,11 @@ def closeness(tallies: Floats) -> Floats:
 
 def drawing(depth_map: DepthMap, surface: PartSurface, tolerance: float) -> Drawing:
     """A part to be held against a scan."""
-    return Drawing(
-        depth_map.seen, surface.vertices, surface.triangles, surface.is_closed, tolerance
-    )
+    if tolerance >= ROUGHLY * surface.diameter:
+        vertices, triangles = surface.rough_vertices, surface.rough_triangles
+    else:
+        vertices, triangles = surface.vertices, surface.triangles
+    return Drawing(depth_map.seen, vertices, triangles, surface.is_closed, tolerance)
 
 
 @njit(cache=True)

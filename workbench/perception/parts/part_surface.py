@@ -41,6 +41,12 @@ these numbers that shows the surface well."""
 DRAWN_OFF = 0.002
 """How far off that is then at most, over the diameter; with the largest number, whatever it is."""
 
+ROUGH, ROUGH_OFF = (100, 200, 400, 800), 0.006
+"""The same for a rough look, with several times the tolerance: that takes half of a search."""
+
+FITTING, ROUGHLY_FITTING = 1.0, 0.98
+"""Share of the surface that must lie within these distances, of both."""
+
 ROUND = 0.02
 """A surface whose distance from its middle varies by less, over the diameter, is a ball's."""
 
@@ -54,7 +60,8 @@ class PartSurface:
     """A part's outer surface, in the part's frame.
 
     `diameter` [m] and `middle` (3,) are those of a ball around it.  `vertices` (n, 3) [m] and
-    `triangles` (m, 3) are drawn; `coarse` are points on it, `table` holds the pair features of
+    `triangles` (m, 3) are drawn, `rough_vertices` and `rough_triangles` where much is tolerated;
+    `coarse` are points on it, `table` holds the pair features of
     still fewer; `scene` answers distances; `is_closed` says that it knows inside from outside.
     `symmetry` is what the localizer may mix up; `stated` (k, 4, 4) the motions after which the
     part counts as the same by its author's word; `fixed` (3,) [m] the place near the middle that
@@ -65,6 +72,8 @@ class PartSurface:
     middle: Floats
     vertices: Floats
     triangles: np.ndarray
+    rough_vertices: Floats
+    rough_triangles: np.ndarray
     coarse: OrientedPoints
     table: PairTable
     scene: o3d.t.geometry.RaycastingScene
@@ -80,6 +89,8 @@ class PartSurface:
             middle=frozen(self.middle),
             vertices=frozen(self.vertices),
             triangles=frozen(self.triangles, np.int64),
+            rough_vertices=frozen(self.rough_vertices),
+            rough_triangles=frozen(self.rough_triangles, np.int64),
             stated=frozen(self.stated),
             fixed=frozen(self.fixed),
         )
@@ -122,12 +133,17 @@ def _prepare(part: Part) -> PartSurface:
             "found by it: do its triangles look inwards?"
         )
     voting = outer.thinned(VOTING * diameter)
-    drawn = _simplify(mesh, outer.points, DRAWN_OFF * diameter)
+    drawn = mesh
+    if len(mesh.faces) > FEW_DRAWN:
+        drawn = _simplify(mesh, outer.points, DRAWN, DRAWN_OFF * diameter, FITTING)
+    rough = _simplify(drawn, outer.points, ROUGH, ROUGH_OFF * diameter, ROUGHLY_FITTING)
     return PartSurface(
         diameter=diameter,
         middle=middle,
         vertices=drawn.vertices,
         triangles=drawn.faces,
+        rough_vertices=rough.vertices,
+        rough_triangles=rough.faces,
         coarse=outer.thinned(COARSE * diameter),
         table=make_table(voting, voting[_unlike(voting, part.symmetry, diameter)], diameter),
         scene=scene,
@@ -164,24 +180,26 @@ def _is_ball(points: Floats, middle: Floats, diameter: float) -> bool:
     return bool(np.ptp(np.linalg.norm(points - middle, axis=1)) < ROUND * diameter)
 
 
-def _simplify(mesh: trimesh.Trimesh, points: Floats, off: float) -> trimesh.Trimesh:
+def _simplify(
+    mesh: trimesh.Trimesh, points: Floats, counts: tuple[int, ...], off: float, share: float
+) -> trimesh.Trimesh:
     """The mesh with fewer triangles, by quadrics, which keeps edges; it passes its points (n, 3).
 
-    It does within `off` [m] where so many triangles suffice for that.
+    It has the least of the counts with which a share of the points is within `off` [m], or the
+    largest.
     """
     fine = o3d.geometry.TriangleMesh(
         o3d.utility.Vector3dVector(np.asarray(mesh.vertices)),
         o3d.utility.Vector3iVector(np.asarray(mesh.faces)),
     )
     asked = o3d.core.Tensor(points.astype(np.float32))
-    if len(mesh.faces) <= FEW_DRAWN:
-        return mesh
-    for most in (count for count in DRAWN if count < len(mesh.faces)):
+    for most in (count for count in counts if count < len(mesh.faces)):
         few = fine.simplify_quadric_decimation(most)
         simple = trimesh.Trimesh(np.asarray(few.vertices), np.asarray(few.triangles), process=False)
         scene = o3d.t.geometry.RaycastingScene()
         add_surface(scene, simple)
-        if most == DRAWN[-1] or scene.compute_distance(asked).numpy().max() <= off:
+        distances = scene.compute_distance(asked).numpy()
+        if most == counts[-1] or np.quantile(distances, share) <= off:
             return simple
     return mesh
 

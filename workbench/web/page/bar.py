@@ -117,4 +117,4 @@ def _robot(state: State, live: Live) -> tuple[Message | str, str]:
     if not live.robot:
         return "Robot: no report", "off"
     is_fault = live.robot.text is LinkText.FAULT
-    return BarText.ROBOT(state=as_message(live.robot)), "bad" if is_fault else "good"
+    return BarText.ROBOT(state=live.robot), "bad" if is_fault else "good"

@@ -12,6 +12,9 @@ from workbench.formats.meshes.kept import Arrays, content_of, kept, packed, reci
 from workbench.formats.meshes.triangles import surface_of
 from workbench.model.geometry import Mesh, Solid
 
+OVER = 4.0
+"""Pieces into which a mesh is split, per piece that may be left once some are joined."""
+
 ASKED = ("scipy", "trimesh")
 """Distributions whose version decides what comes out."""
 
@@ -27,13 +30,14 @@ class Pieces:
     excess: float
 
 
-def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
+def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32, over: float = OVER) -> Pieces | None:
     """Convex pieces that cover a mesh and follow it closely.
 
     Args:
         mesh: any triangles; they need not close.
         tolerance: [m] pieces are divided until none is by more too large, or there are `most`.
         most: pieces at most.
+        over: see `OVER`; the time it takes grows with it.
 
     Returns:
         None when all points lie in one plane.
@@ -43,10 +47,10 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32) -> Pieces | None:
         # It takes a while to import, and is seldom needed.
         from workbench.formats.meshes.pieces import splitting
 
-        found = splitting.split(mesh, tolerance, most)
+        found = splitting.split(mesh, tolerance, most, over)
         return found and {**packed(found[0]), "excess": np.array(found[1])}
 
-    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most}", content_of(mesh), made)
+    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most} {over!r}", content_of(mesh), made)
     return None if found is None else Pieces(unpacked(found), float(found["excess"]))
 
 

@@ -49,9 +49,6 @@ through it: of a bore only the second cut lowers the volume."""
 SKIN = 0.1
 """Of the tolerance: a hull counts as grown by this, so that cuts are short."""
 
-OVER = 4
-"""So many times as many pieces are split as are left when those that can be one are."""
-
 HOLLOW = 0.9
 """Share of the tolerance that hollows may take; the rest is for leaving out corners."""
 
@@ -93,13 +90,16 @@ class _Piece:
                 break
 
 
-def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], float] | None:
+def split(
+    mesh: Mesh, tolerance: float, most: int, over: float
+) -> tuple[tuple[Mesh, ...], float] | None:
     """Convex pieces that cover a mesh, and by how much they are larger [m]; None when it is flat.
 
     Args:
         mesh: any triangles; they need not close.
         tolerance: [m] pieces are split until none is by more too large.
         most: pieces at most.
+        over: pieces into which it is split, per piece that may be left once some are joined.
     """
     whole = convex_hull(mesh)
     if whole is None:
@@ -109,7 +109,7 @@ def split(mesh: Mesh, tolerance: float, most: int) -> tuple[tuple[Mesh, ...], fl
     excess = _excess(pieces, surface, tolerance)
     if excess <= tolerance or most < 2:
         return pieces, excess
-    hulls = joined(_split_hulls(surface, tolerance, most), surface, HOLLOW * tolerance, most)
+    hulls = joined(_split_hulls(surface, tolerance, most, over), surface, HOLLOW * tolerance, most)
     pieces = tuple(_with_few_corners(hull.points[hull.vertices], tolerance) for hull in hulls)
     return pieces, _excess(pieces, surface, tolerance)
 
@@ -148,14 +148,14 @@ def _surface_of(mesh: Mesh, tolerance: float) -> Surface:
     return Surface(outer if len(outer) else triangles, spacing=SPACING * tolerance)
 
 
-def _split_hulls(surface: Surface, tolerance: float, most: int) -> list[ConvexHull]:
-    """Hulls that cover the surface, each close to it, or `OVER` times `most` of them."""
+def _split_hulls(surface: Surface, tolerance: float, most: int, over: float) -> list[ConvexHull]:
+    """Hulls that cover the surface, each close to it, or `over * most` of them."""
     open_ones = [_Piece(soup, surface, tolerance) for soup in bodies(surface.triangles, most)]
     done: list[_Piece] = []
     while open_ones:
         worst = max(open_ones, key=lambda piece: piece.excess)
         open_ones.remove(worst)
-        is_last = worst.excess <= HOLLOW * tolerance or len(done) + len(open_ones) + 2 > OVER * most
+        is_last = worst.excess <= HOLLOW * tolerance or len(done) + len(open_ones) + 2 > over * most
         parts = None if is_last else _split(worst, surface, tolerance)
         if parts is None:
             done.append(worst)
