@@ -8,6 +8,7 @@ from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
+from workbench.model.messages.work import LinkText, StopText
 from workbench.model.release import LinkStatus
 from workbench.web.page.bar import bar_words, without_robot
 
@@ -30,24 +31,26 @@ def test_stop_can_be_pressed_exactly_while_something_is_sent_also_by_who_is_not_
 
 def test_the_robot_and_the_fault_are_said_in_words_and_with_a_kind(idle):
     assert bar_words(idle, Live(), OTTO)["robot"] == "Robot: no report"
-    live = Live(robot="stands", link=LinkStatus(phase="running", step=3, steps=12))
+    live = Live(robot=LinkText.STANDS(), link=LinkStatus(phase="running", step=3, steps=12))
     assert bar_words(idle, live, OTTO)["kind"] == "good"
     sending = bar_words(replace(idle, phase=Phase.SENDING), live, OTTO)
     assert (str(sending["robot"]), sending["kind"]) == (
         "Sending: robot stands, step 3 of 12",
         "busy",
     )
-    assert bar_words(idle, Live(robot="fault: emergency stop"), OTTO)["kind"] == "bad"
+    assert (
+        bar_words(idle, Live(robot=LinkText.FAULT(fault="emergency stop")), OTTO)["kind"] == "bad"
+    )
     broken = replace(idle, phase=Phase.FAULT, fault="the controller closed the link")
     assert str(bar_words(broken, live, OTTO)["fault"]) == "the controller closed the link"
     assert bar_words(idle, live, OTTO)["fault"] == ""
-    unseen = replace(live, link=LinkStatus(stop="nobody has reported that the robot stands"))
+    unseen = replace(live, link=LinkStatus(stop=LinkText.NOT_SEEN_STANDING()))
     told = str(bar_words(broken, unseen, OTTO)["fault"])
-    assert told == "the controller closed the link; nobody has reported that the robot stands"
-    stopped = "the controller acknowledged the stop after 7 ms"
-    broken = replace(broken, fault=f"sending was stopped at step 2 of 11; {stopped}")
+    assert told == f"the controller closed the link; {LinkText.NOT_SEEN_STANDING()}"
+    stopped = StopText.ACKNOWLEDGED(took=0.007)
+    broken = replace(broken, fault=StopText.AT(where="step 2 of 11", how=stopped))
     told = str(bar_words(broken, replace(live, link=LinkStatus(stop=stopped)), OTTO)["fault"])
-    assert told.count(stopped) == 1
+    assert told.count(str(stopped)) == 1
 
 
 def test_a_page_without_a_robot_has_no_bar():
