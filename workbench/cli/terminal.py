@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from workbench.model.errors import InputError
+from workbench.model.messages.message import Message
 from workbench.plugins.progress import Report
 
 PATIENCE = 15.0
@@ -40,7 +41,7 @@ def progress(title: str) -> Generator[Report]:
     with Progress(*columns, console=console, transient=True) as bars:
         task = bars.add_task(title, total=1.0)
 
-        def report(done: float, note: str) -> None:
+        def report(done: float, note: Message | str) -> None:
             bars.update(task, completed=done, description=f"{title}: {note}" if note else title)
 
         yield report
@@ -56,8 +57,8 @@ def _lines(title: str) -> Generator[Report]:
             so_far = f"{done:.0%} after {time.monotonic() - began:.0f} s"
             print(f"{title}: {note or 'at work'} ({so_far})", file=sys.stderr, flush=True)
 
-    def report(done: float, note: str) -> None:
-        status[0] = done, note
+    def report(done: float, note: Message | str) -> None:
+        status[0] = done, str(note)
 
     teller = threading.Thread(target=tell, name="progress", daemon=True)
     teller.start()

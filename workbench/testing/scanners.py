@@ -4,6 +4,7 @@ import numpy as np
 
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.message import Message
 from workbench.model.scan import Scan
 from workbench.plugins.progress import never
 from workbench.plugins.scanner import Scanner, ScanRequest
@@ -26,9 +27,9 @@ def check_scanner(kind: type[Scanner], cell: Cell, *, parts: int = 1) -> Scan:
     options = check_options(kind.Options, cell.scanner.options)
     shares: list[float] = []
 
-    def report(done: float, note: str) -> None:
+    def report(done: float, note: Message | str) -> None:
         assert 0.0 <= done <= 1.0, f"a share done is 0..1, not {done}"
-        assert isinstance(note, str), "a note is a text"
+        assert isinstance(note, str | Message), "a note is a text or a message"
         shares.append(done)
 
     request = ScanRequest(seed=1, parts=parts)

@@ -8,11 +8,12 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from workbench.app.review.scanner_drift import RecordedDrift, Told, recorded_drift
+from workbench.app.review.scanner_drift import RecordedDrift, recorded_drift
 from workbench.app.runtime.own_process import in_own_process
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled
+from workbench.model.messages.message import Message
 from workbench.plugins.progress import Cancelled, Report
 
 
@@ -21,7 +22,7 @@ def drift(
 ) -> RecordedDrift:
     """What the sessions in `folders` say of the scanner of a cell."""
 
-    def told(done: float, note: str) -> None:
+    def told(done: float, note: Message | str) -> None:
         if cancelled():
             raise JobCancelled("the look at recorded scans was given up")
         report(done, note)
@@ -33,7 +34,7 @@ JOBS: Mapping[str, JobFunction] = {"drift": drift}
 
 
 def drift_apart(
-    folders: Sequence[Path], cell: Cell, report: Told, given_up: Event
+    folders: Sequence[Path], cell: Cell, report: Report, given_up: Event
 ) -> RecordedDrift:
     """See `recorded_drift`; until it has come, whoever asks waits in this thread.
 

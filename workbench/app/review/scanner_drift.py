@@ -1,6 +1,6 @@
 """What recorded sessions say of the scanner's pose since it was calibrated, and the cell by it."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,12 +32,10 @@ from workbench.perception.calibration.things import (
 )
 from workbench.planning.placing.budget import kept_by_grip
 from workbench.planning.placing.sources import calibration_error
+from workbench.plugins.progress import Report
 
 APART = 3600.0
 """[s] Scans that show no new part are checked so rarely: days count, not scans."""
-
-Told = Callable[[float, str], None]
-"""Told of progress 0..1, and of what; it may raise to give up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +48,7 @@ class RecordedDrift:
     problems: tuple[str, ...]
 
 
-def recorded_drift(folders: Sequence[Path], cell: Cell, report: Told) -> RecordedDrift:
+def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> RecordedDrift:
     """What sessions say of the scanner of a cell.
 
     Counted are scans since its calibration that were taken while bin, fixtures and scanner stood in

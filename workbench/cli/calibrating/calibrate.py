@@ -176,8 +176,9 @@ def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
         return
     best = following[0]
     print(
-        f"next, from {best.after}: {', '.join(best.steps)}; that would bring the worst corner from "
-        f"{best.error * 1000:.2f} to {best.error_with * 1000:.2f} mm"
+        f"next, from {best.after}: {', '.join(map(str, best.steps))}; "
+        f"that would bring the worst corner from {best.error * 1000:.2f} "
+        f"to {best.error_with * 1000:.2f} mm"
     )
     print(f"joints_deg = {listed(np.rad2deg(arm.to_axes(best.q)), 1)}")
 

@@ -21,7 +21,7 @@ def print_poses(calibration: Calibration) -> None:
             f"{np.rad2deg(residual.angle):.2f}",
             *_format_prediction(residual.predicted),
             residual.light if not residual.left_out else "left out",
-            residual.left_out,
+            str(residual.left_out or ""),
         )
         for residual in calibration.residuals
     )

@@ -19,6 +19,7 @@ from workbench.formats.files.toml_keys import read_toml
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.errors import FileError, InputError, JobCancelled, LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 from workbench.model.scan import Scan
 from workbench.plugins.options import option
 from workbench.plugins.progress import Cancelled, Report
@@ -63,7 +64,9 @@ class MergedScanner:
         clouds, colours, notes = list[Floats](), list[np.ndarray | None](), list[str]()
         for number, view in enumerate(self._views):
 
-            def share(done: float, note: str, view: View = view, number: int = number) -> None:
+            def share(
+                done: float, note: Message | str, view: View = view, number: int = number
+            ) -> None:
                 report((number + done) / len(self._views), f"{view.file.name}: {note}")
 
             try:

@@ -24,6 +24,7 @@ from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.message import Message
 from workbench.words.words import IN_ENGLISH, Words
 
 log = logging.getLogger(__name__)
@@ -126,7 +127,7 @@ class DriftGroup:
             return None
         return cell.digest, partial(refined_cell, cell, found.drift)
 
-    def _report(self, done: float, note: str) -> None:
+    def _report(self, done: float, note: Message | str) -> None:
         self._look.label = self._visitor.words.render(CalibrationText.READING(done=done))
 
     def _taken(self) -> Command:

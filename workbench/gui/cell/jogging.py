@@ -106,7 +106,8 @@ class JogControls:
         # It serves to teach and to scan: who may not do that has no use for it.
         problem = self._visitor.lacks(new.state, TakeScan) or (WATCH if is_sending else "")
         self._switch.disabled = bool(problem) or (is_preparing and not is_on)
-        waits = sentence(new.live.getting_ready.note) if new.live.getting_ready is not None else ""
+        ready = new.live.getting_ready
+        waits = "" if ready is None else sentence(self._visitor.words.render(ready.note))
         self._visitor.explain(self._switch, problem or waits)
         for button in (self._home, self._teach_home, self._teach_place):
             self._visitor.allow(button, problem or ("" if is_on else "press Jog first"))

@@ -97,7 +97,7 @@ class CoverageControls:
         self._is_looking, self._look.label = False, "Look"
         self._editing.tell()
 
-    def _report(self, done: float, note: str) -> None:
+    def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
         self._line.content = line(self._visitor.words.render(progress), kind="hint")
 

@@ -12,7 +12,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
-from workbench.model.messages.message import as_message
+from workbench.model.messages.message import Message, as_message
 
 log = logging.getLogger(__name__)
 
@@ -85,6 +85,6 @@ class FillControls:
         self._line.content = "".join(line(text, kind="hint") for text in says)
         self._editing.tell()
 
-    def _report(self, done: float, note: str) -> None:
+    def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
         self._line.content = line(self._visitor.words.render(progress), kind="hint")

@@ -14,7 +14,7 @@ from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
-from workbench.model.messages.message import as_message
+from workbench.model.messages.message import Message, as_message
 
 log = logging.getLogger(__name__)
 
@@ -86,7 +86,7 @@ class LearningControls:
         state = self._visitor.bench.state
         self._visitor.admit(self._button, state, EditPart)
 
-    def _report(self, done: float, note: str) -> None:
+    def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
         self._tell([self._visitor.words.render(progress)])
 
