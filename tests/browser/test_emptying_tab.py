@@ -106,7 +106,7 @@ def test_progress_is_told_and_the_task_can_be_cancelled(screen, bench, wait):
     fill(screen, "Piles", 20)
     screen.press("Empty piles")
     wait(lambda: bench.state.job is not None, "the task")
-    wait(lambda: "of 15 taken" in bench.live.note, "its progress")
+    wait(lambda: "of 15 taken" in str(bench.live.note), "its progress")
     expect(screen.page.locator(".wb-status")).to_contain_text("Pile 1 of 20")
     screen.press("Cancel task")
     wait(lambda: bench.state.job is None, "the end of the task")

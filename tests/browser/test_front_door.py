@@ -209,7 +209,7 @@ def test_stop_robot_fault_and_mode_are_at_the_same_place_on_every_tab_and_at_eve
             assert window.scene.locator(".wb-strip").bounding_box()["y"] < 120
     page.set_viewport_size({"width": 1280, "height": 720})
     stop.click()
-    assert "the controller acknowledged the stop" in reaches("fault").fault
+    assert "the controller acknowledged the stop" in str(reaches("fault").fault)
     expect(page.locator("#fault")).to_contain_text("the controller acknowledged the stop")
     expect(stop).to_be_disabled()
     window.scene.get_by_role("tab", name="Cycle").click()

@@ -55,7 +55,7 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
     screen.press("Next copy")
     screen.wait_for("Copy 2 of 30")
     screen.page.locator("body").press("c")
-    screen.wait_for("Copy 3 of 30, side-1-2: turned 72 deg, moved 28.0 mm")
+    screen.wait_for("Copy 3 of 30, side-1-2: turned 72.0 deg, moved 28.0 mm")
     screen.shoot("grasps-copies")
 
     screen.press("Duplicate")

@@ -101,7 +101,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     for text in ("part-1 picked", "part-2 picked"):
         screen.wait_for(text)
     screen.tab("Robot")
-    for text in ("speaks abb-socket/2", "not a safety function"):
+    for text in ("protocol abb-socket/2", "not a safety function"):
         screen.wait_for(text)
     screen.shoot("7-done")
     screen.tab("Cycle")
@@ -278,7 +278,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     screen.tab("Cycle")
     screen.press("Stop")
     fault = reaches("fault")
-    assert "the controller acknowledged the stop after" in fault.fault
+    assert "the controller acknowledged the stop after" in str(fault.fault)
     assert fault.parts_placed == 0
     wait(lambda: bench.live.robot == "fault: stopped by the client", "the robot to stand")
     screen.wait_for("Fault:")

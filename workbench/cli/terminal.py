@@ -83,8 +83,14 @@ def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]
 
 
 def print_json(content: dict[str, Any]) -> None:
-    """One JSON object on one line."""
-    print(json.dumps(content, allow_nan=False), flush=True)
+    """One JSON object on one line; messages in it as their English text."""
+    print(json.dumps(content, allow_nan=False, default=_english), flush=True)
+
+
+def _english(value: object) -> str:
+    if isinstance(value, Message):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} is nothing that JSON holds")
 
 
 def check_whole(option: str, value: int, low: int, high: int) -> None:

@@ -73,7 +73,7 @@ STEPS = [
 @pytest.mark.parametrize(("T", "said", "count"), STEPS)
 def test_the_way_is_told_by_the_walls_of_the_bin(T, said, count):
     steps = steps_to(pose_from_rpy((0, 0, 0.05)), T)
-    assert len(steps) == count and said in ", ".join(steps)
+    assert len(steps) == count and said in ", ".join(map(str, steps))
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -133,7 +133,7 @@ def test_another_threshold_meanwhile_is_that_of_the_plan(done, samples):
 
 
 def test_it_is_in_order_after_a_finished_cycle_alone(cell, samples, done):
-    assert refused(Line(cell), WANTED) == "going on is not possible now: take a scan first"
+    assert refused(Line(cell), WANTED) == "the next cycle is not possible now: take a scan first"
     assert "have the plan approved first" in refused(planned_line(samples, cell), WANTED)
     done.do(WANTED)
     assert "has to wait until the scan ends or is cancelled" in refused(done, WANTED)
