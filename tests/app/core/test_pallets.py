@@ -125,7 +125,7 @@ def test_a_roll_that_nobody_knows_is_not_known_on_the_pallet_either(cell):
 
 def test_a_part_on_a_pallet_that_the_cell_has_lost_is_told_of(cell):
     placed = (Detection("brick", pose_from_rpy((0, 0, 0))),)
-    with pytest.raises(InputError, match=r"brick lies on a pallet .* empty the pallets"):
+    with pytest.raises(InputError, match=r"brick lies on a pallet, .* empty the pallets"):
         boxes_around(cell, placed)
 
 

@@ -19,7 +19,7 @@ def test_a_part_that_lies_free_is_taken_by_some_grasp_whatever_its_library_holds
     bare = replace(cell, parts=(replace(cell.parts[0], library=GraspLibrary(())),))
     found = any_grasp(bare, (lying(bare, 0.0),), 0, seed=0)
     assert found.pick is not None and 0 < found.holds <= found.fits < found.tried
-    assert "not in the library" in str(found)
+    assert "not in the library" in str(found.message)
     assert holdable(bare, (lying(bare, 0.0),), seed=0) == 1
     told, taken = bound_of(bare, (lying(bare, 0.0),), settles=False, seed=0)
     assert taken == 1 and told[0].pick is not None

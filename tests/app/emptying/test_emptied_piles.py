@@ -47,7 +47,7 @@ def test_each_pile_has_the_next_seed_and_is_told_of(found, told, cell):
     assert emptying.cell_digest == cell.digest and emptying.plain == emptying.piles
     shares = [done for done, _ in told]
     assert shares == sorted(shares) and shares[0] >= 0.0 and shares[-1] <= 1.0
-    notes = [note for _, note in told]
+    notes = [str(note) for _, note in told]
     assert "pile 1 of 2: 0 of 4 taken" in notes and "pile 2 of 2: the parts fall" in notes
 
 
@@ -94,7 +94,7 @@ def test_who_cancels_gets_no_half_result(cell):
     looks = []
 
     def after_the_first_pile(done: float = 0.0, note: str = "") -> None:
-        looks.append(note)
+        looks.append(str(note))
 
     with pytest.raises(JobCancelled, match="cancelled"):
         emptied_piles(cell, ASKED, after_the_first_pile, lambda: any("pile 2" in n for n in looks))

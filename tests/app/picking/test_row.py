@@ -339,9 +339,9 @@ def test_planning_tells_how_many_hands_it_has_tried_and_is_full_at_its_end_alone
     shares = [done for done, _ in told]
     assert shares == sorted(shares) and max(shares) < 1.0
     count = len(result.candidates)
-    notes = [note for _, note in told]
-    assert notes[: count + 1 : count] == [f"hand check 1 of {count}", f"candidate 1 of {count}"]
-    assert notes[count - 1] == f"hand check {count} of {count}"
+    notes = [str(note) for _, note in told]
+    assert notes[: count + 1 : count] == [f"checking hand 1 of {count}", f"candidate 1 of {count}"]
+    assert notes[count - 1] == f"checking hand {count} of {count}"
 
 
 def test_planning_ends_between_two_hands(cell, apart):
@@ -351,7 +351,7 @@ def test_planning_ends_between_two_hands(cell, apart):
             cell,
             apart,
             "a scan",
-            report=lambda done, note: told.append(note),
+            report=lambda done, note: told.append(str(note)),
             cancelled=lambda: next(looks) > 1,
         )
-    assert [note.split(" of ")[0] for note in told] == ["hand check 1", "hand check 2"]
+    assert [note.split(" of ")[0] for note in told] == ["checking hand 1", "checking hand 2"]
