@@ -35,7 +35,7 @@ def test_a_pitch_that_is_too_small_is_told(tmp_path, monkeypatch, capsys):
     assert main(["cell", "check", str(tmp_path / "cell.toml")]) != 0
     said = " ".join(capsys.readouterr().out.split())
     assert (
-        "problem: right arm: pallet 1 of parts puck: in layer 2 a part is let go of 9.0 mm" in said
+        "problem: right arm: pallet 1 of parts puck: in layer 2 a part is released 9.0 mm" in said
     )
     assert "layers are 12.0 mm apart, and the part is 14.0" in said
 

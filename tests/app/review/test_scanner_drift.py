@@ -101,7 +101,7 @@ def test_a_scanner_that_was_knocked_is_told_and_taken_over(cell, sessions):
     assert not found.drift.is_bin_off
     says = " ".join(map(str, drift_words(cell, found.drift)))
     assert "the scanner has drifted since its calibration, as table shows" in says
-    assert "nothing but the bin tells x, y, rz" in says
+    assert "only the bin shows x, y and rz" in says
 
     after = refined_cell(cell, found.drift, 20 * DAY, "Grace")
     truth = motion_of(DRIFT, cell.bin.T_world_bin.translation) * cell.scanner.T_world_scanner
@@ -134,7 +134,7 @@ def test_without_drift_there_is_nothing_to_take_over(cell):
     with pytest.raises(InputError, match="nothing recorded says"):
         refined_cell(cell, found.drift, 0.0, "Ada")
     assert tuple(map(str, drift_words(cell, found.drift))) == (
-        "there are scans of 0 days, 4 are needed to compare them",
+        "there are scans of 0 days; 4 are needed to compare them",
     )
 
 

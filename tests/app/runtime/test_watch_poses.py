@@ -68,7 +68,7 @@ def test_a_file_of_halcon_is_taken(bench, watch, tmp_path):
     assert state.phase == "localized"
     (remark,) = state.remarks
     assert (remark.by, str(remark.says)) == (POSES_FOLDER, "2 poses taken from Poses.txt")
-    assert str(state.message) == "2 poses from Poses.txt, by poses folder"
+    assert str(state.message) == "2 poses taken from Poses.txt, by poses folder"
 
 
 def test_our_json_and_a_file_written_again_are_taken(bench, watch, tmp_path):
@@ -165,7 +165,7 @@ def test_the_newest_of_several_files_is_taken_last(bench, told, tmp_path):
     bench.do(CancelJob(), "ada")
     told._look()
     assert [str(one.says) for one in bench.state.remarks] == [
-        f"1 pose from {name}.txt" for name in ("b", "c", "a", "d")
+        f"1 pose taken from {name}.txt" for name in ("b", "c", "a", "d")
     ]
 
 

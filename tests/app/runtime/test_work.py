@@ -32,7 +32,10 @@ def run(name, cell, arguments, cancelled=lambda: False):
 
 def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
     scan, told = run("scan", yumi, {"seed": 0, "parts": 2})
-    assert [note for _, note in told] == ["parts fall into the bin", "the scanner looks"]
+    assert [str(note) for _, note in told] == [
+        "parts fall into the bin",
+        "the scanner takes the picture",
+    ]
     again, _ = run("scan", yumi, {"seed": 0, "parts": 2})
     assert again.digest == scan.digest
     findings, _ = run("localize", yumi, {"scan": scan, "seed": 0})
