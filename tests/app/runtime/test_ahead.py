@@ -175,4 +175,4 @@ def test_a_fault_or_a_lost_part_throws_it_away(bench, fault, phase):
     state = end_of(made)
     assert (state.phase, state.job, state.ahead) == (phase, None, None)
     assert state.plan.digest == first
-    assert "not worked on ahead" in str(state.message) or phase is Phase.FAULT
+    assert "the next cycle was not prepared" in str(state.message) or phase is Phase.FAULT

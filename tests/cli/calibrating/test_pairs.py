@@ -63,7 +63,7 @@ def test_pairs_that_do_not_belong_together_are_refused(say, tmp_path):
     mixed = [[*row[:7], *other[7:]] for row, other in zip(rows, reversed(rows), strict=True)]
     path.write_text("\n".join(map(",".join, mixed)))
     said = say("calibrate", "yumi", "--poses", path)
-    assert said.code == 2 and "the poses do not agree" in said.err
+    assert said.code == 2 and "the poses are in conflict" in said.err
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def test_sessions_are_looked_through_for_drift(tmp_path, capsys):
     assert main(typed) == 0
     said = capsys.readouterr().out
     assert "Where table has the scanner" in said
-    assert "- there are scans of 1 days, 4 are needed to compare them" in said
+    assert "- there are scans of 1 days; 4 are needed to compare them" in said
     before = path.read_bytes()
     assert main([*typed, "--save"]) == 2
     assert main([*typed, "--save", "--by", "Ada"]) == 2
