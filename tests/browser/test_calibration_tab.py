@@ -41,12 +41,12 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
         wait(lambda before=before: visitor.own.now.jog is not before, "the next pose")
         screen.wait_for("as it is jogged on the page")
         if count == 5:  # There is an answer now, and what tells most is looked for.
-            screen.wait_for("From pose 4 on, with the plate as it is held:")
+            screen.wait_for("From pose 4 on, with the plate held as it is:")
         screen.press("Scan the plate")
         wait(lambda count=count: len(bench.state.observations) == count, f"pose {count}")
     screen.press("Suggest a pose")
-    screen.wait_for("From pose 5 on, with the plate as it is held:")
-    screen.wait_for("The worst corner of the bin would be seen to")
+    screen.wait_for("From pose 5 on, with the plate held as it is:")
+    screen.wait_for("Error at the worst corner of the bin:")
     screen.shoot("calibration-next")
     assert {one.arm for one in bench.state.observations} == {"right"}
     assert len({tuple(one.q) for one in bench.state.observations}) == 5
@@ -56,7 +56,7 @@ def test_a_scanner_that_hangs_elsewhere_is_found_and_put_right(screen, served, b
     mount = replace(cell.scanner, T_world_scanner=truth * WRONG)
     bench.do(ChangeCell(replace(cell, scanner=mount), "knocked"), "anna")
     screen.shoot("calibration-solved")
-    said = screen.page.get_by_text("from where the cell has it").first
+    said = screen.page.get_by_text("from its pose in the cell").first
     wait(lambda: 20 < float(said.inner_text().split(" mm")[0]) < 22, "how far the scanner is off")
     rows = screen.page.locator(".wb-poses tbody tr")
     expect(rows).to_have_count(5)
@@ -96,7 +96,7 @@ def moved_scan(bench):
 def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_scan):
     scan, T = moved_scan
     bench.do(UseScan(scan), "anna")
-    screen.wait_for("The bin is 15.0 mm and 3.0 degrees from where the cell has it")
+    screen.wait_for("The bin is 15.0 mm and 3.0 deg from its place in the cell")
     screen.shoot("bin-moved")
     screen.press("Move bin")
     wait(lambda: bench.state.before != (), "the bin to be moved")

@@ -207,7 +207,7 @@ def test_a_cad_file_becomes_a_part_that_gets_a_grasp(screen, bench, wait, own):
         screen.press("Choose a CAD file")
     chooser.value.set_files(file)
     screen.wait_for(
-        "brick.stl: 40 x 24 x 20 mm, taken to be in mm; z from -10 to 10 mm; closed, 19.2 cm³"
+        "brick.stl: 40 x 24 x 20 mm, assumed unit mm; z from -10 to 10 mm; closed, 19.2 cm³"
     )
     screen.wait_for("Mass: 23.04 g.")
     screen.press("Make the part")
@@ -239,10 +239,10 @@ def test_one_of_several_solids_becomes_a_part(screen, bench, wait, own):
     with screen.page.expect_file_chooser() as chooser:
         screen.press("Choose a CAD file")
     chooser.value.set_files(file)
-    screen.wait_for("set.glb: 75 x 24 x 30 mm, as the file says")
+    screen.wait_for("set.glb: 75 x 24 x 30 mm, unit as the file states")
     screen.page.get_by_label("Solid", exact=True).click()
     screen.page.get_by_role("option", name="plate", exact=True).click()
-    screen.wait_for("set.glb: 40 x 24 x 20 mm, as the file says")
+    screen.wait_for("set.glb: 40 x 24 x 20 mm, unit as the file states")
     screen.shoot("one-solid")
     screen.press("Make the part")
     wait(lambda: "set" in [part.name for part in bench.state.cell.parts], "the part")

@@ -280,7 +280,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     fault = reaches("fault")
     assert "the controller acknowledged the stop after" in str(fault.fault)
     assert fault.parts_placed == 0
-    wait(lambda: bench.live.robot == "fault: stopped by the client", "the robot to stand")
+    wait(lambda: str(bench.live.robot) == "fault: stopped by the client", "the robot to stand")
     screen.wait_for("Fault:")
     # A busy machine may report late; until it does the page says so.
     expect(screen.page.locator(".wb-mode")).to_contain_text(

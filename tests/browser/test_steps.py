@@ -102,7 +102,7 @@ def test_a_stop_while_a_step_waits(screen, bench, robot, reaches, wait, stepping
     wait(lambda: bench.state.waits == 2, "the second step")
     screen.button(label(stepping, 2)).wait_for()
     screen.press("Stop")
-    fault = reaches("fault").fault
+    fault = str(reaches("fault").fault)
     assert "acknowledged the stop" in fault
     assert bench.state.let == 1 and bench.state.waits == 0
     expect(screen.page.get_by_role("button", name=re.compile("^Run step"))).to_have_count(0)
