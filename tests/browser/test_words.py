@@ -52,7 +52,7 @@ NAMES = re.compile(
     r"""
     Anna|Bert|Workbench|\btested\b|yumi|keyed_cylinder|smart_gripper|abb-socket/2|
     (?<!\w)(left|right|side)(?!\w)|part-\d+|side(-\d)+|[\w]+_[\w]+|\b[0-9a-f]{12,64}\b|
-    \b(palm|deg|mm|ms|kg)\b|\.(stl|obj|ply|3mf|dae|glb|gltf|stp|step|zip|zae)\b|certificate-[0-9a-f]+\.json|
+    \b(palm|deg|mm|ms|min|kg)\b|\.(stl|obj|ply|3mf|dae|glb|gltf|stp|step|zip|zae)\b|certificate-[0-9a-f]+\.json|
     Collapse\ panel\ area|.*WebGL.*
     """,
     re.VERBOSE | re.IGNORECASE,
