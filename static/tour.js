@@ -1,5 +1,5 @@
-// The tour: leads through one pick on a simulated cell.  It points at what is to be pressed, opens
-// tabs, presses nothing else, and goes on when the server says that the thing was done; what is only
+// The tour: leads through one pick on a simulated cell.  It points at what is to be pressed,
+// presses nothing itself, and goes on when the server says that the thing was done; what is only
 // looked at, the scene's page knows.  Whoever has ended or left it once is not asked again in this
 // browser.
 
@@ -236,7 +236,6 @@ go.addEventListener("click", () => {
     // What was pointed at last may have been made anew since.
     draw();
     scene.contentWindow.focus();
-    if (shown?.getAttribute("role") === "tab") shown.click();
     shown?.focus();
     ring.animate({ transform: ["scale(1)", "scale(1.15)", "scale(1)"] }, { duration: 300, iterations: 2 });
   }

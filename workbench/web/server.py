@@ -15,6 +15,7 @@ from typing import Any
 
 from aiohttp import web
 
+from workbench.model.messages.message import Message
 from workbench.web.access.first_key import FirstKey
 from workbench.web.access.guard import guard, strictly
 from workbench.web.access.identity import ACCESS, Access, identify
@@ -103,7 +104,7 @@ def serve_front(
     users: Path,
     options: Options,
     *,
-    title: str,
+    title: Message | str,
     routes: Routes = (),
     bar: Bar = without_robot,
     stop: Stopper = stop_nothing,

@@ -4,6 +4,7 @@ import re
 import threading
 from collections.abc import Mapping
 from functools import cache
+from typing import Any, cast
 
 from workbench.model.messages.catalogue import TEXTS
 from workbench.model.messages.message import Message, Others, Text, plain
@@ -95,11 +96,13 @@ class Words:
         """The message with the texts in it that have no id yet put in this language."""
         if message.text is Others.PLAIN:
             return plain(self.say(str(message)))
-        args = {
-            name: self._said_within(arg) if isinstance(arg, Message) else arg
-            for name, arg in message.args.items()
-        }
+        args = {name: self._translate_arg(arg) for name, arg in message.args.items()}
         return Message(message.text, args)
+
+    def _translate_arg(self, arg: Any) -> Any:
+        if isinstance(arg, tuple):
+            return tuple(map(self._translate_arg, cast(tuple[Any, ...], arg)))
+        return self._said_within(arg) if isinstance(arg, Message) else arg
 
     def say(self, text: str) -> str:
         """A text in this language; the white space around it, and names and numbers in it, stay."""

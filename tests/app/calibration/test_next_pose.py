@@ -89,4 +89,4 @@ def test_the_steps_one_after_the_other_lead_there(seed):
     assert f"{abs(np.rad2deg(yaw)):.0f} deg" in steps[0]
     assert ("counter" in steps[0]) == (yaw > 0)
     assert f"{np.rad2deg(tip):.0f} deg" in steps[1]
-    assert SIDES[round(lean / (np.pi / 4)) % 8] in steps[1]
+    assert SIDES[round(lean / (np.pi / 4)) % 8].template in steps[1]

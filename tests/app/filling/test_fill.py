@@ -133,5 +133,5 @@ def test_a_part_of_a_few_milligrams_is_filled_as_any_other(yumi, rod, filling):
 
 def test_a_tool_without_opening_is_refused_with_its_opening(yumi, rod):
     shut = tuple(replace(arm, tool=replace(arm.tool, stroke=(0.0, 0.0))) for arm in yumi.arms)
-    with pytest.raises(InputError, match="smart_gripper opens 0.0 mm to 0.0 mm"):
+    with pytest.raises(InputError, match=r"smart_gripper opens 0\.0 mm to 0\.0 mm"):
         filled(replace(yumi, arms=shut), rod)

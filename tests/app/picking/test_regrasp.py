@@ -215,7 +215,7 @@ def test_where_nothing_is_beneath_nothing_stands(cell, row, one):
     proof = prove(bare, scene(one), replace(row.plan, cell_digest=bare.digest))
     assert "nothing beneath the part on station post carries it" in str(proof.violations)
     (said,) = station_problems(bare)
-    assert str(said).endswith("keyed_cylinder: has nothing beneath it that would carry a part")
+    assert str(said).endswith("keyed_cylinder: it has nothing beneath it that would carry a part")
 
 
 def test_a_plan_that_names_no_station_has_no_place_there(cell, row, one):

@@ -49,7 +49,7 @@ def test_an_exported_session_can_be_read_by_people_and_comes_back(say, example, 
             archive.namelist()
         )
         text = archive.read("summary.txt").decode()
-        assert "picked: 2" in text and "was picked, says Ada" in text
+        assert "picked: 2" in text and "Ada reports: part-2 was picked" in text
         scene = archive.read("scene.html").decode()
     assert "__VISER_EMBED_DATA__" in scene and len(scene) > 500_000
     head = scene[: scene.index("<body")]

@@ -98,7 +98,10 @@ def test_a_plc_runs_a_cycle_that_a_person_approves(site, serve):
     async def conversation(cell):
         assert await cell.read("Phase") == "idle"
         done, says = await cell.call("FindParts", whole(0))
-        assert (done, says) == (False, "the search for parts is not possible now: take a scan first")
+        assert (done, says) == (
+            False,
+            "the search for parts is not possible now: take a scan first",
+        )
         assert (await cell.call("Scan", whole(0), whole(2)))[0]
         await cell.until("Phase", "scanned")
         assert (await cell.call("FindParts", whole(0)))[0]

@@ -62,11 +62,12 @@ def fronted(
     # The page takes its time to import; whoever calls has begun by now what can go on beside.
     from workbench.gui.page.loading import loaded_ahead
     from workbench.gui.page.server import serve
+    from workbench.gui.texts.page import PageText
 
     secret = secrets.token_urlsafe(32)
     page = serve(bench, port=0, predictions=predictions, folders=folders, secret=secret)
     try:
-        title = f"Cell {bench.cell.name}"
+        title = PageText.CELL(name=bench.cell.name)
         front = serve_front(
             Upstream(page.url, secret),
             users,

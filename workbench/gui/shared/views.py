@@ -235,7 +235,7 @@ def scan_line(state: State, words: Words = IN_ENGLISH) -> str:
     purpose = SCANS.get(state.cell.scanner.source, "Takes a scan of the bin by the cell's scanner.")
     if state.scan is None:
         return hint(state, TakeScan, purpose, 2, words)
-    points, source = len(state.scan.points), state.scan.source
+    points, source = len(state.scan.points), as_message(state.scan.source)
     scanned = CycleText.SCANNED(points=points, source=source)
     if state.scan.at:
         scanned = CycleText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))

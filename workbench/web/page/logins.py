@@ -55,7 +55,7 @@ class Logins:
         lockout: Lockout,
         first: FirstKey,
         connections: Connections,
-        title: str,
+        title: Message | str,
         ahead: Ahead,
     ):
         """Made by `serve_front`; `title` stands above the form, `ahead` is fetched meanwhile."""

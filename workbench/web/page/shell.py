@@ -3,6 +3,7 @@
 from aiohttp import web
 
 from workbench import __version__
+from workbench.model.messages.message import Message
 from workbench.web.access.identity import session_of
 from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
@@ -15,7 +16,7 @@ class Shell:
     Concurrency: immutable.
     """
 
-    def __init__(self, pages: Pages, title: str):
+    def __init__(self, pages: Pages, title: Message | str):
         """A shell with this title."""
         self._pages = pages
         self._title = title
@@ -29,7 +30,7 @@ class Shell:
             return self._pages.page(
                 request,
                 "shell.html",
-                title=words.say(self._title),
+                title=words.render(self._title),
                 user=person.name,
                 role=role,
                 role_said=words.say(role),
