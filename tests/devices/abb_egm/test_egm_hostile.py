@@ -237,7 +237,7 @@ def test_a_stop_in_each_phase_leaves_arms_that_stand_and_are_told_nothing_more(p
             times.append(PHASES[phase](twin))
             return times[-1]
 
-        says = "stopped before anything was sent" if phase == "before anything" else "it stands"
+        says = "stopped before anything of this plan" if phase == "before anything" else "it stands"
         with pytest.raises(JobCancelled, match=says):
             list(send(plan, approval, there, cancelled=cancelled, patience=SLOW))
         assert times.count(True) == 1, "asked no more once it was to stop"

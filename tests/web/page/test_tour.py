@@ -8,6 +8,7 @@ import pytest
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.app.core.state import Phase, State
 from workbench.formats.cells.reading import read_cell
+from workbench.model.release import LinkStatus
 from workbench.web.page.bar import bar_words
 from workbench.web.page.tour import STEPS, tour_of
 
@@ -47,4 +48,4 @@ def test_it_is_for_those_who_may_send_in_a_cell_where_nothing_is_real(idle):
     for state in (State(real_robot), State(real_scanner)):
         assert tour_of(state, OTTO) is None
     assert tour_of(idle, VERA) is None
-    assert bar_words(idle, SimpleNamespace(robot="", link=None), OTTO)["tour"] == ()
+    assert bar_words(idle, SimpleNamespace(robot="", link=LinkStatus()), OTTO)["tour"] == ()

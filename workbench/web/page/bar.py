@@ -92,7 +92,8 @@ def bar_words(state: State, live: Live, person: Person) -> Mapping[str, Any]:
     why = lacks_right(state, Stop, person.name, person.role) or obstacle(state, Stop)
     # How a stop ended belongs to it: that nobody saw the robot stand must not stay in a tab.
     # Where the fault has it in it already, once is enough.
-    stop = live.link.stop
+    # A link of somebody else may report a plain text.
+    stop = as_message(live.link.stop) if live.link.stop else None
     fault = (state.fault, stop) if state.phase is Phase.FAULT else ()
     if isinstance(state.fault, Message) and stop is not None and state.fault.part(stop.text):
         fault = (state.fault,)
