@@ -252,7 +252,7 @@ def test_picks_a_scan_need_a_gap_and_change_no_digest_where_one_is_wanted(folder
     path = with_change(folder, "[policy]", "[policy]\npicks = 1")
     assert (read_cell(path).policy.picks, read_cell(path).digest) == (1, digest)
     with_change(folder, "picks = 1", "picks = 3")
-    with pytest.raises(FileError, match=r"(?s)cell\.toml.*picks.*needs a pair_gap_mm"):
+    with pytest.raises(FileError, match=r"(?s)cell\.toml.*picks.*need a pair_gap_mm"):
         read_cell(path)
     with_change(folder, "picks = 3", "picks = 3\npair_gap_mm = 10")
     assert read_cell(path).policy.picks == 3
