@@ -24,8 +24,10 @@ def test_a_good_candidate_shows_its_way_and_its_spare_freedom(finder, states, re
     assert [pose.label for pose in poses[:4]] == ["pre-grasp", "grasp", "lifted", "place"]
     elbows = [pose for pose in poses if "elbow" in pose.label]
     assert len(elbows) > 5
-    assert any(np.allclose(pose.q, poses[1].q) and pose.note.startswith("clear") for pose in elbows)
-    assert all((pose.note.startswith("clear")) == (not pose.meets) for pose in poses)
+    assert any(
+        np.allclose(pose.q, poses[1].q) and str(pose.note).startswith("clear") for pose in elbows
+    )
+    assert all((str(pose.note).startswith("clear")) == (not pose.meets) for pose in poses)
 
 
 def test_a_refused_candidate_shows_where_it_failed_and_what_meets(finder, states, result):

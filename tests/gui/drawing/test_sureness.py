@@ -16,7 +16,7 @@ def test_it_says_of_the_chosen_candidate_what_its_budget_says(states):
     wait_until(lambda: sureness.of(state, 1), "what is said of it")
     candidate = state.candidates[1]
     budget = budget_of(state.cell, state.detections[candidate.detection], candidate)
-    assert sureness.of(state, 1) == budget.words
+    assert sureness.of(state, 1) == str(budget.words)
     sureness.close()
 
 

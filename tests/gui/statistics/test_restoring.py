@@ -8,6 +8,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.statistics.views import changes_any, not_restored, things_html
+from workbench.model.messages.work import LinkText
 
 
 @pytest.fixture
@@ -17,10 +18,12 @@ def state():
 
 
 def test_it_is_refused_where_something_relies_on_what_is_there(state):
-    assert not_restored(state, "stands") == ""
-    assert "a plan is approved" in not_restored(replace(state, phase=Phase.APPROVED), "stands")
-    assert "the robot moves" in not_restored(state, "moves arm right")
-    assert "nobody has saved" in not_restored(replace(state, saved="another"), "")
+    assert not_restored(state, LinkText.STANDS()) == ""
+    assert "a plan is approved" in not_restored(
+        replace(state, phase=Phase.APPROVED), LinkText.STANDS()
+    )
+    assert "the robot moves" in not_restored(state, LinkText.MOVES(arm="right"))
+    assert "nobody has saved" in not_restored(replace(state, saved="another"), None)
 
 
 def test_what_would_change_is_told_thing_by_thing():

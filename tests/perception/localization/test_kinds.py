@@ -128,7 +128,7 @@ def test_rivals_keep_their_numbers():
     assert both.detections == (other, one)
     assert [(d.part, str(d.words)) for d in both.rejected] == [
         ("bracket", "outside the bin"),
-        ("bolt", "a twin with a worse score of part-2"),
+        ("bolt", "a twin with a worse score: part-2"),
     ]
 
 
