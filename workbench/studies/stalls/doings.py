@@ -165,7 +165,7 @@ async def _sent_beside(visitor: Visit, cad: dict[str, bytes]) -> None:
 
 async def chosen(visitor: Visit, name: str, content: bytes) -> None:
     """Choose a CAD file, until the page says that it is being read."""
-    await visitor.choose("Choose a CAD file", name, content, "being read")
+    await visitor.choose("Choose a CAD file", name, content, "reading …")
 
 
 async def _scan(visitor: Visit, content: bytes) -> None:
