@@ -5,6 +5,7 @@ from urllib.parse import urlsplit
 
 from workbench.app.review.history import History
 from workbench.gui.page.server import serve
+from workbench.gui.texts.page import PageText
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
@@ -22,7 +23,7 @@ def open_front(bench, file, port=0):
         Upstream(page.url, SECRET),
         file,
         Options(port=port),
-        title="Cell tested",
+        title=PageText.CELL(name="tested"),
         routes=_routes(bench),
         bar=bar_of(bench),
         stop=stop_of(bench),
