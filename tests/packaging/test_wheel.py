@@ -129,7 +129,7 @@ def test_installed_elsewhere_it_runs_the_demo_at_once_on_its_own_cell(venv, firs
 def test_the_first_demo_waits_for_no_compiler(first_demo):
     _, shown = first_demo
     assert "find parts" in shown
-    assert NOTE not in shown
+    assert str(NOTE) not in shown
 
 
 @pytest.mark.timeout(PATIENCE)

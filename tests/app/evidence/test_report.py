@@ -53,7 +53,7 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
         "Log",
     ]
     told = {row[0]: row[1] for row in tables[3].rows}
-    assert "holds" in told["proof"] and "5.3 mm" in told["proof"]
+    assert "holds" in told["proof"] and "5.9 mm" in told["proof"]
     assert "told by a program" in told["shown"]
     assert "by demo (engineer)" in told["approved"]
     assert "no page has shown it" in told["approval"]

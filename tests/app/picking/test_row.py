@@ -253,7 +253,7 @@ def test_no_plan_at_all_is_no_row(cell):
 
 @pytest.mark.parametrize("picks", [0, MOST_PICKS + 1])
 def test_too_many_picks_or_none_are_refused(cell, picks):
-    with pytest.raises(InputError, match=f"1 to {MOST_PICKS} picks a scan"):
+    with pytest.raises(InputError, match=f"by 1 to {MOST_PICKS} picks, not {picks}"):
         check_picks(cell, picks)
 
 
