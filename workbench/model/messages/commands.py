@@ -1,4 +1,4 @@
-"""What commands, roles, things of a cell and values are called in refusals, and single remarks."""
+"""What commands, roles, things of a cell and values are called in refusals."""
 
 from workbench.model.messages.message import Text
 
@@ -88,19 +88,6 @@ class NameText(Text, subject="name"):
     REGION = "region {region}"
     PLACE = "a place of the {arm} arm"
     PART_PLACE = "a place of parts of the {arm} arm"
-
-
-class EditText(Text, subject="edit"):
-    """Remarks on what was done to cell, parts, poses and calibration."""
-
-    CELL_UNDONE = "the last change of the cell is undone"
-    CELL_REDONE = "the last undone change of the cell is made again"
-    CELL_AS_FILE = "the cell is as in its file"
-    CELL_SAVED = "the cell is saved"
-    CELL_FILE_CHANGED = "the cell file was changed and is read again"
-    GRASPS = "the grasps of {part} are changed"
-    POSES_TAKEN = "{count} {count:pose|poses} taken from outside"
-    POSES_FROM = "{count} {count:pose|poses} taken from {file}"
 
 
 class StaleText(Text, subject="stale"):
