@@ -15,7 +15,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.model.scan import PosesFolder
 
 log = logging.getLogger(__name__)

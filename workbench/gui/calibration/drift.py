@@ -24,7 +24,7 @@ from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 from workbench.model.geometry import Floats, Ints
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import Message
 from workbench.words.words import IN_ENGLISH, Words
 

@@ -29,7 +29,7 @@ from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 
 MOST_ROWS = MOST_OBSERVATIONS
 

@@ -24,7 +24,7 @@ from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.self_motion import self_motion
 

@@ -33,7 +33,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 
 NOT_SHOWN = "not shown"
 GIZMO = 0.18

@@ -103,8 +103,8 @@ def facts_html(
     address = CommonText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
     facts: list[Fact] = [
         *(_plans(state) if len(row) > 1 else _plan(plan)),
-        ("Free ways", free_message(state)),
-        ("Straight ways", straight_message(state)),
+        ("Free motion", free_message(state)),
+        ("Linear motion", straight_message(state)),
         ("Proven", _proven(state)),
         ("Kept clear of", _clear_of(state, plan)),
         ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),

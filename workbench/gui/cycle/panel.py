@@ -45,7 +45,7 @@ from workbench.gui.shared.views import (
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
 from workbench.model.scan import ALL_KINDS
 

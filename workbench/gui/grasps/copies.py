@@ -11,7 +11,7 @@ from workbench.gui.shared.typed_lists import direction_in, numbers_in, shown_num
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.part import Entry, GraspPattern, grasps_of
 from workbench.model.part_edits import grasp_of, mirrored, with_grasp

@@ -17,7 +17,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage

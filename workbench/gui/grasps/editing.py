@@ -13,7 +13,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, WorkbenchError
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.part import Entry, Grasp, GraspPair, Part
 from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp

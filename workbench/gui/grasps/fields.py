@@ -12,7 +12,7 @@ from workbench.gui.shared.typed_lists import direction_in, shown_vector
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.errors import InputError
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Grasp
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.grasps.grasp_frames import fitted_opening

@@ -20,7 +20,7 @@ from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Mesh
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Grasp, Part
 from workbench.model.part_edits import free_name, names_in
 from workbench.model.symmetry import Symmetry

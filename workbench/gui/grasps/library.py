@@ -20,7 +20,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.part import GraspLibrary, GraspPair, Part
 from workbench.words.words import Words

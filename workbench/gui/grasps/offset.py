@@ -7,7 +7,7 @@ from workbench.gui.grasps.views import no_grasp
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Part
 from workbench.model.part_edits import grasp_of
 

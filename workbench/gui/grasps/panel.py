@@ -30,7 +30,7 @@ from workbench.gui.shared.views import not_redone, not_undone
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Grasp, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasps.grasp_check import GraspCheck

@@ -22,7 +22,7 @@ from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import plain
 from workbench.model.part import Entry
 from workbench.model.part_edits import grasp_of

@@ -31,7 +31,7 @@ from workbench.gui.uploads.reading import sent_poses, sent_scan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import FoundPart
 from workbench.model.scan import Detection
 from workbench.plugins.progress import Cancelled

@@ -19,7 +19,7 @@ from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.scene import SearchText
 from workbench.model.errors import InputError
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import all_of, plain
 from workbench.model.scan import Search, SearchOverrides
 from workbench.words.words import IN_ENGLISH, Words

@@ -338,7 +338,7 @@ def clearance_message(proof: Proof) -> Message:
 
 
 def straight_bound(proof: Proof) -> float | None:
-    """What is kept [m] at least on the straight ways, where the tool may come near."""
+    """What is kept [m] at least on the linear motions, where the tool may come near."""
     kept = [
         bounds.min()
         for _, leg, bounds in proof.clearances
@@ -358,23 +358,24 @@ def table_html(
     return f'<table class="wb-facts" title="{escape(title)}">{body}</table>'
 
 
-def verdict_text(verdict: Verdict) -> str:
-    """The evidence of a verdict in English, without its reason."""
+def _evidence(verdict: Verdict) -> str:
+    """Which bodies, and how far apart they are [mm]."""
     pieces: list[str] = []
     if verdict.pair is not None:
         pieces.append(f"{verdict.pair[0]} · {verdict.pair[1]}")
     if verdict.distance is not None:
         pieces.append(mm(verdict.distance))
-    if verdict.note is not None:
-        pieces.append(str(verdict.note))
     return ", ".join(pieces)
 
 
 def candidate_label(candidate: Candidate) -> str:
-    """A candidate for the scene: which, its verdict, and the evidence, a line each."""
+    """A candidate for the scene: which, the kind of its verdict, and the evidence, a line each.
+
+    All browsers share it, so each line is a name, a number, or a text that is translated whole.
+    """
     lines = [
-        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm} arm",
+        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm}",
         str(candidate.verdict.kind.message),
-        verdict_text(candidate.verdict),
+        _evidence(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)

@@ -14,7 +14,7 @@ from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message, as_message
 
 log = logging.getLogger(__name__)

@@ -15,12 +15,13 @@ from workbench.model.messages.cells import CellText, DifferenceText, InventoryTe
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
 from workbench.model.messages.commands import (
     CommandText,
+    EditText,
+    GraspEditText,
     MannerText,
     NameText,
     RoleText,
     StaleText,
 )
-from workbench.model.messages.edits import EditText, GraspEditText
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.parts import DrawnText, FailureText, PileText

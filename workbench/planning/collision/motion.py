@@ -55,7 +55,7 @@ def segment(start: Floats, end: Floats) -> Curves:
 
 
 def straight(path: Floats) -> Curves:
-    """The straight ways from waypoint to waypoint (m, n) [rad]."""
+    """The linear motions from waypoint to waypoint (m, n) [rad]."""
     starts, ends = path[:-1], path[1:]
     return Curves(np.stack([starts, (starts + ends) / 2, ends], axis=1), np.arange(len(starts)))
 
@@ -63,7 +63,7 @@ def straight(path: Floats) -> Curves:
 def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
-    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done;
+    That is every linear motion from waypoint to waypoint, where it stops or a zone cannot be done;
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """
@@ -95,7 +95,7 @@ def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
             points[at, 0, i], points[at, 1, i], points[at, 2, i] = a, (a + b) / 2, b
         waypoints[at] = k
         at += 1
-        # Each corner's after the straight way that leads to it.
+        # Each corner's after the linear motion that leads to it.
         for step in range(counts[k], 0, -1):
             share = wide * (step / counts[k])
             for piece in range(pieces):

@@ -25,8 +25,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import put
-from workbench.model.messages.commands import CommandText
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import CommandText, EditText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText

@@ -13,8 +13,7 @@ from workbench.app.core.value_checks import check_says
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.messages.commands import CommandText
-from workbench.model.messages.edits import GraspEditText
+from workbench.model.messages.commands import CommandText, GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText

@@ -17,8 +17,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.digest import LATER, called, digest_of
 from workbench.model.errors import CommandRefused
-from workbench.model.messages.commands import CommandText, NameText, StaleText
-from workbench.model.messages.edits import EditText
+from workbench.model.messages.commands import CommandText, EditText, NameText, StaleText
 from workbench.model.messages.message import Message, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
