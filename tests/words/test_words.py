@@ -13,7 +13,12 @@ from workbench.words.words import Words, words_of
 def words():
     return Words(
         "de",
-        {"there is no fault": "es gibt keine Störung", "approach": "Anfahren", "Stop": "Stopp"},
+        {
+            "there is no fault": "es gibt keine Störung",
+            "approach": "Anfahren",
+            "Stop": "Stopp",
+            "stop": "anhalten",
+        },
     )
 
 
@@ -24,6 +29,7 @@ def words():
         ("  Stop\n", "  Stopp\n"),
         (", approach;", ", Anfahren;"),
         ("There is no fault.", "Es gibt keine Störung."),
+        ("stop", "anhalten"),
         ("certificate-8bf864650bb2.json", "certificate-8bf864650bb2.json"),
         ("Stopped by nobody", "Stopped by nobody"),
         ("", ""),

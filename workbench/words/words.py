@@ -31,8 +31,8 @@ class Words:
         self._by_id = {id: said for id, said in by_id.items() if said}
         # A text of the page may be one that has an id elsewhere.
         whole = {TEXTS[id].template: said for id, said in self._by_id.items() if id in TEXTS}
-        texts = {key: said for key, said in (whole | dict(messages)).items() if said}
-        self._texts = {_bare(key): (key, said) for key, said in texts.items()}
+        self._texts = {key: said for key, said in (whole | dict(messages)).items() if said}
+        self._bare = {_bare(key): key for key in self._texts}
         self._stop = "。" if language == "zh" else "."
 
     def render(self, message: Message | str | None) -> str:
@@ -67,11 +67,12 @@ class Words:
         A capital at its beginning and a stop at its end are those of the text given.
         """
         before, inner, behind = split_ends(text.replace("\u00a0", " "))
-        found = self._texts.get(_bare(inner))
-        return text if found is None else f"{before}{self._as(inner, *found)}{behind}"
+        key = inner if inner in self._texts else self._bare.get(_bare(inner))
+        return text if key is None else f"{before}{self._as(inner, key)}{behind}"
 
-    def _as(self, text: str, key: str, said: str) -> str:
+    def _as(self, text: str, key: str) -> str:
         """A translation of `key` with capital letter and stop where the text has them."""
+        said = self._texts[key]
         if text[:1].isupper() and key[:1].islower():
             said = said[:1].upper() + said[1:]
         bare = said.removesuffix(self._stop)
