@@ -15,13 +15,13 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
-from workbench.gui.texts.common import CommonText, cycle_message
+from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText, StatusText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
 from workbench.model.messages.message import Message, all_of, as_message
-from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import Proof, floored
 from workbench.model.prediction import Predictions
@@ -290,7 +290,7 @@ def forecast_line(
 def _takes(state: State) -> Message:
     plan = state.plan
     assert plan is not None
-    cycle = cycle_message(plan.cycle_seconds, state.bound)
+    cycle = cycle_words(plan.cycle_seconds, state.bound)
     text = CycleText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
     if len(state.plans) < 2:
         return text

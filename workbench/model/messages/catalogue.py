@@ -24,7 +24,7 @@ from workbench.model.messages.commands import (
 )
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
-from workbench.model.messages.parts import DrawnText, FailureText, PileText
+from workbench.model.messages.parts import DrawnText, PileText
 from workbench.model.messages.places import PalletText, StationText
 from workbench.model.messages.plans import (
     CycleText,
@@ -121,7 +121,6 @@ SUBJECTS: tuple[type[Text], ...] = (
     FixText,
     BudgetText,
     PileText,
-    FailureText,
     DrawnText,
     PalletText,
     StationText,
