@@ -27,8 +27,12 @@ from workbench.planning.collision.world import World
 NARROW = 0.02
 """[rad] Roundings of a corner at which no joint differs by more than this have none between."""
 
-CHORDS = 8
-"""Straight pieces that stand for a rounding, as they do where it is proven."""
+CHORDS = 4
+"""Straight pieces that stand for a rounding.
+
+The proof's triangles reach as far from the corner as these chords of the widest rounding: with more
+of them a plan would be refused for a state between both.
+"""
 
 STREAMED_ZONE = 0.5
 """By less than this share of a segment a straight line between two samples cuts a corner."""
