@@ -7,15 +7,18 @@ from workbench.gui.plan.views import outlines_html
 from workbench.gui.shared import views
 from workbench.model.messages.states import StateText
 from workbench.model.plan import at_least
+from workbench.proof.claims.clearance import clearance_message, linear_clearance
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 
 def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
     """A single smallest clearance was contradicted by the curve of the straight ways."""
     proof = states.planned.proof
-    ready = StateText.PLAN_READY(strategy="alternated", cycle=9.0, clearance=proof.clearance)
+    ready = StateText.PLAN_READY(
+        strategy="alternated", cycle=9.0, clearance=clearance_message(proof)
+    )
     state = replace(states.planned, message=ready)
-    free, straight = state.proof.clearance, views.straight_bound(state.proof)
+    free, straight = state.proof.clearance, linear_clearance(state.proof)
     least = min(
         bounds.min() for _, leg, bounds in state.proof.clearances if leg in NEAR_MARGIN_LEGS
     )

@@ -13,6 +13,7 @@ from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
 from workbench.model.plan import Plan, Proof, Proven, at_least, parts_taken
 from workbench.plugins.robot_link import states
+from workbench.proof.claims.clearance import linear_clearance
 
 REPORTS = 2.0
 """[s] A controller that reports its joints does so within."""
@@ -62,7 +63,7 @@ def facts_of(
         facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
     kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
-    near = at_least(proof.clearance)
+    near, linear = at_least(proof.clearance), linear_clearance(proof)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
         near += ": " + " and ".join(label_in(body, first, plan.detections) for body in nearest.pair)
@@ -70,6 +71,7 @@ def facts_of(
         "Strategy": f"{plan.strategy.words}, {plan.guarantee}",
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
         "Minimum clearance": near,
+        **({} if linear is None else {"On linear motion": at_least(max(linear, 0.0))}),
         "Proof": f"holds, {proof.digest[:SHORTEST]}",
         "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: "
         f"{basis}",

@@ -15,7 +15,7 @@ from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import line, short, straight_bound, table_html
+from workbench.gui.shared.views import line, short, table_html
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText
@@ -24,6 +24,7 @@ from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
 from workbench.model.plan import Plan, Proof, Proven, floored
+from workbench.proof.claims.clearance import linear_clearance
 from workbench.proof.claims.spot import Spot
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -44,7 +45,7 @@ def free_message(state: State) -> Message:
 def straight_message(state: State) -> Message:
     """How near hand and part come on the linear motions of all that is to be carried out."""
     row = state.whole_row
-    bounds = [straight_bound(proven_plan.proof) for proven_plan in row]
+    bounds = [linear_clearance(proven_plan.proof) for proven_plan in row]
     number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
     return _of_plan(row, number, _straight_message(state, row[number].proof))
 

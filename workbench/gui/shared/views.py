@@ -22,11 +22,11 @@ from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.messages.plans import cycle_words, strategy_message
-from workbench.model.messages.states import ClearanceText, StateText
-from workbench.model.plan import Proof, floored
+from workbench.model.messages.states import StateText
+from workbench.model.plan import Proof
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
-from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
+from workbench.proof.claims.clearance import clearance_message
 from workbench.words.words import IN_ENGLISH, Words
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -327,24 +327,6 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
 def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:
     """How near a plan comes to anything on its free and on its linear motion."""
     return words.render(clearance_message(proof))
-
-
-def clearance_message(proof: Proof) -> Message:
-    """How near a plan comes to anything on its free and on its linear motion."""
-    free, linear = floored(proof.clearance), straight_bound(proof)
-    if linear is None:
-        return ClearanceText.FREE(free=free)
-    return ClearanceText.BOTH(free=free, linear=floored(max(linear, 0.0)))
-
-
-def straight_bound(proof: Proof) -> float | None:
-    """What is kept [m] at least on the linear motions, where the tool may come near."""
-    kept = [
-        bounds.min()
-        for _, leg, bounds in proof.clearances
-        if leg in NEAR_MARGIN_LEGS and len(bounds)
-    ]
-    return float(min(kept)) if kept else None
 
 
 def table_html(

@@ -22,8 +22,8 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import StateText
-from workbench.model.plan import PlanResult, Proven, count_taken
+from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.plan import PlanResult, Proven, count_taken, floored
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -129,7 +129,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         message = StateText.PLAN_READY(
             strategy=strategy_message(result.plan.strategy),
             cycle=result.plan.cycle_seconds,
-            clearance=result.proof.clearance,
+            clearance=ClearanceText.FREE(free=floored(result.proof.clearance)),
         )
         more = StateText.MORE_PLANS(count=len(result.row)) if result.row else None
         remarks = result.plan.remarks if result.plan.stations else ()
