@@ -15,7 +15,7 @@ from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
-from workbench.model.robot import Robot
+from workbench.model.robot import ArmScanner, Robot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -169,7 +169,8 @@ class ScannerMount:
     scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
     when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
     axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
-    as good while arms move out of its view, so that it need not wait for them.
+    as good while arms move out of its view, so that it need not wait for them.  `on_arm` is the arm
+    that carries it, None where it stands; `T_world_scanner` is its pose at the view then.
     """
 
     T_world_scanner: pin.SE3
@@ -187,9 +188,14 @@ class ScannerMount:
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
     cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
     while_moving: bool = field(default_factory=bool, metadata=LATER)
+    on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
+
+    def housing_of(self, arm: str) -> tuple[Solid, ...]:
+        """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
+        return () if self.on_arm is None or self.on_arm.arm != arm else self.on_arm.housing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -327,6 +333,9 @@ class Cell(Told):
 
     def __post_init__(self) -> None:
         put(self, T_world_robot=copied(self.T_world_robot))
+        if (carrier := self.scanner.on_arm) is not None:
+            T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
+            put(self, scanner=replace(self.scanner, T_world_scanner=T))
         put(self, digest=digest_of(self, without=frozenset({"controller", "approvers"})))
 
     @property

@@ -213,6 +213,9 @@ def check_cell(cell: Cell) -> None:
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
             raise CommandRefused(ChangeRefusal.HOME_OUTSIDE(arm=arm.name))
+        carrier = cell.scanner.on_arm
+        if carrier and carrier.arm == arm.name and not np.array_equal(arm.home, carrier.view.q):
+            raise CommandRefused(ChangeRefusal.WAITS_AT_VIEW(arm=arm.name, view=carrier.view.name))
 
 
 def _named(name: NameText | str) -> Message | str:

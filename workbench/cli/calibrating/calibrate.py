@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import calibrated, with_calibration
+from workbench.app.calibration.calibration import calibrated, check_stands, with_calibration
 from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.next_pose import next_poses
 from workbench.app.core.value_checks import SEED_LIMIT
@@ -51,6 +51,8 @@ MOST = 30
 def calibrate(typed: arguments.Calibrate) -> int:
     """Find the plate in every scan, solve, compare with the cell, and save if asked to."""
     cell = read_cell(typed.cell)
+    if not typed.in_hand:
+        check_stands(cell)
     if typed.save and not typed.by.strip():
         raise InputError("--save needs --by NAME: who answers for the calibration")
     if is_pairs(typed.poses):
@@ -104,7 +106,7 @@ def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
     if typed.simulate or typed.next:
         raise InputError(f"{typed.poses} holds pairs of poses: --simulate and --next need scans")
     if typed.save and typed.in_hand:
-        raise InputError("--save needs a scanner that stands; a cell has none on its arm yet")
+        raise InputError("--save needs a scanner that stands; write [scanner.on_arm] by hand")
     calibration = calibrate_by_pairs(typed, cell)
     if typed.save:
         _save(typed, cell, calibration)

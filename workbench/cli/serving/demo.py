@@ -7,6 +7,7 @@ from typing import Any
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -167,6 +168,7 @@ class Cycle:
 
     def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
+        self._see_it_at_the_view()
         self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
@@ -181,6 +183,15 @@ class Cycle:
         """
         cell, until = self._bench.state.cell, time.monotonic() + REPORTED
         while moved_away(cell, plan, self._bench.live.joints) and time.monotonic() < until:
+            time.sleep(LOOK / 10)
+
+    def _see_it_at_the_view(self) -> None:
+        """Wait for the report that an arm with a scanner stands where it scans.
+
+        Where it really stands elsewhere the scan is refused, and says by how much.
+        """
+        cell, until = self._bench.state.cell, time.monotonic() + REPORTED
+        while view_problem(cell, self._bench.live.joints) and time.monotonic() < until:
             time.sleep(LOOK / 10)
 
     def _are_parts_told(self, state: State) -> bool:

@@ -171,7 +171,8 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
     ):
         edit_pose(table, region.T_bin_region, other.T_bin_region)
-    edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    if old.scanner.on_arm is None:
+        edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)

@@ -34,7 +34,7 @@ NOT_ALWAYS = frozenset(
 BY_SHAPE = frozenset({"size_mm", "radius_mm", "length_mm", "file"})
 """Keys that only solids of some shapes have."""
 
-BY_AXES = frozenset({"axes", "signs", "home_deg"})
+BY_AXES = frozenset({"axes", "signs", "home_deg", "joints_deg"})
 """Lists with a number for each axis of the arm."""
 
 A_TABLE = {
@@ -68,7 +68,13 @@ SOLIDS = (
 )
 """A solid of each kind that has keys of its own; the file is of the shipped YuMi."""
 
-SOLID_TABLES = ("tool[].body[].", "tool[].finger[].", "fixture[].solid[].", "piece[].")
+SOLID_TABLES = (
+    "tool[].body[].",
+    "tool[].finger[].",
+    "fixture[].solid[].",
+    "scanner.on_arm.housing[].",
+    "piece[].",
+)
 
 A_GRASP = {
     "name": "top",
@@ -87,7 +93,8 @@ GRASPS = {
 }
 
 DEPENDS = frozenset(
-    ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
+    ("scanner.on_arm.view.joints_deg",)
+    + ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
     + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
     + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
     + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")
@@ -101,6 +108,7 @@ def cell_schema() -> dict[str, Any]:
     with _take_notes() as notes:
         for name in ("yumi", "tx2_90"):
             read_cell(name)
+        read_cell(find("robots", "yumi") / "on_arm.toml")
         _read_solids()
         file = Path("cell.toml")
         read_bin(Table(file, A_BIN, "bin."))
@@ -110,7 +118,7 @@ def cell_schema() -> dict[str, Any]:
         read_stations(Table(file, {"station": [A_STATION]}), ())
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
-    for place in ("robot.dh", "scanner.calibration", "detections", "localizer"):
+    for place in ("robot.dh", "scanner.calibration", "scanner.on_arm", "detections", "localizer"):
         notes[place] = {"type": "object", "required": False}
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

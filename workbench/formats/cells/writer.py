@@ -20,6 +20,7 @@ from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import POLICIES, Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
+from workbench.model.robot import ArmScanner
 from workbench.plugins.options import Options
 
 PutMesh = Callable[[str, bytes], str]
@@ -64,8 +65,10 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
 
     for tool in tools.values():
         yield from tool_lines(tool, put_mesh)
+    carrier = cell.scanner.on_arm
     for arm in cell.arms:
-        yield from _arm(arm)
+        is_carrier = carrier is not None and carrier.arm == arm.name
+        yield from _arm(arm, carrier.home if carrier and is_carrier else arm.home)
     yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
@@ -76,7 +79,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
         yield from _pose(region.T_bin_region)
         yield f"size_mm = {_mm(region.size)}"
-    yield from _scanner(cell)
+    yield from _scanner(cell, put_mesh)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
     yield f"host = {text(controller.host)}"
@@ -146,10 +149,11 @@ def _base(policy: Policy) -> Policy:
     return Policy() if policy.least_air is None or len(policy.lifts) == 1 else thorough
 
 
-def _scanner(cell: Cell) -> Iterator[str]:
+def _scanner(cell: Cell, put_mesh: PutMesh) -> Iterator[str]:
     scanner = cell.scanner
     yield from ("", "# Its frame is a camera's: z into the picture, x right, y down.", "[scanner]")
-    yield from _pose(scanner.T_world_scanner)
+    if scanner.on_arm is None:
+        yield from _pose(scanner.T_world_scanner)
     yield f"resolution = [{scanner.resolution[0]}, {scanner.resolution[1]}]"
     yield f"field_of_view_deg = {number(np.rad2deg(scanner.field_of_view))}"
     yield f"depth_noise_mm = {number(scanner.depth_noise * 1000)}"
@@ -169,6 +173,20 @@ def _scanner(cell: Cell) -> Iterator[str]:
         record = record_table(scanner.calibration)
         yield from ("", "[scanner.calibration]")
         yield from (f"{key} = {text(value)}" for key, value in record.items())
+    if scanner.on_arm is not None:
+        yield from _on_arm(scanner.on_arm, cell.arm(scanner.on_arm.arm), put_mesh)
+
+
+def _on_arm(carrier: ArmScanner, arm: Arm, put_mesh: PutMesh) -> Iterator[str]:
+    yield from ("", "# Its pose in the flange's frame.", "[scanner.on_arm]")
+    yield f"arm = {text(carrier.arm)}"
+    yield from _pose(carrier.T_flange_scanner)
+    joints = np.rad2deg(arm.to_axes(carrier.view.q))
+    yield from ("", "[scanner.on_arm.view]", f"name = {text(carrier.view.name)}")
+    yield f"joints_deg = {numbers(np.round(joints, 4))}   # in the controller's order"
+    for solid in carrier.housing:
+        lines = _solid("scanner", solid.name, solid, put_mesh)
+        yield from ("", "[[scanner.on_arm.housing]]", *lines)
 
 
 def _load(tool: Tool) -> Iterator[str]:
@@ -205,9 +223,9 @@ def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
         yield f"opens_along = {numbers(finger.direction)}"
 
 
-def _arm(arm: Arm) -> Iterator[str]:
+def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
-    home = np.rad2deg(arm.to_axes(arm.home))
+    home = np.rad2deg(arm.to_axes(q_home))
     yield from (
         "",
         "[[arm]]",

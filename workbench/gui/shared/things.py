@@ -37,7 +37,9 @@ def things(cell: Cell) -> tuple[str, ...]:
     tcps = [f"{TCP} {name}" for name in _carriers(cell)]
     regions = [name_of_region(region) for region in cell.bin.regions]
     fixtures = [fixture.name for fixture in cell.fixtures]
-    return (BIN, *regions, SCANNER, ROBOT, *fixtures, *places, *tcps)
+    # One on an arm is where its arm stands.
+    scanner = (SCANNER,) if cell.scanner.on_arm is None else ()
+    return (BIN, *regions, *scanner, ROBOT, *fixtures, *places, *tcps)
 
 
 def frame_of(cell: Cell, thing: str) -> pin.SE3:

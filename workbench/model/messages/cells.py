@@ -35,6 +35,9 @@ class CellText(Text, subject="cell"):
     """Why a cell, or what is asked of it, cannot be used."""
 
     NO_ARM = "cell {cell} has no arm {name}; it has {known}"
+    SCANNER_HANGS = (
+        "the scanner of cell {cell} hangs on the {arm} arm; this is for scanners that stand"
+    )
     NO_PART = "cell {cell} has no part {name}; it has {known}"
     PICKS = "a scan can be followed by 1 to {most} picks, not {count}"
     PAIR_GAP = (

@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begun
 from workbench.app.core.tasks import Begun, begin_task
@@ -47,6 +48,8 @@ class MakePlan(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)
+        joints = standing_joints(state.cell, asked.joints)
+        refuse(scan_problem(state.cell, state.scan, joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return make_plan(state, entry, self)
