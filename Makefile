@@ -13,6 +13,26 @@ BROWSER := chromium-headless-shell fonts-dejavu-core
 # files of others.
 STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
 
+# What `make test` leaves to `make test-all`: what takes longest for what it finds, and the tabs of
+# the page by themselves; the cycle through the page stays.
+EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
+	app/emptying/test_bound.py app/evidence/test_forged_zips.py app/filling/test_fill.py \
+	app/picking/test_regrasp.py browser/test_calibration_tab.py browser/test_cell_tab.py \
+	browser/test_changes.py browser/test_emptying_tab.py browser/test_filling.py \
+	browser/test_foreign_tab.py browser/test_grasps_tab.py browser/test_keeping.py \
+	browser/test_learning.py browser/test_live_verdicts.py browser/test_long_row.py \
+	browser/test_nearest.py browser/test_parts_tab.py browser/test_pictures.py \
+	browser/test_recorded.py browser/test_restoring.py browser/test_scan_colours.py \
+	browser/test_stations.py browser/test_tour.py browser/test_watching.py \
+	cli/calibrating/test_calibrate.py cli/measuring cli/serving/test_files_in_motion.py \
+	devices/abb_egm/test_egm_rapid.py devices/rapid/test_modules.py devices/rapid/test_wires.py \
+	examples foreign formats/meshes/test_convex_pieces.py gui/drawing/test_watching.py \
+	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_sureness.py \
+	perception/colours/test_telling.py perception/localization/test_real_scan.py \
+	planning/grasps/test_firmness.py plugins/test_pages.py portable proof/test_good_plans.py \
+	proof/test_judge.py robots/test_third_party.py studies test_new_part.py test_new_robot.py \
+	testing web/http/test_crowds.py
+
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
 	web test_new_part.py test_new_robot.py test_site.py test_skips.py app/core/test_any_sequence.py \
@@ -44,7 +64,7 @@ export PYTHON
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
-	@echo "make test      run all tests"
+	@echo "make test      run the tests of the gate"
 	@echo "make test-fast run those that take little, while you work"
 	@echo "make test-all  run all tests with coverage, then as if on another make of processor"
 	@echo "make test-portable  run them as if on another make of processor"
@@ -64,7 +84,7 @@ run: $(VENV)/.compiled
 
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER) $(STAND_INS)
-	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(if $(ARGS),,$(EXTENSIVE:%=--ignore=tests/%)) $(ARGS)
 
 # Watching which lines run makes Python a third slower.
 test-all:

@@ -69,11 +69,11 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
     boxes.nth(0).press("Tab")
     screen.page.wait_for_timeout(300)
     screen.press("Put at offset")
-    wait(lambda: "put as offset from side" in str(bench.state.message), "the offset")
+    wait(lambda: "at an offset from side" in str(bench.state.message), "the offset")
     T_side_copy = authored.grasp.T_part_tcp.actInv(grasp(bench, copy.name).grasp.T_part_tcp)
     assert np.allclose(T_side_copy.translation, (0.004, 0.0, 0.0), atol=1e-5)
     screen.press("Undo")
-    wait(lambda: "put as offset" not in str(bench.state.message), "the undo")
+    wait(lambda: "at an offset" not in str(bench.state.message), "the undo")
     assert screen.errors == []
 
 
@@ -104,7 +104,7 @@ def test_a_grasp_is_made_with_the_mouse_and_picks_a_part(screen, bench, wait, re
     handle = T_WORLD_STAGE.act(tip + 0.9 * GIZMO * size * x)
     away = handle - np.array([0.0, 0.0, 0.01])
     drag(screen.page, camera.pixel(handle), camera.pixel(away))
-    wait(lambda: "moved by gizmo" in str(bench.state.message), "the drag")
+    wait(lambda: "moved by the gizmo" in str(bench.state.message), "the drag")
     moved = grasp(bench, "grasp").T_part_tcp.translation - tip
     assert -0.013 < moved[2] < -0.007, moved
     assert np.abs(moved[:2]).max() < 0.0005

@@ -99,7 +99,7 @@ def test_the_approval_goes_there_and_gives_the_certificate_of_this_plan(
     screen.press("Approve")
     screen.wait_for("Type your name to approve")
     facts = screen.text("[role=dialog] .wb-facts")
-    for word in ("the whole motion on", "positions checked in", "Straight ways", "Certificate"):
+    for word in ("the whole motion on", "positions checked in", "Linear motion", "Certificate"):
         assert word in facts
     screen.shoot("approval-light")
     screen.press("Back")

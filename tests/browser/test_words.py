@@ -51,6 +51,7 @@ LETTERS = re.compile(r"[^\W\d_]{2,}")
 NAMES = re.compile(
     r"""
     Anna|Bert|Workbench|\btested\b|yumi|keyed_cylinder|smart_gripper|abb-socket/2|
+    (left|right)\ (place|part-place)\ \d|
     (?<!\w)(left|right|side)(?!\w)|part-\d+|side(-\d)+|[\w]+_[\w]+|\b[0-9a-f]{12,64}\b|
     \b(palm|deg|mm|ms|min|kg)\b|\.(stl|obj|ply|3mf|dae|glb|gltf|stp|step|zip|zae)\b|certificate-[0-9a-f]+\.json|
     Collapse\ panel\ area|.*WebGL.*

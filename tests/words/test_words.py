@@ -1,4 +1,4 @@
-"""A sentence is found by its message; names and numbers in it stay."""
+"""Whole texts and messages are put in a language; names and numbers stay."""
 
 import pytest
 
@@ -14,16 +14,10 @@ def words():
     return Words(
         "de",
         {
-            "No plan: {verdict}": "Kein Plan: {verdict}",
-            "in collision": "in Kollision",
-            "{kind}: {pair} and {pair2}, {far}": "{kind}: {pair} und {pair2}, {far}",
-            "{distance} into each other": "{distance} ineinander",
-            "{arm} arm on {leg}": "Arm {arm} auf {leg}",
-            "{number} parts": "{number} Teile",
             "there is no fault": "es gibt keine Störung",
             "approach": "Anfahren",
-            "and": "und",
             "Stop": "Stopp",
+            "stop": "anhalten",
         },
     )
 
@@ -33,31 +27,23 @@ def words():
     [
         ("Stop", "Stopp"),
         ("  Stop\n", "  Stopp\n"),
+        (", approach;", ", Anfahren;"),
         ("There is no fault.", "Es gibt keine Störung."),
-        ("12 parts", "12 Teile"),
-        ("1,200 parts", "1,200 Teile"),
-        ("12 parts, 3 parts", "12 Teile, 3 Teile"),
-        (
-            "No plan: in collision: palm and bin_floor, 3.1 mm into each other",
-            "Kein Plan: in Kollision: palm und bin_floor, 3.1 mm ineinander",
-        ),
-        ("left arm on approach; Stop", "Arm left auf Anfahren; Stopp"),
-        ("approach and Stop", "Anfahren und Stopp"),
+        ("stop", "anhalten"),
         ("certificate-8bf864650bb2.json", "certificate-8bf864650bb2.json"),
         ("Stopped by nobody", "Stopped by nobody"),
         ("", ""),
     ],
 )
-def test_a_sentence_is_said_by_its_message(words, english, said):
+def test_a_whole_text_is_translated(words, english, said):
     assert words.say(english) == said
-    assert words.say(english) == said, "what is remembered is the same"
 
 
 def test_html_keeps_its_tags_and_what_was_typed_stays_text(words):
     said = words.html('<b title="Stop">Stop</b> <i>&lt;b&gt; parts</i><style>a{Stop}</style>')
-    assert said == '<b title="Stopp">Stopp</b> <i>&lt;b&gt; Teile</i><style>a{Stop}</style>'
-    evil = words.html("No plan: &lt;script&gt;alert(1)&lt;/script&gt;")
-    assert evil == "Kein Plan: &lt;script&gt;alert(1)&lt;/script&gt;"
+    assert said == '<b title="Stopp">Stopp</b> <i>&lt;b&gt; parts</i><style>a{Stop}</style>'
+    evil = "No plan: &lt;script&gt;alert(1)&lt;/script&gt;"
+    assert words.html(evil) == evil
 
 
 def test_a_handler_of_a_tag_is_no_text(words):
@@ -66,7 +52,7 @@ def test_a_handler_of_a_tag_is_no_text(words):
 
 
 def test_markdown_keeps_its_marks(words):
-    assert words.markdown("**Stop** 12 parts\n\nStop") == "**Stopp** 12 Teile\n\nStopp"
+    assert words.markdown("**Stop** 12 parts\n\nStop") == "**Stopp** 12 parts\n\nStopp"
 
 
 def test_chinese_sentences_end_as_those_do():
@@ -124,7 +110,5 @@ def test_what_differs_since_the_start_before_has_no_english_verb_left(language, 
     assert not english & set(translated)
 
 
-def test_nothing_rendered_leaves_what_is_said_after_it_as_it_was():
-    words = Words("de", {"{host} port {port}": "{host} Port {port}"})
+def test_of_nothing_the_text_is_empty(words):
     assert words.render(None) == words.render("") == ""
-    assert words.say("127.0.0.1 port 1025") == "127.0.0.1 Port 1025"

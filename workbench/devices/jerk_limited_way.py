@@ -1,10 +1,10 @@
 """A leg of an arm with limits of jerk as a curve with its time: pieces of constant jerk.
 
-Straight ways, up to a speed and down again by S-curves, joined by blends in time: from the velocity
-of one way to that of the next by an S-curve, too, within the zones.  So planning has timed it; the
-shares of full speed at which corners are passed are the largest from which the rest can be done
-(backwards); and that can be reached (forwards).  All that is done to the velocities of the joints
-are S-curves, and a piece of one has the same jerk all along.
+Straight in joints, up to a speed and down again by S-curves, joined by blends in time: from the
+velocity of one piece to that of the next by an S-curve, too, within the zones.  So planning has
+timed it; the shares of full speed at which corners are passed are the largest from which the rest
+can be done (backwards); and that can be reached (forwards).  All that is done to the velocities of
+the joints are S-curves, and a piece of one has the same jerk all along.
 
 Source: Biagiotti and Melchiorri, "Trajectory Planning for Automatic Machines and Robots", Springer
 2008, chapter 3.4.

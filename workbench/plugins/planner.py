@@ -1,4 +1,4 @@
-"""The seam of planners: free ways between two configurations."""
+"""The seam of planners: free motions between two configurations."""
 
 from collections.abc import Callable
 from typing import NamedTuple, Protocol

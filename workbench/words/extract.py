@@ -2,13 +2,12 @@
 
 There are no marks in the code.  A text on the page is a literal of the page, of the front door, or
 a sentence of a layer below that reaches the page as a refusal, a reason or a note; so literals are
-what is looked for, and what is code, a style or a name is left out by its form.  Names and numbers
-within become places, named after what there.
+what is looked for, and what is code, a style or a name is left out by its form.  A text with values
+in it has an id (`workbench.model.messages`), so literals that are put together are left out.
 """
 
 import ast
 import importlib
-import itertools
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -103,8 +102,8 @@ ALONE = frozenset(
 SCRIPTS = ("shell.js", "tour.js", "scene.js")
 PAGES = ("shell.html", "login.html")
 
-MOST_VARIANTS = 8
-"""Of a text that is put together from alternatives."""
+VALUE = "{}"
+"""Stands for a value in a literal that is put together."""
 
 _LOGS = ("debug", "info", "warning", "error", "exception")
 _NAME = re.compile(r"[a-z_][a-z0-9_]*", re.IGNORECASE)
@@ -120,7 +119,7 @@ def messages() -> Mapping[str, tuple[str, ...]]:
     found: dict[str, set[str]] = {}
 
     def take(text: str, where: str) -> None:
-        if (said := tidy(text)) and _is_said(said):
+        if VALUE not in text and (said := tidy(text)) and _is_said(said):
             found.setdefault(said, set()).add(where)
 
     for folder in SHOWN + SENTENCES + STATES:
@@ -202,14 +201,8 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
             skipped.update(map(id, ast.walk(node)))
     for node in ast.walk(tree):
         if id(node) not in skipped and isinstance(node, ast.Constant | ast.JoinedStr):
-            for text in _variants(node):
-                yield text, isinstance(node, ast.Constant) and " " not in text
-        match node:
-            case ast.Call(func=ast.Name(id="counted"), args=[_, ast.Constant(value=str(noun))]):
-                yield f"{{number}} {noun}", False
-                yield f"{{number}} {noun}s", False
-            case _:
-                pass
+            text = _written(node)
+            yield text, isinstance(node, ast.Constant) and " " not in text
 
 
 def _is_silent(called: ast.expr) -> bool:
@@ -219,56 +212,16 @@ def _is_silent(called: ast.expr) -> bool:
     return (called.value.id == "log" and called.attr in _LOGS) or called.value.id == "re"
 
 
-def _variants(node: ast.expr) -> list[str]:
-    """What a literal may read, with places for what is only known later."""
+def _written(node: ast.Constant | ast.JoinedStr) -> str:
+    """What a literal reads, `{}` for each value in it; empty where it is no text."""
     if isinstance(node, ast.Constant):
-        return [node.value] if isinstance(node.value, str) else []
-    assert isinstance(node, ast.JoinedStr)
-    taken: dict[str, int] = {}
-    pieces: list[list[str]] = []
-    for value in node.values:
-        if isinstance(value, ast.Constant):
-            pieces.append([str(value.value).replace("{", "\\").replace("}", "\\")])
-            continue
-        assert isinstance(value, ast.FormattedValue)
-        choices = _choices(value.value)
-        if choices is None:
-            name = _place(value.value)
-            taken[name] = taken.get(name, 0) + 1
-            choices = [f"{{{name}{taken[name] if taken[name] > 1 else ''}}}"]
-        pieces.append(choices)
-    whole = itertools.product(*pieces)
-    return ["".join(one) for one in itertools.islice(whole, MOST_VARIANTS)]
-
-
-def _choices(node: ast.expr) -> list[str] | None:
-    """The texts that an expression may be, where it says them itself."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return [node.value]
-    if isinstance(node, ast.IfExp):
-        both = _choices(node.body), _choices(node.orelse)
-        return None if both[0] is None or both[1] is None else both[0] + both[1]
-    return None
-
-
-def _place(node: ast.expr) -> str:
-    """A name for what stands at a place."""
-    while True:
-        match node:
-            case ast.Call(func=ast.Name(), args=[first, *_]):
-                node = first
-            case ast.Call(func=ast.Attribute(value=value), args=[]):
-                node = value
-            case ast.Call(func=ast.Attribute(attr="join"), args=[first]):
-                node = first
-            case ast.Attribute(attr=name) | ast.Name(id=name):
-                return name.strip("_").lower() or "value"
-            case ast.BinOp(left=left, right=right):
-                node = right if isinstance(left, ast.Constant) else left
-            case ast.Subscript(value=value):
-                node = value
-            case _:
-                return "value"
+        return node.value if isinstance(node.value, str) else ""
+    return "".join(
+        str(value.value).replace("{", "\\").replace("}", "\\")
+        if isinstance(value, ast.Constant)
+        else VALUE
+        for value in node.values
+    )
 
 
 def _said_in_script(text: str) -> Iterator[str]:

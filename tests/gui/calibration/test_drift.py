@@ -29,7 +29,7 @@ def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch)
     assert (group._look.disabled, group._look.label) == (False, LOOK)
     command = group._taken()
     assert command.cell == (visitor.cell, "Ada")
-    assert "the scanner is moved by Ada" in command.says
+    assert str(command.says).startswith("Ada moved the scanner")
 
 
 def test_a_scanner_that_was_never_calibrated_is_said(visitor):

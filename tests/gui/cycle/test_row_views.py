@@ -25,9 +25,9 @@ def test_of_a_row_every_plan_is_approved_in_full_and_sums_are_of_all(row, states
             takes = f"{arm.arm} arm part-{part + 1} (keyed_cylinder), grasp {arm.grasp}"
             assert takes in text
     # What is nearest is in the second plan, and its part-1 is the scan's part-3.
-    assert "Free waysplan 2: at least 2.1 mm" in text
+    assert "Free motionplan 2: at least 2.1 mm" in text
     assert "part-3 and bin_wall_left" in text
-    assert "Straight waysplan 1: " in text
+    assert "Linear motionplan 1: " in text
     alone = states.planned
     assert f"{3 * alone.plan.cycle_seconds:.1f} s in all" in text
     assert f"{3 * alone.proof.checks:,} positions checked" in text

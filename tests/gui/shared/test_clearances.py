@@ -25,4 +25,4 @@ def test_a_plans_clearances_are_two_figures_with_their_names(states, view_of):
     for told in (views.status_html(view_of(state)), views.plan_line(state)):
         assert words in told and told.count("minimum clearance") == told.count(words)
     outlines = (Outline("a", 1.0, "left"), Outline("b", 1.0, "alternated"))
-    assert "Free ways" in outlines_html(outlines, "", ("1", "2"))
+    assert "Free motion" in outlines_html(outlines, "", ("1", "2"))

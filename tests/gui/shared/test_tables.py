@@ -148,7 +148,7 @@ def test_no_stage_is_told_by_its_internal_name():
 def test_the_stages_count_down_to_what_is_left(candidates):
     html = stages_html(candidates)
     ok = sum(one.verdict.is_ok for one in candidates)
-    assert html.endswith(f"remaining <b>{ok}</b></div>")
+    assert html.endswith(f"remaining</span> <b>{ok}</b></div>")
     first = re.search(r"<b>(\d+)</b>", html)[1]
     assert int(first) == (len(candidates) if ok < len(candidates) else ok)
     refused = sum(int(count) for count in re.findall(r"\u2212(\d+)", html))

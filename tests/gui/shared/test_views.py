@@ -245,7 +245,7 @@ def test_a_candidate_in_the_scene_names_the_pair_and_the_distance():
     verdict = Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, ("palm", "bin_wall_back"), -0.0342)
     candidate = made_candidate(verdict=verdict)
     assert views.candidate_label(candidate) == (
-        "part-1, side-1-1, right arm\ntool in collision\npalm · bin_wall_back, -34.2 mm"
+        "part-1, side-1-1, right\ntool in collision\npalm · bin_wall_back, -34.2 mm"
     )
 
 

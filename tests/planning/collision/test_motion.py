@@ -20,6 +20,7 @@ from workbench.planning.collision.motion import (
 from workbench.planning.collision.pairing import Phase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
+from workbench.proof.claims.motion import sweep_path
 
 
 @settings(max_examples=50, deadline=None)
@@ -71,6 +72,46 @@ def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
         # Half of what lies between two roundings, and between two of the points looked at.
         near = np.abs(dense - at).max(axis=2).min()
         assert near <= NARROW / 2 + np.abs(np.diff(dense, axis=1)).max() / 2
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 9999), zone=st.floats(0.01, 0.45))
+def test_what_the_proof_checks_farthest_from_a_corner_is_walked(seed, zone):
+    path = np.random.default_rng(seed).uniform(-2.0, 2.0, (3, 4))
+    motion = MotionModel("some", corners="blend")
+    before, corner, after = path
+    sides = np.stack([before - corner, after - corner], axis=1)
+    triangles = sweep_path(np.arange(4), path, motion, zone).corners[1:-1]
+    chords = []
+    for start, end in itertools.chain(*(itertools.combinations(one, 2) for one in triangles)):
+        shares = np.linalg.lstsq(sides, np.stack([start - corner, end - corner], axis=1))[0]
+        # Both ends lie on the widest parabola.
+        if np.allclose(np.sqrt(np.abs(shares) / zone).sum(axis=0), 1.0, atol=1e-5):
+            chords.append((start, end))
+    assert len(chords) > 1
+    curves = walked(path, motion, zone).points
+    for start, end in chords:
+        ends = np.abs(curves[:, [0, 2]] - np.stack([start, end])).max(axis=(1, 2))
+        assert ends.min() < 1e-9
+
+
+def test_a_rounding_that_the_proof_would_refuse_is_not_clear(cell):
+    """The widest rounding passes the wall at 5.0 mm, the proof's chords of it at 4.9 mm."""
+    empty = World(cell, ())
+    empty.enter(Phase(frozenset({"left"}), {"left": 0.04}))
+    path = np.deg2rad(
+        [
+            [0.0, -130.0, 135.0, 30.0, 0.0, 40.0, 0.0],
+            [-65.67, -62.11, 81.82, 26.65, 90.65, 59.06, -96.52],
+            [-81.48, -65.18, 77.51, 21.89, 109.59, 62.14, -115.46],
+        ]
+    )
+    columns, base = empty.kinematics.columns["left"], empty.configuration({})
+    motion = MotionModel("some", corners="blend")
+    assert chain_contact(empty, columns, base, straight(path)) is None
+    contact, _, waypoint = chain_contact(empty, columns, base, walked(path, motion, 0.2))
+    assert (contact.pair, waypoint) == (("left finger_a", "bin_wall_left"), 0)
+    assert 0.0049 < contact.distance < contact.margin
 
 
 def test_a_controller_that_stops_makes_nothing_of_a_corner():

@@ -1,6 +1,6 @@
 """What no grasp of the tool can take: searched for among all of them, however they are authored.
 
-It states whether more grasps would help.  A straight way in along the tool, a straight lift of the
+It states whether more grasps would help.  A linear motion in along the tool, a straight lift of the
 policy and a place are asked for as of every pick; pushing parts about is not checked.
 """
 

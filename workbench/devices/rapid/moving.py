@@ -32,7 +32,7 @@ HAND_SECONDS = 0.2
 """[s] Of the robot's time, for any way of the fingers."""
 
 PIECE = 0.01
-"""[m] Between two computed points of a straight way."""
+"""[m] Between two computed points of a linear motion."""
 
 
 class Hand:

@@ -1,7 +1,7 @@
 """Blend radii and speeds of moves, such that what may be cut off is what was proven.
 
 A radius is a length about a waypoint at the flange, where the program puts the TCP: the controller
-may leave the straight way where the flange comes within it, and is back on one where it has left
+may leave the linear motion where the flange comes within it, and is back on one where it has left
 it.  Proven is, in joint space, what lies between a corner and the parabola from `zone` of the move
 before to `zone` of the one after.  With a the share of one move and b that of the other, counted
 from the corner, that is sqrt(a) + sqrt(b) <= sqrt(zone).  A triangle a + b <= w lies within it

@@ -24,6 +24,7 @@ from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, WorkbenchError
 from workbench.model.geometry import Floats, Ints
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import Message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -135,7 +136,7 @@ class DriftGroup:
         if self._found is None or self._found[0] != cell.digest:
             raise InputError(NOTHING)
         by = self._who()
-        says = f"the scanner is moved by {by}, as recorded scans say"
+        says = EditText.SCANNER_MOVED(by=by)
         return ChangeCell(self._found[1](time.time(), by), says)
 
 

@@ -29,6 +29,7 @@ from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.commands import EditText
 
 MOST_ROWS = MOST_OBSERVATIONS
 
@@ -251,14 +252,15 @@ class CalibrationPanel:
         number, observations = self._chosen
         observation = observations[number]
         changed = replace(observation, is_used=not observation.is_used)
-        says = f"{observation.name} is {'used again' if changed.is_used else 'left out'}"
-        return UseObservations((*observations[:number], changed, *observations[number + 1 :]), says)
+        says = EditText.POSE_USED if changed.is_used else EditText.POSE_LEFT_OUT
+        after = (*observations[:number], changed, *observations[number + 1 :])
+        return UseObservations(after, says(pose=observation.name))
 
     def _removed(self) -> Command:
         number, observations = self._chosen
         self._visitor.own.change(observation=None)
         rest = observations[:number] + observations[number + 1 :]
-        return UseObservations(rest, f"{observations[number].name} is removed")
+        return UseObservations(rest, EditText.POSE_REMOVED(pose=observations[number].name))
 
     def _who(self) -> str:
         visitor = self._visitor
@@ -272,5 +274,5 @@ class CalibrationPanel:
         state = self._visitor.bench.state
         found = calibrated(state.cell, state.observations)
         cell = with_calibration(state.cell, found, time.time(), by)
-        says = f"the scanner is calibrated by {by}: {found.used} poses"
+        says = EditText.CALIBRATED(by=by, used=found.used)
         return ChangeCell(cell, says)

@@ -24,6 +24,7 @@ from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.messages.commands import EditText
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.self_motion import self_motion
 
@@ -242,10 +243,10 @@ class JogControls:
             arm.name,
             self._visitor.cell.controller.motion.rounded(self._now(arm)),
         )
-        return ChangeCell(cell, f"the {arm.name} arm has another home")
+        return ChangeCell(cell, EditText.HOME(arm=arm.name))
 
     def _wanted_place(self) -> Command:
         arm = self._chosen
         T = typed_pose(*shown_pose(self._chain(arm).pose(self._now(arm))))
         cell = with_places(self._visitor.cell, arm.name, (*arm.Ts_world_place, T))
-        return ChangeCell(cell, f"the {arm.name} arm has one more place")
+        return ChangeCell(cell, EditText.PLACE_ADDED(arm=arm.name))

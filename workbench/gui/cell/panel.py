@@ -33,6 +33,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cell import CellText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.model.messages.commands import EditText
 
 NOT_SHOWN = "not shown"
 GIZMO = 0.18
@@ -233,7 +234,7 @@ class CellPanel:
             return
         self._visitor.ask(
             lambda: ChangeCell(
-                with_tool(self._visitor.cell, arm, tool), f"the {arm} arm carries {tool}"
+                with_tool(self._visitor.cell, arm, tool), EditText.TOOL(arm=arm, tool=tool)
             )
         )
 
@@ -251,5 +252,5 @@ class CellPanel:
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value
         return self._visitor.ask(
-            lambda: ChangeCell(moved(self._visitor.cell, thing, T), f"the {thing} is moved")
+            lambda: ChangeCell(moved(self._visitor.cell, thing, T), EditText.MOVED(thing=thing))
         )

@@ -14,8 +14,8 @@ from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.scene.nearest import PlanLinks
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.approval import ApprovalText, manner_message
-from workbench.model.release import AS_PLANNED, Manner
+from workbench.gui.texts.approval import ApprovalText
+from workbench.model.release import AS_PLANNED, Manner, manner_words
 from workbench.words.words import Words
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
@@ -165,7 +165,7 @@ def _label_of(name: str, manner: Manner, words: Words) -> str:
     """The label of the button."""
     if not name:
         return "Type your name to approve"
-    how = manner_message(*manner)
+    how = manner_words(*manner)
     if how is None:
         return words.render(ApprovalText.AS(person=name))
     return words.render(ApprovalText.AS_MANNER(person=name, manner=how))

@@ -8,13 +8,14 @@ from workbench.app.core.state import Phase, State
 from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificates_of, free_message, straight_message
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
-from workbench.gui.texts.approval import ApprovalText, manner_message
-from workbench.gui.texts.common import CommonText, cycle_message
+from workbench.gui.texts.approval import ApprovalText
+from workbench.gui.texts.common import CommonText
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
-from workbench.model.messages.plans import guarantee_message, strategy_message
+from workbench.model.messages.plans import cycle_words, guarantee_message, strategy_message
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan, floored, parts_taken
+from workbench.model.release import manner_words
 from workbench.words.words import IN_ENGLISH, Words
 
 
@@ -44,7 +45,7 @@ def approval_line(
     if state.phase is Phase.APPROVED:
         # It is for one sending: once that has begun, nothing is let out by it any more.
         by = ApprovalText.UNTIL(people=approval.people, until=clock(approval.until))
-    manner = manner_message(*approval.manner)
+    manner = manner_words(*approval.manner)
     texts = CommonText.LIST(items=[by] if manner is None else [by, manner])
     if approval.is_unwatched:
         texts = Others.ALSO(first=texts, last=ApprovalText.NOT_ALL_WATCHED())
@@ -96,15 +97,15 @@ def facts_html(
     """
     cell, row = state.cell, state.whole_row
     plan, policy = row[0].plan, cell.policy
-    cycle = cycle_message(plan.cycle_seconds, state.bound)
+    cycle = cycle_words(plan.cycle_seconds, state.bound)
     if len(row) > 1:
         seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
         cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
     address = CommonText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
     facts: list[Fact] = [
         *(_plans(state) if len(row) > 1 else _plan(plan)),
-        ("Free ways", free_message(state)),
-        ("Straight ways", straight_message(state)),
+        ("Free motion", free_message(state)),
+        ("Linear motion", straight_message(state)),
         ("Proven", _proven(state)),
         ("Kept clear of", _clear_of(state, plan)),
         ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),

@@ -45,6 +45,7 @@ from workbench.gui.shared.views import (
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
 from workbench.model.scan import ALL_KINDS
 
@@ -239,7 +240,7 @@ class CyclePanel:
         check = bin_check_of(state)
         if check is None or check.T_world_bin is None:
             raise InputError("the bin is not seen anywhere")
-        says = f"the bin is moved by {check.shift * 1000:.1f} mm to where it is seen"
+        says = EditText.BIN_MOVED(shift=check.shift)
         return ChangeCell(moved(state.cell, BIN, check.T_world_bin), says)
 
     def _wanted_parts(self) -> FindParts:

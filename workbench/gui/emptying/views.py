@@ -179,7 +179,7 @@ def piles_html(
         rows: ids of unseen buttons, by place.
         words: of who reads it.
     """
-    arrow = " ▾" if order.is_descending else " ▴"
+    arrow = "<span> ▾</span>" if order.is_descending else "<span> ▴</span>"
     head = "".join(
         f'<th class="wb-number" title="{escape(tip)}" {clickable(headings[column])}>{escape(title)}'
         f"{arrow if column == order.column else ''}</th>"

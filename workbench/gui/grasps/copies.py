@@ -11,6 +11,8 @@ from workbench.gui.shared.typed_lists import direction_in, numbers_in, shown_num
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
+from workbench.model.messages.commands import GraspEditText
+from workbench.model.messages.message import Message
 from workbench.model.part import Entry, GraspPattern, grasps_of
 from workbench.model.part_edits import grasp_of, mirrored, with_grasp
 
@@ -93,15 +95,15 @@ class GraspCopies:
         """Add a copy of the chosen grasp."""
         entry = self._editing.entry
         if entry is not None:
-            self._add(entry, f"{entry.name} duplicated")
+            self._add(entry, GraspEditText.DUPLICATED(grasp=entry.name))
 
     def _mirrored(self) -> None:
         entry, plane = self._editing.entry, self._plane.value
         if entry is not None and plane in PLANES:
             copy = mirrored(entry, np.array(PLANES[plane]))
-            self._add(copy, f"{entry.name} mirrored across {plane}")
+            self._add(copy, GraspEditText.MIRRORED(grasp=entry.name, plane=plane))
 
-    def _add(self, entry: Entry, says: str) -> None:
+    def _add(self, entry: Entry, says: Message) -> None:
         grasp = replace(grasp_of(entry), name=self._editing.free_name(entry.name))
         self._editing.add((with_grasp(entry, grasp),), says)
 
@@ -124,18 +126,20 @@ class GraspCopies:
         except InputError as error:
             self._visitor.tell("Refused", self._visitor.words.render(error.message))
             return
-        self._editing.put(entry, pattern, f"{entry.name} repeated {pattern.count} times")
+        self._editing.put(
+            entry, pattern, GraspEditText.REPEATED(grasp=entry.name, count=pattern.count)
+        )
 
     def _exploded(self) -> None:
         entry = self._seen
         if isinstance(entry, GraspPattern):
-            says = f"{entry.name} is {entry.count} single grasps now"
+            says = GraspEditText.SPLIT(grasp=entry.name, count=entry.count)
             self._editing.remove(entry, grasps_of(entry), says)
 
     def _single_out(self) -> None:
         entry = self._seen
         if isinstance(entry, GraspPattern):
-            self._editing.put(entry, entry.grasp, f"{entry.name} is a single grasp now")
+            self._editing.put(entry, entry.grasp, GraspEditText.SINGLE(grasp=entry.name))
 
 
 def _pattern_of(entry: Entry | None) -> str:

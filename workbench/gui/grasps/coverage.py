@@ -17,6 +17,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Floats
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.part import Part
 from workbench.planning.grasps.coverage import Coverage, coverage
@@ -105,7 +106,7 @@ class CoverageControls:
         missing = self._found[1].missing if self._found is not None else None
         if missing is not None and missing.suggestion is not None:
             grasp = missing.suggestion.grasp
-            self._editing.add((grasp,), f"{grasp.name} added, where no grasp worked")
+            self._editing.add((grasp,), GraspEditText.ADDED_FOR_COVERAGE(grasp=grasp.name))
 
 
 def _key(part: Part, cell: Cell) -> str:

@@ -13,6 +13,8 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.messages.commands import GraspEditText
+from workbench.model.messages.message import Message
 from workbench.model.part import Entry, Grasp, GraspPair, Part
 from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp
 from workbench.model.symmetry import Symmetry
@@ -107,7 +109,7 @@ class Editing:
         """The name, or one like it that is not taken."""
         return free_name(names_in(self.part.library.entries), name)
 
-    def put(self, was: Entry, now: Entry, says: str) -> bool:
+    def put(self, was: Entry, now: Entry, says: Message) -> bool:
         """Put an entry instead of one as this browser has seen it; whether that was done.
 
         When somebody else was quicker the wish is kept as `lost`.
@@ -128,7 +130,7 @@ class Editing:
         self.choose(entry=now.name)
         return True
 
-    def put_grasp(self, was: Entry, grasp: Grasp, says: str) -> bool:
+    def put_grasp(self, was: Entry, grasp: Grasp, says: Message) -> bool:
         """Put another grasp in an entry; see `put`."""
         return self.put(was, with_grasp(was, grasp), says)
 
@@ -142,7 +144,7 @@ class Editing:
         entries = tuple(now if entry.name == was.name else entry for entry in part.library.entries)
         return {"libraries": {part.name: replace(part.library, entries=entries)}}
 
-    def move(self, was: Entry, T_part_tcp: pin.SE3, says: str) -> bool:
+    def move(self, was: Entry, T_part_tcp: pin.SE3, says: Message) -> bool:
         """Put the hand somewhere else; see `put`."""
         return self.put_grasp(was, self.at(was, T_part_tcp), says)
 
@@ -151,16 +153,19 @@ class Editing:
         lost, self.lost = self.lost, None
         if lost is not None:
             copy = replace(grasp_of(lost), name=self.free_name(lost.name))
-            self.add((with_grasp(lost, copy),), f"{copy.name} kept beside {lost.name}")
+            self.add(
+                (with_grasp(lost, copy),),
+                GraspEditText.COPY_OF_LOST(copy=copy.name, grasp=lost.name),
+            )
 
-    def add(self, entries: Sequence[Entry], says: str) -> bool:
+    def add(self, entries: Sequence[Entry], says: Message) -> bool:
         """Add entries at the end, and choose the first of them."""
         if not self._ask(EditPart(self.part.name, (), tuple(entries), says=says)):
             return False
         self.choose(entry=entries[0].name)
         return True
 
-    def remove(self, entry: Entry, now: Sequence[Entry], says: str) -> bool:
+    def remove(self, entry: Entry, now: Sequence[Entry], says: Message) -> bool:
         """Put none or several entries instead of one."""
         names = [known_entry.name for known_entry in self.part.library.entries]
         place = names.index(entry.name) if entry.name in names else 0
@@ -170,21 +175,23 @@ class Editing:
         self.choose(entry=left[min(place, len(left) - 1)] if left else "")
         return True
 
-    def take_library(self, entries: Sequence[Entry], pairs: Sequence[GraspPair], says: str) -> bool:
+    def take_library(
+        self, entries: Sequence[Entry], pairs: Sequence[GraspPair], says: Message
+    ) -> bool:
         """Put another library instead of the one there is."""
         was = self.part.library.entries
         return self._ask(
             EditPart(self.part.name, was, tuple(entries), pairs=tuple(pairs), says=says)
         )
 
-    def set_pairs(self, pairs: Sequence[GraspPair], says: str) -> bool:
+    def set_pairs(self, pairs: Sequence[GraspPair], says: Message) -> bool:
         """Which grasps go together."""
         return self._ask(EditPart(self.part.name, pairs=tuple(pairs), says=says))
 
     def set_symmetry(self, symmetry: Symmetry) -> bool:
         """Say at which turns the part looks alike."""
         name = self.part.name
-        return self._ask(EditPart(name, symmetry=symmetry, says=f"the symmetry of {name} is set"))
+        return self._ask(EditPart(name, symmetry=symmetry, says=GraspEditText.SYMMETRY(part=name)))
 
     def _ask(self, command: EditPart) -> bool:
         return self.visitor.ask(lambda: command)

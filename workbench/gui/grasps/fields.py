@@ -12,6 +12,7 @@ from workbench.gui.shared.typed_lists import direction_in, shown_vector
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.errors import InputError
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Grasp
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.planning.grasps.grasp_frames import fitted_opening
@@ -183,7 +184,7 @@ class GraspFields:
             # This browser's own gizmo has moved it since the fields were filled.
             entry = current
             grasp = replace(grasp, T_part_tcp=grasp_of(current).T_part_tcp)
-        if self._editing.put_grasp(entry, grasp, f"{entry.name} edited"):
+        if self._editing.put_grasp(entry, grasp, GraspEditText.EDITED(grasp=entry.name)):
             self._fill(self._editing.entry)
 
     def _fit(self) -> None:

@@ -12,6 +12,7 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message, as_message
 
 log = logging.getLogger(__name__)
@@ -70,7 +71,7 @@ class FillControls:
             if self._editing.part.name != part.name:
                 says = [self._visitor.words.render(GraspText.OTHER_PART(part=part.name))]
             elif count:
-                self._editing.add(found.entries, f"{count} families of grasps fill the library")
+                self._editing.add(found.entries, GraspEditText.FILLED(count=count))
             else:
                 says = [*says, "Nothing was found to add."]
         except JobCancelled:

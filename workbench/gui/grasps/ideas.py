@@ -20,6 +20,7 @@ from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import Mesh
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Grasp, Part
 from workbench.model.part_edits import free_name, names_in
 from workbench.model.symmetry import Symmetry
@@ -177,8 +178,12 @@ class Suggestions:
         for suggestion in wanted:
             grasps.append(replace(suggestion.grasp, name=free_name(taken, suggestion.grasp.name)))
             taken.add(grasps[-1].name)
-        count = f"{len(grasps)} suggested grasps" if len(grasps) > 1 else grasps[0].name
-        if self._editing.add(grasps, f"{count} added"):
+        says = (
+            GraspEditText.SUGGESTED(count=len(grasps))
+            if len(grasps) > 1
+            else GraspEditText.ADDED(grasp=grasps[0].name)
+        )
+        if self._editing.add(grasps, says):
             left = tuple(suggestion for suggestion in self._found if suggestion not in wanted)
             if left:
                 self._show(left, min(self._chosen, len(left) - 1))

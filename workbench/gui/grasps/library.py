@@ -20,6 +20,8 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
+from workbench.model.messages.commands import GraspEditText
+from workbench.model.messages.message import Message
 from workbench.model.part import GraspLibrary, GraspPair, Part
 from workbench.words.words import Words
 
@@ -48,7 +50,7 @@ class PairControls:
 
         @self._clear.on_click
         def _(_: Any) -> None:
-            editing.set_pairs((), "the pairs of grasps are removed")
+            editing.set_pairs((), GraspEditText.NO_PAIRS())
 
     def show(self, part: Part, *, problem: str) -> None:
         """The part is this one now."""
@@ -64,7 +66,9 @@ class PairControls:
     def _add_pair(self) -> None:
         pair = GraspPair(self._first.value, self._second.value, bool(self._is_ordered.value))
         known = self._editing.part.library.pairs
-        self._editing.set_pairs((*known, pair), f"{pair.first} goes with {pair.second}")
+        self._editing.set_pairs(
+            (*known, pair), GraspEditText.PAIR(first=pair.first, second=pair.second)
+        )
 
 
 class LibraryControls:
@@ -168,16 +172,16 @@ class LibraryControls:
     def _gone_back(self) -> None:
         version = self._chosen_version()
         if version is not None:
-            says = f"back to version {version.number} of the grasps"
+            says = GraspEditText.VERSION(version=version.number)
             self._taken_over(lambda: version.library, says)
 
     def _on_take(self) -> None:
         folder = self._folder
         if folder is not None:
-            says = "the draft of an earlier session is taken"
+            says = GraspEditText.DRAFT()
             self._taken_over(lambda: draft_of(folder), says)
 
-    def _taken_over(self, read: Callable[[], GraspLibrary | None], says: str) -> None:
+    def _taken_over(self, read: Callable[[], GraspLibrary | None], says: Message) -> None:
         """Put the library that is read from a file, if it is there, instead of the one now."""
         try:
             library = read()

@@ -7,6 +7,7 @@ from workbench.gui.grasps.views import no_grasp
 from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Part
 from workbench.model.part_edits import grasp_of
 
@@ -84,4 +85,6 @@ class GraspOffset:
         if entry is not None and other is not None:
             T_other_tcp = typed_pose(self._shift.value, self._turn.value)
             T_part_tcp = grasp_of(other).T_part_tcp * T_other_tcp
-            self._editing.move(entry, T_part_tcp, f"{entry.name} put as offset from {other.name}")
+            self._editing.move(
+                entry, T_part_tcp, GraspEditText.OFFSET(grasp=entry.name, other=other.name)
+            )

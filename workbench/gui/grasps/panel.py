@@ -30,6 +30,7 @@ from workbench.gui.shared.views import not_redone, not_undone
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.geometry import Floats
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.part import Entry, Grasp, Part, grasps_of
 from workbench.model.part_edits import grasp_of
 from workbench.planning.grasps.grasp_check import GraspCheck
@@ -303,12 +304,12 @@ class GraspsPanel:
         low, high = self._editing.tool.stroke
         opening, grip = (fitted.opening, fitted.grip) if fitted else (min(low + WIDE, high), low)
         grasp = Grasp(self._editing.free_name("grasp"), T, min(opening, high), min(grip, high))
-        self._editing.add((grasp,), f"{grasp.name} put on the surface")
+        self._editing.add((grasp,), GraspEditText.ON_SURFACE(grasp=grasp.name))
 
     def _on_delete(self) -> None:
         entry = self._editing.entry
         if entry is not None:
-            self._editing.remove(entry, (), f"{entry.name} deleted")
+            self._editing.remove(entry, (), GraspEditText.DELETED(grasp=entry.name))
 
     def _on_keep(self) -> None:
         self._editing.keep_lost()

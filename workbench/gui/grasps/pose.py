@@ -22,6 +22,7 @@ from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of
 from workbench.model.errors import WorkbenchError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import plain
 from workbench.model.part import Entry
 from workbench.model.part_edits import grasp_of
@@ -87,7 +88,7 @@ class GraspPose:
             hint="Square to the surface where the tool comes in, as deep as fingers hold well.",
         )
         self._told = gui.add_html("")
-        self._apply.on_click(lambda _: self._end(self._read_pose(), "moved by numbers"))
+        self._apply.on_click(lambda _: self._end(self._read_pose(), GraspEditText.MOVED_BY_NUMBERS))
         self._snap.on_click(lambda _: self._on_snap())
         self._axes.on_update(lambda _: self._place_gizmo())
         for key, (says, step) in NUDGES.items():
@@ -139,7 +140,7 @@ class GraspPose:
 
     def _nudge(self, step: tuple[float, float, float]) -> None:
         if self._gizmo is not None:
-            self._end(self._T * pose_from_rpy(step), "nudged")
+            self._end(self._T * pose_from_rpy(step), GraspEditText.NUDGED)
 
     def _on_snap(self) -> None:
         try:
@@ -147,14 +148,14 @@ class GraspPose:
         except WorkbenchError as error:
             self._visitor.tell("Refused", str(error))
             return
-        self._end(T, "snapped to the surface")
+        self._end(T, GraspEditText.SNAPPED)
 
-    def _end(self, T: pin.SE3, says: str) -> None:
+    def _end(self, T: pin.SE3, says: GraspEditText) -> None:
         """A person wants the hand there."""
         entry = self._seen
         if entry is None:
             return
-        if not self._editing.move(entry, T, f"{entry.name} {says}"):
+        if not self._editing.move(entry, T, says(grasp=entry.name)):
             self._put(self._T)
 
     def _add_gizmo(self, size: float) -> None:
@@ -179,7 +180,7 @@ class GraspPose:
         self._moving(self._read_pose())
         if is_over:
             self._verdicts.end()
-            self._end(self._read_pose(), "moved by gizmo")
+            self._end(self._read_pose(), GraspEditText.MOVED_BY_GIZMO)
         elif self._seen is not None:
             change = self._editing.moving(self._seen, self._read_pose())
             self._verdicts.ask({"change": change}, T_WORLD_STAGE * self._read_pose())

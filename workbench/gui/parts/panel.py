@@ -11,7 +11,6 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.outcomes import ForgetAvoided
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
-from workbench.app.core.state import counted
 from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
 from workbench.gui.help.groups import group
@@ -32,6 +31,8 @@ from workbench.gui.uploads.reading import sent_poses, sent_scan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.commands import EditText
+from workbench.model.messages.message import FoundPart
 from workbench.model.scan import Detection
 from workbench.plugins.progress import Cancelled
 
@@ -212,7 +213,7 @@ class PartsPanel:
         def moved() -> Command:
             found, number = self._with_chosen_at(T), self._number
             self._chosen = found[number]
-            return UseDetections(found, f"part-{number + 1} was corrected by hand")
+            return UseDetections(found, EditText.PART_CORRECTED(found=FoundPart(number)))
 
         return self._ask_choosing(moved)
 
@@ -244,13 +245,14 @@ class PartsPanel:
         rest = found[:number] + found[number + 1 :]
         if not rest:
             raise InputError("the last part cannot be vetoed: take a new scan instead")
-        return UseDetections(rest, f"part-{number + 1} ({found[number].part}) was vetoed")
+        says = EditText.PART_VETOED(found=FoundPart(number), part=found[number].part)
+        return UseDetections(rest, says)
 
     def _undone(self) -> Command:
         before = self._visitor.bench.state.parts_before
         if not before:
             raise InputError(NOT_DONE)
-        return UseDetections(before[0], "the last change of the parts is undone")
+        return UseDetections(before[0], EditText.PARTS_UNDONE())
 
     def _add_one(self) -> None:
         """Add a part and choose it, so that it is the one that is moved next."""
@@ -268,7 +270,8 @@ class PartsPanel:
         cell = self._visitor.cell
         middle = cell.bin.T_world_bin * pose_from_rpy((0, 0, float(cell.bin.size[2]) / 2))
         self._chosen = detection = Detection(self._kind.value, middle)
-        return UseDetections((*self._found, detection), f"a {detection.part} was added by hand")
+        says = EditText.PART_ADDED(part=detection.part)
+        return UseDetections((*self._found, detection), says)
 
     def _read_no_more(self) -> None:
         self._sent = None
@@ -300,7 +303,8 @@ class PartsPanel:
 
     def _poses_of(self, name: str, content: bytes, cancelled: Cancelled) -> Command:
         detections = sent_poses(name, content, self._kind.value, cancelled=cancelled)
-        return UseDetections(detections, f"{counted(len(detections), 'pose')} taken from {name}")
+        says = EditText.POSES_FROM(count=len(detections), file=name)
+        return UseDetections(detections, says)
 
 
 def _place(found: Sequence[Detection], chosen: Detection | None) -> int | None:

@@ -165,7 +165,7 @@ def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Float
     are on legs of one kind the smallest counts.
 
     Returns:
-        Times (k,) [s], what is kept (k,) on free legs, on straight ways, and between arms [mm]; NaN
+        Times (k,) [s]; the distance (k,) [mm] on free legs, on linear motions and between arms, NaN
         where there is no such leg.
     """
     kept = {(arm, leg): bounds for arm, leg, bounds in proof.clearances}
@@ -235,8 +235,8 @@ def plots_of(
             np.concatenate(columns) for columns in zip(*each, strict=True)
         )
         ways = (
-            Curve("free ways", JOINTS[0], free),
-            Curve("straight ways", LEGS["extract"], straight),
+            Curve("free motion", JOINTS[0], free),
+            Curve("linear motion", LEGS["extract"], straight),
         )
         found.append(Plot("Kept clear at least, up to 100", "mm", times, ways, low=0.0))
         if len(cell.arms) > 1:

@@ -17,8 +17,8 @@ from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {
     "propose": "grasps",
-    "resolve": "straight ways",
-    "route": "free ways",
+    "resolve": "linear motion",
+    "route": "free motion",
     "prove": "proof",
     "regrasp": "over a station",
     "row": "plans after it",
@@ -113,7 +113,7 @@ def outlines_html(
             ("Planner", False),
             ("Cycle", True),
             ("Planning", True),
-            ("Free ways", True),
+            ("Free motion", True),
             ("Arms apart", True),
         )
     )

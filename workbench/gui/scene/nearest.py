@@ -23,7 +23,7 @@ from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
-from workbench.model.plan import Plan, Proof, Proven, at_least, floored
+from workbench.model.plan import Plan, Proof, Proven, floored
 from workbench.proof.claims.spot import Spot
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -42,7 +42,7 @@ def free_message(state: State) -> Message:
 
 
 def straight_message(state: State) -> Message:
-    """How near hand and part come on the straight ways of all that is to be carried out."""
+    """How near hand and part come on the linear motions of all that is to be carried out."""
     row = state.whole_row
     bounds = [straight_bound(proven_plan.proof) for proven_plan in row]
     number = min(range(len(row)), key=lambda place: _or_far(bounds[place]))
@@ -84,7 +84,7 @@ def _nearest_message(state: State, plan: Plan, proof: Proof) -> Message:
 
 
 def _straight_message(state: State, proof: Proof) -> Message:
-    """How near hand and part come on their straight ways, where they may come near."""
+    """How near hand and part come on their linear motions, where they may come near."""
     margin = state.cell.policy.near_margin
     kept = [
         (float(bounds.min()), arm, leg)
@@ -116,8 +116,8 @@ def proof_html(state: State, links: "PlanLinks") -> str:
             return line(links.render(text), kind="bad")
     name, certificates = certificates_of(state)
     rows = [
-        ("Free ways", links.render(free_message(state))),
-        ("Straight ways", links.render(straight_message(state))),
+        ("Free motion", links.render(free_message(state))),
+        ("Linear motion", links.render(straight_message(state))),
         (name, ", ".join(map(links.render, certificates))),
     ]
     return table_html(rows, made=links.made(state))
@@ -165,7 +165,7 @@ class PlanLinks:
         free = self.render(free_message(state))
         tip = "Saves what another machine can check"
         return {
-            "Free ways": go_html(free, self._nearest, "Shows the plan there"),
+            "Free motion": go_html(free, self._nearest, "Shows the plan there"),
             name: ", ".join(go_html(text, button, tip) for text, button in saves),
         }
 
@@ -191,7 +191,8 @@ class PlanLinks:
         runs, time = timeline(*state.plans), run.start + spot.seconds
         visitor.own.end()
         visitor.look.change(time=time, is_playing=False, by=None)
-        visitor.own.change(visited=Visited(plan, time, spot, at_least(proof.clearance)))
+        near = visitor.words.render(CommonText.AT_LEAST(distance=floored(proof.clearance)))
+        visitor.own.change(visited=Visited(plan, time, spot, near))
         first, second = spot.points
         q = {arm: moment.q for arm, moment in moments(state.cell, runs, time).items()}
         middle = (first + second) / 2

@@ -19,6 +19,7 @@ from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.scene import SearchText
 from workbench.model.errors import InputError
+from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import all_of, plain
 from workbench.model.scan import Search, SearchOverrides
 from workbench.words.words import IN_ENGLISH, Words
@@ -121,7 +122,7 @@ class SearchInputs:
             raise InputError(CHOOSE)
         self._visitor.look.change(search=None)
         place = state.searches.index(search) + 1
-        return UseDetections(search.detections, f"search {place} is taken")
+        return UseDetections(search.detections, EditText.SEARCH_TAKEN(search=place))
 
 
 def searched(state: State, number: int | None) -> Search | None:

@@ -93,7 +93,7 @@ def plot_html(plot: Plot, end: float, slider: str = "") -> str:
     goes = f' onclick="{escape(_goes(slider))}"' if slider else ""
     cursor = '<i class="wb-at"></i>' if slider else ""
     return (
-        f'<div class="wb-plot"><div class="wb-plot-title">{escape(plot.title)} '
+        f'<div class="wb-plot"><div class="wb-plot-title"><span>{escape(plot.title)}</span> '
         f"[{escape(plot.unit)}]</div>"
         f'<div class="wb-canvas"{goes}>{across}'
         f'<svg viewBox="0 0 {WIDE:g} {HIGH:g}" preserveAspectRatio="none" aria-hidden="true">'

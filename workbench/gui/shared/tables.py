@@ -86,7 +86,7 @@ def stages_html(candidates: Sequence[Candidate], words: Words = IN_ENGLISH) -> s
                 f"{escape(words.render(stage.message))} <b>{left}</b> \u2212{refused[stage]}"
             )
         left -= refused[stage]
-    lines.append(f"remaining <b>{left}</b>")
+    lines.append(f"<span>{escape(words.say('remaining'))}</span> <b>{left}</b>")
     return f'<div class="wb-stages">{", ".join(lines)}</div>'
 
 
@@ -243,7 +243,7 @@ def chosen_html(place: int | None) -> str:
 def _arrow(order: Order, column: Column) -> str:
     if order.column != column:
         return ""
-    return " ▾" if order.is_descending else " ▴"
+    return "<span> ▾</span>" if order.is_descending else "<span> ▴</span>"
 
 
 def _row_html(candidate: Candidate, button: str, words: Words) -> str:

@@ -15,13 +15,13 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
-from workbench.gui.texts.common import CommonText, cycle_message
+from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText, StatusText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
 from workbench.model.messages.message import Message, all_of, as_message
-from workbench.model.messages.plans import strategy_message
+from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import ClearanceText, StateText
 from workbench.model.plan import Proof, floored
 from workbench.model.prediction import Predictions
@@ -290,7 +290,7 @@ def forecast_line(
 def _takes(state: State) -> Message:
     plan = state.plan
     assert plan is not None
-    cycle = cycle_message(plan.cycle_seconds, state.bound)
+    cycle = cycle_words(plan.cycle_seconds, state.bound)
     text = CycleText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
     if len(state.plans) < 2:
         return text
@@ -338,7 +338,7 @@ def clearance_message(proof: Proof) -> Message:
 
 
 def straight_bound(proof: Proof) -> float | None:
-    """What is kept [m] at least on the straight ways, where the tool may come near."""
+    """What is kept [m] at least on the linear motions, where the tool may come near."""
     kept = [
         bounds.min()
         for _, leg, bounds in proof.clearances
@@ -358,23 +358,24 @@ def table_html(
     return f'<table class="wb-facts" title="{escape(title)}">{body}</table>'
 
 
-def verdict_text(verdict: Verdict) -> str:
-    """The evidence of a verdict in English, without its reason."""
+def _evidence(verdict: Verdict) -> str:
+    """Which bodies, and how far apart they are [mm]."""
     pieces: list[str] = []
     if verdict.pair is not None:
         pieces.append(f"{verdict.pair[0]} · {verdict.pair[1]}")
     if verdict.distance is not None:
         pieces.append(mm(verdict.distance))
-    if verdict.note is not None:
-        pieces.append(str(verdict.note))
     return ", ".join(pieces)
 
 
 def candidate_label(candidate: Candidate) -> str:
-    """A candidate for the scene: which, its verdict, and the evidence, a line each."""
+    """A candidate for the scene: which, the kind of its verdict, and the evidence, a line each.
+
+    All browsers share it, so each line is a name, a number, or a text that is translated whole.
+    """
     lines = [
-        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm} arm",
+        f"part-{candidate.detection + 1}, {candidate.grasp.name}, {candidate.arm}",
         str(candidate.verdict.kind.message),
-        verdict_text(candidate.verdict),
+        _evidence(candidate.verdict),
     ]
     return "\n".join(text for text in lines if text)

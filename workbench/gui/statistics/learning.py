@@ -14,6 +14,7 @@ from workbench.gui.shared.views import line, said
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.errors import JobCancelled, WorkbenchError
+from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message, as_message
 
 log = logging.getLogger(__name__)
@@ -70,7 +71,7 @@ class LearningControls:
             found = propose_apart(cell, name, left, self._report, self._cancelled)
             says = [said(message, self._visitor.words) for message in proposal_words(name, found)]
             if found.entries:
-                says_edit = f"new grasps for parts of {name} that were left"
+                says_edit = GraspEditText.LEARNED(part=name)
                 edit = EditPart(name, (), found.entries, says=says_edit)
                 says = says if self._visitor.ask(lambda: edit) else []
         except JobCancelled:

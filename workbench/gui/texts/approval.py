@@ -1,7 +1,6 @@
 """Texts of the dialog Approve, and of the line that shows approvals."""
 
-from workbench.gui.texts.common import CommonText
-from workbench.model.messages.message import Message, Text
+from workbench.model.messages.message import Text
 
 
 class ApprovalText(Text, subject="page-approval"):
@@ -11,8 +10,6 @@ class ApprovalText(Text, subject="page-approval"):
     UNTIL = "By {people:and} until {until}"
     RUN_OUT = "run out"
     NOT_ALL_WATCHED = "not all of them have seen the preview"
-    AT_SPEED = "at {share:%} of the planned speed"
-    STEP_BY_STEP = "step by step"
     WAITING_FOR = "Waiting for {count} {count:person|people}."
     BY_WAITING = "By {people:and} until {until}, waiting for {count} more {count:person|people}."
     TITLE = "Approve this plan"
@@ -51,13 +48,3 @@ class ApprovalText(Text, subject="page-approval"):
     UNKNOWN_THINGS = "{count} unknown {count:thing|things} in the scan"
     ON_PALLETS = "{count} {count:part|parts} on pallets"
     AS_LEFT = "{clear}, each plan with what those before it leave"
-
-
-def manner_message(speed_share: float, is_stepped: bool) -> Message | None:
-    """The manner of a sending; None where it is in one go and as planned."""
-    speed = ApprovalText.AT_SPEED(share=speed_share)
-    if speed_share < 1.0 and is_stepped:
-        return CommonText.LIST(items=(speed, ApprovalText.STEP_BY_STEP()))
-    if speed_share < 1.0:
-        return speed
-    return ApprovalText.STEP_BY_STEP() if is_stepped else None

@@ -41,7 +41,6 @@ class GraspText(Text, subject="page-grasps"):
     OTHER_PART = "{part} is no longer in hand: nothing was added."
     BY_ARM = "By the {arm} arm"
     DRAFT = "An earlier session has left a draft with {count} {count:change|changes} not saved."
-    VERSION = "{number}: {remark}"
     NUDGE = "Grasp 1 mm along {direction}"
     NUMBERS_EXPECTED = (
         "{name}: numbers are expected, as 0, 72, 144, or a count and a step, as 5 x 72 or "

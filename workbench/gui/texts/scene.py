@@ -50,7 +50,6 @@ class SearchText(Text, subject="page-search"):
 
     NONE_ABOVE = "none below {score:2}"
     SCORES = "scores {scores}"
-    TAKEN = "search {number} is taken over"
 
 
 class PoseText(Text, subject="page-pose"):

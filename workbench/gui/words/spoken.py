@@ -51,13 +51,16 @@ def _by_field(words: Words) -> Mapping[str, Say]:
     def each(texts: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(map(words.say, texts))
 
+    def lines(text: str) -> str:
+        return "\n".join(map(words.say, text.split("\n")))
+
     return {
         "label": words.say,
         "hint": words.say,
         "title": words.say,
         "body": words.say,
         "description": words.say,
-        "text": words.say,
+        "text": lines,
         "content": words.html,
         "_markdown": words.markdown,
         "_tab_labels": each,

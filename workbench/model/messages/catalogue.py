@@ -16,6 +16,7 @@ from workbench.model.messages.changes import ChangeText, FillText, RemainText
 from workbench.model.messages.commands import (
     CommandText,
     EditText,
+    GraspEditText,
     MannerText,
     NameText,
     RoleText,
@@ -23,7 +24,7 @@ from workbench.model.messages.commands import (
 )
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
-from workbench.model.messages.parts import DrawnText, FailureText, PileText
+from workbench.model.messages.parts import DrawnText, PileText
 from workbench.model.messages.places import PalletText, StationText
 from workbench.model.messages.plans import (
     CycleText,
@@ -114,12 +115,12 @@ SUBJECTS: tuple[type[Text], ...] = (
     MannerText,
     NameText,
     EditText,
+    GraspEditText,
     StaleText,
     GripText,
     FixText,
     BudgetText,
     PileText,
-    FailureText,
     DrawnText,
     PalletText,
     StationText,

@@ -1,4 +1,4 @@
-"""What commands, roles, things of a cell and values are called in refusals, and single remarks."""
+"""What commands, roles, things and values are called in refusals, and remarks on edits."""
 
 from workbench.model.messages.message import Text
 
@@ -91,16 +91,60 @@ class NameText(Text, subject="name"):
 
 
 class EditText(Text, subject="edit"):
-    """Remarks on what was done to cell, parts, poses and calibration."""
+    """Remarks on what was done to cell, detections and calibration."""
 
     CELL_UNDONE = "the last change of the cell is undone"
     CELL_REDONE = "the last undone change of the cell is made again"
     CELL_AS_FILE = "the cell is as in its file"
     CELL_SAVED = "the cell is saved"
     CELL_FILE_CHANGED = "the cell file was changed and is read again"
-    GRASPS = "the grasps of {part} are changed"
+    TOOL = "the {arm} arm carries {tool}"
+    MOVED = "the {thing} is moved"
+    HOME = "the {arm} arm has another home"
+    PLACE_ADDED = "the {arm} arm has another place"
+    BIN_MOVED = "the bin was moved by {shift:mm} to where the scan shows it"
+    SCANNER_MOVED = "{by} moved the scanner to where recorded scans show it"
+    CALIBRATED = "{by} calibrated the scanner with {used} {used:pose|poses}"
+    POSE_USED = "{pose} is used again"
+    POSE_LEFT_OUT = "{pose} is left out"
+    POSE_REMOVED = "{pose} is removed"
     POSES_TAKEN = "{count} {count:pose|poses} taken from outside"
     POSES_FROM = "{count} {count:pose|poses} taken from {file}"
+    SEARCH_TAKEN = "the detections of search {search} are taken"
+    PARTS_UNDONE = "the last change of the parts is undone"
+    PART_ADDED = "a {part} was added by hand"
+    PART_CORRECTED = "{found} was corrected by hand"
+    PART_VETOED = "{found} ({part}) was vetoed"
+
+
+class GraspEditText(Text, subject="grasp-edit"):
+    """Remarks on what was done to the grasps of a part."""
+
+    CHANGED = "the grasps of {part} are changed"
+    SYMMETRY = "the symmetry of {part} is set"
+    PAIR = "{first} goes with {second}"
+    NO_PAIRS = "the pairs of grasps are removed"
+    VERSION = "the grasps are those of version {version}"
+    DRAFT = "the draft of an earlier session is taken"
+    LEARNED = "new grasps for parts of {part} that were left"
+    FILLED = "{count} {count:family|families} of grasps fill the library"
+    SUGGESTED = "{count} suggested grasps are added"
+    ADDED = "{grasp} is added"
+    ADDED_FOR_COVERAGE = "{grasp} is added where no grasp worked"
+    EDITED = "{grasp} is edited"
+    DELETED = "{grasp} is deleted"
+    DUPLICATED = "{grasp} is duplicated"
+    MIRRORED = "{grasp} is mirrored across {plane}"
+    REPEATED = "{grasp} is repeated {count} times"
+    SPLIT = "{grasp} is now {count} single grasps"
+    SINGLE = "{grasp} is now a single grasp"
+    COPY_OF_LOST = "{copy} is added: somebody else changed {grasp} first"
+    OFFSET = "{grasp} is put at an offset from {other}"
+    ON_SURFACE = "{grasp} is put on the surface"
+    MOVED_BY_NUMBERS = "{grasp} is moved by numbers"
+    MOVED_BY_GIZMO = "{grasp} is moved by the gizmo"
+    NUDGED = "{grasp} is moved by a key"
+    SNAPPED = "{grasp} is put on the nearest surface"
 
 
 class StaleText(Text, subject="stale"):

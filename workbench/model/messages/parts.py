@@ -35,15 +35,6 @@ class PileText(Text, subject="pile"):
     )
 
 
-class FailureText(Text, subject="failure"):
-    """How a pick fails in simulation, by the names on record."""
-
-    MISSED = "missed"
-    CROOKED = "crooked"
-    TURNED = "turned"
-    SLIPPED = "slipped"
-
-
 class DrawnText(Text, subject="drawn"):
     """Why no tool can be made of drawings."""
 

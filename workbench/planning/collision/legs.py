@@ -94,7 +94,7 @@ def _steps(most: float, step: float) -> list[tuple[int, float]]:
 def lead_of(leg: Leg, points: int) -> Floats:
     """The waypoints (k, n) [rad] that a leg begins with however it goes on.
 
-    On the way home these are the `points` of the hand's straight way out of the place.
+    On the way home these are the `points` of the hand's linear motion out of the place.
     """
     return np.asarray(leg.q[: points if leg.name == "home" else 1])
 

@@ -27,8 +27,12 @@ from workbench.planning.collision.world import World
 NARROW = 0.02
 """[rad] Roundings of a corner at which no joint differs by more than this have none between."""
 
-CHORDS = 8
-"""Straight pieces that stand for a rounding, as they do where it is proven."""
+CHORDS = 4
+"""Straight pieces that stand for a rounding.
+
+The proof's triangles reach as far from the corner as these chords of the widest rounding: with more
+of them a plan would be refused for a state between both.
+"""
 
 STREAMED_ZONE = 0.5
 """By less than this share of a segment a straight line between two samples cuts a corner."""
@@ -55,7 +59,7 @@ def segment(start: Floats, end: Floats) -> Curves:
 
 
 def straight(path: Floats) -> Curves:
-    """The straight ways from waypoint to waypoint (m, n) [rad]."""
+    """The linear motions from waypoint to waypoint (m, n) [rad]."""
     starts, ends = path[:-1], path[1:]
     return Curves(np.stack([starts, (starts + ends) / 2, ends], axis=1), np.arange(len(starts)))
 
@@ -63,7 +67,7 @@ def straight(path: Floats) -> Curves:
 def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
-    That is every straight way from waypoint to waypoint, where it stops or a zone cannot be done;
+    That is every linear motion from waypoint to waypoint, where it stops or a zone cannot be done;
     and every corner rounded, or cut straight where it is streamed, by as much as may be and by
     less, in steps of `NARROW`.
     """
@@ -95,7 +99,7 @@ def _walk(path: Floats, wide: float, pieces: int) -> tuple[Floats, Ints]:
             points[at, 0, i], points[at, 1, i], points[at, 2, i] = a, (a + b) / 2, b
         waypoints[at] = k
         at += 1
-        # Each corner's after the straight way that leads to it.
+        # Each corner's after the linear motion that leads to it.
         for step in range(counts[k], 0, -1):
             share = wide * (step / counts[k])
             for piece in range(pieces):

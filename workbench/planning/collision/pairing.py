@@ -95,7 +95,7 @@ class Checks:
 
         A part lies on the bin's floor and on other parts when it is taken: as it is lifted, its
         margin to these is what `kept` says.  A hand that has let go of a part is
-        around it or on it: on its way out it keeps `near` to it as on any straight way, and where
+        around it or on it: on its way out it keeps `near` to it as on any linear motion, and where
         it is closer already it may not come nearer.  `picking.leaving` says what follows.
         """
         # The margins of the phase serve others too; these are for this leg alone.

@@ -1,4 +1,4 @@
-"""A part alone, moved along straight ways out of the bin: which of them are free, whoever holds it.
+"""A part alone, moved straight out of the bin: which directions are free, whoever holds it.
 
 The way of a part does not depend on the grasp.  So where a neighbour lies on it, or leans on it, no
 grasp has to be tried.
@@ -71,7 +71,7 @@ def steps_along(first: float, most: float) -> Floats:
 
 
 def kept_on_ways(cell: Cell) -> float:
-    """The distance [m] that surely is too small for a straight way, wherever the arm runs it."""
+    """The distance [m] that surely is too small for a linear motion, wherever the arm runs it."""
     return max(0.0, cell.policy.near_margin - ASIDE)
 
 

@@ -145,7 +145,7 @@ class ToolCheck:
     def on_way(
         self, arm: Arm, T_world_tcp: pin.SE3, opening: float, number: int, way: Floats
     ) -> tuple[tuple[str, str], float] | None:
-        """What the tool meets on a straight way, and after how much of it [m]; None for nothing.
+        """What the tool meets on a linear motion, and after how much of it [m]; None for nothing.
 
         What counts is what comes nearer than `kept_on_ways`.
 

@@ -119,7 +119,7 @@ class GraspChecker:
         return best, self._names[at] if at >= 0 else ""
 
     def way_in(self, grasp: Grasp) -> tuple[float, float, str]:
-        """The least distance on the straight way in, open.
+        """The least distance on the linear motion in, open.
 
         Returns:
             The distance [m], how far before the end of the way [m], and the solid; the distance is

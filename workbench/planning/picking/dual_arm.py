@@ -217,7 +217,7 @@ def find_arm_contact(world: World, pair: Pair) -> ArmContact | None:
 
 
 def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair]:
-    """The pair with the free way of one arm led around the whole way of the other."""
+    """The pair with the free motion of one arm led around the whole way of the other."""
     for slave, master in ((1, 0), (0, 1)):
         task = pair[slave]
         if MOTIONS[task.name] != "joint":

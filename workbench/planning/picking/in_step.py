@@ -64,7 +64,7 @@ def way_in_step(
     rng: np.random.Generator,
     planner: Planner | None = None,
 ) -> Floats | Verdict:
-    """A free way of all joints of several arms, in the phase that the world is in; see `onward`.
+    """A free motion of all joints of several arms, in the phase that the world is in; see `onward`.
 
     Args:
         world: that they are in.

@@ -1,7 +1,7 @@
 """A lower bound of a plan's cycle: what the same parts would take if nothing were in the way.
 
 Between two stops of an arm every joint has to turn from where it stands to where it has to be, by
-way of the ends of the straight ways.  It can do that no quicker than alone, straight, at its full
+way of the ends of the linear motions.  It can do that no quicker than alone, straight, at its full
 allowed speed, acceleration and, where the cell limits it, jerk.  An arm stops at the part, at the
 place and at home, nowhere else, and no arm ever waits for another.
 """

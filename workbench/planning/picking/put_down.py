@@ -1,4 +1,4 @@
-"""Where a part is put down: the straight way to a place, and the hand's straight way out again."""
+"""Where a part is put down: the linear motion to a place, and that of the hand out again."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from workbench.planning.placing.pallets import open_places, why_full
 from workbench.planning.planners.clock import processor_time
 
 PLACE_LIFT = 0.05
-"""[m] The last straight way to the place."""
+"""[m] The last linear motion to the place."""
 
 DRAWN = 4
 """The soonest configurations at a place that are moved in their null space to come sooner."""
@@ -39,7 +39,7 @@ LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PutDown:
-    """Straight ways (m, n) [rad]: `down` to a place, and `out` of there with the empty hand.
+    """Linear motions (m, n) [rad]: `down` to a place, and `out` of there with the empty hand.
 
     There is one row in `out` where the place is at home.
     """
@@ -51,7 +51,7 @@ class PutDown:
 def plan_straight_descents(
     world: World, arm: Arm, phase: Phase, q_from: Floats, near: Floats | None = None
 ) -> Iterator[Floats | Verdict]:
-    """The straight ways (m, n) to the places of an arm, in order; what speaks against others.
+    """The linear motions (m, n) to the places of an arm, in order; what speaks against others.
 
     Those where the part has to lie in a certain way come first, those of the hand behind them.
 
@@ -129,7 +129,7 @@ def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | 
 def _straight(
     world: World, arm: Arm, phase: Phase, hands: _Hands, starts: Floats
 ) -> Iterator[Floats | Verdict]:
-    """The straight ways (m, n) to a place, and what speaks against others.
+    """The linear motions (m, n) to a place, and what speaks against others.
 
     That comes first which is soonest reached from where the arm comes from, the first of the
     `starts`, and left for home.
@@ -315,7 +315,7 @@ def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
 
 
 def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> Floats | Verdict:
-    """The straight way (m, n) of the open hand out of where it has put the part `down`.
+    """The linear motion (m, n) of the open hand out of where it has put the part `down`.
 
     It goes out as it had come to the part in the bin; where that is not possible, straight back.
     """

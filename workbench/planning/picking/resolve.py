@@ -1,4 +1,4 @@
-"""From a candidate to configurations: grasp, the straight ways in and out, and the place."""
+"""From a candidate to configurations: grasp, the linear motions in and out, and the place."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -360,7 +360,7 @@ def _held_back(caught: Caught) -> Verdict:
 
 
 def _beyond(chain: Chain, path: Floats, far: float) -> Floats:
-    """The waypoints (k, n) of a straight way (m, n) from `far` [m] of the hand's way on."""
+    """The waypoints (k, n) of a linear motion (m, n) from `far` [m] of the hand's way on."""
     places = np.array([chain.pose(q).translation for q in path])
     gone = np.linalg.norm(places - places[0], axis=1)
     if gone[-1] <= far:
@@ -379,7 +379,7 @@ def _place(
     T_tcp_part: pin.SE3,
     near: Floats | None,
 ) -> Floats | Verdict:
-    """The straight way down to the first place that works, shape (m, n)."""
+    """The linear motion down to the first place that works, shape (m, n)."""
     refusal = _no_place(world, candidate, arm)
     phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
     for way in plan_straight_descents(world, arm, phase, q_from, near):

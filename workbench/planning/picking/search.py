@@ -1,4 +1,4 @@
-"""One free way: searched by the planner of that name, shortened, rounded, checked as it is run."""
+"""One free motion: searched by a planner, shortened, rounded, checked as it is run."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -1,8 +1,8 @@
 """Whether a part could go from one hand to the other in the air: a search, and no plan.
 
 Asked is less than a plan would have to be: one hand lifts the part out of the bin, both hold it at
-one pose without meeting anything; the second one comes and the first one leaves on a straight way,
-and the second one holds it so that it comes to its place.  The free ways between are not looked
+one pose without meeting anything; the second one comes and the first one leaves on a linear motion,
+and the second one holds it so that it comes to its place.  The free motions between are not looked
 for.  So what is counted is the most that a handover could bring, by the poses that are tried.
 """
 
@@ -59,7 +59,7 @@ WORDS = {
     Got.HANDS_MEET: "two hands that hold it meet",
     Got.NOT_REACHED: "no pose in the air that both arms reach",
     Got.IN_SOMETHING: "too near to something wherever both arms reach it",
-    Got.NO_STRAIGHT_WAY: "no straight way of the hands to it and away",
+    Got.NO_STRAIGHT_WAY: "no linear motion of the hands to it and away",
     Got.OK: "ok",
 }
 

@@ -13,7 +13,7 @@ from workbench.app.core.value_checks import check_says
 from workbench.formats.parts.grasp_files import as_written
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.messages.commands import CommandText, EditText
+from workbench.model.messages.commands import CommandText, GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
@@ -71,7 +71,7 @@ def edited_cell(state: State, edit: EditPart) -> Changed:
     """The state with other grasps or another symmetry of a part."""
     part = edited_part(state.cell.part(edit.part), edit)
     cell = with_part(state.cell, part.name, library=part.library, symmetry=part.symmetry)
-    return changed_cell(state, cell, edit.says or EditText.GRASPS(part=part.name))
+    return changed_cell(state, cell, edit.says or GraspEditText.CHANGED(part=part.name))
 
 
 def part_of(cell: Cell, name: str) -> Part:

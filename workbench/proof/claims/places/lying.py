@@ -19,7 +19,7 @@ START_STEP, ROUNDS = np.deg2rad(15.0), 20
 """[rad] How far apart the search for the nearest right pose begins, and how often it goes on."""
 
 BESIDE = 0.002
-"""[m] How far the end of the straight way to a place may be beside the direction that it states."""
+"""[m] How far the end of the linear motion to a place may lie off the direction that it states."""
 
 
 def lying_violations(
@@ -34,7 +34,7 @@ def lying_violations(
         part: that is put down.
         found: the part as it was found.
         T_world_put: where it is when the hand lets go of it.
-        came: (3,) [m] the straight way on which it got there.
+        came: (3,) [m] the linear motion on which it got there.
     """
     best: tuple[float, float, float, PartPlace] | None = None
     unseen, is_aside = False, False
