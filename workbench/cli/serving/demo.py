@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any
 
+from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
@@ -79,6 +80,8 @@ def demo(typed: arguments.Demo) -> int:
         bench = Bench(cell, journal, start=Started(inventory(cell, roles(USERS)), is_trial=True))
         try:
             with progress("demo") as report:
+                if typed.recipe:
+                    bench.do(ChooseRecipe(typed.recipe), ACTOR)
                 for number in range(typed.cycles):
                     Cycle(bench, number + 1, rows, report).run(typed.seed + number)
                     cycles.append(_cycle_form(typed.seed + number, bench.state))
@@ -173,7 +176,7 @@ class Cycle:
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
             raise NoPlan("no parts were found in the scan")
-        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+        wanted = MakePlan("", None, seed)
         return self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
 
     def _see_it_at_the_start(self, plan: Plan) -> None:
@@ -229,7 +232,7 @@ class Cycle:
 
 def _next(state: State, seed: int) -> GoOn:
     """The wish to go on with the next pile as this one was planned."""
-    wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+    wanted = MakePlan("", None, seed)
     return GoOn(TakeScan(seed, PARTS), FindParts(seed), wanted)
 
 

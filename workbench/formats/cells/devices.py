@@ -1,20 +1,23 @@
 """A cell file's scanner, localizer and controller: found by name, with keys of their own."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.formats.cells.calibrations import read_record
-from workbench.formats.cells.options import read_options, refused_at
 from workbench.formats.clouds.scans import CLOUD_AXES
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
 from workbench.formats.robots.arm_scanners import POSE
 from workbench.model.cell import Z_FORWARD, Controller, ScannerMount
+from workbench.model.errors import FileError, InputError
 from workbench.model.robot import ArmScanner
 from workbench.model.scan import LocalizerChoice
 from workbench.plugins.found import load, names
+from workbench.plugins.options import Options, options_of
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
 
 
@@ -107,3 +110,24 @@ def read_localizer(table: Table) -> LocalizerChoice:
         )
     table.finish()
     return choice
+
+
+def read_options(table: Table, kind: type) -> Options:
+    """The keys of its own that a plug-in has, as a table `options`; see `plugins.options`."""
+    given = table.table("options").plain() if table.has("options") else {}
+    try:
+        options_of(kind, given)
+    except InputError as error:
+        raise table.error("options", str(error)) from None
+    return given
+
+
+@contextmanager
+def refused_at(table: Table, key: str) -> Generator[None]:
+    """What a plug-in refuses is reported with the place in the file."""
+    try:
+        yield
+    except FileError:
+        raise
+    except InputError as error:
+        raise table.error(key, str(error)) from None

@@ -22,6 +22,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.part import PartPlace
+from workbench.model.recipes.recipe import names_of
 
 UNWRITABLE = "not written: something was changed that cannot be written into the file"
 
@@ -223,8 +224,12 @@ def _edit_places(table: Any, old: Arm, new: Arm) -> None:
             edit_pose(place, T, U)
         return
     places = tomlkit.aot()
-    for T in new.Ts_world_place:
-        places.append(edit_pose(tomlkit.table(), pin.SE3.Identity(), T))
+    names = names_of(len(new.Ts_world_place), new.place_names)
+    for T, name in zip(new.Ts_world_place, names, strict=True):
+        place = tomlkit.table()
+        if name:
+            place["name"] = name
+        places.append(edit_pose(place, pin.SE3.Identity(), T))
     for place in of_part:
         places.append(place)
     table["place"] = places

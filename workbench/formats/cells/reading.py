@@ -8,9 +8,14 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells.arms import read_arms
-from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
-from workbench.formats.cells.options import refused_at
+from workbench.formats.cells.devices import (
+    read_controller,
+    read_localizer,
+    read_scanner,
+    refused_at,
+)
 from workbench.formats.cells.places import check_kinds, read_stations
+from workbench.formats.cells.recipes import check_recipes, read_recipes
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
@@ -94,6 +99,7 @@ def read_cell(name: str | Path) -> Cell:
         policy=policy,
         approvers=approvers,
         stations=read_stations(table, fixtures),
+        recipes=read_recipes(table),
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
@@ -107,6 +113,7 @@ def read_cell(name: str | Path) -> Cell:
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
     for arm in cell.arms:
         check_kinds(table, arm.part_places, names)
+    check_recipes(table, cell)
     table.finish()
     return cell
 

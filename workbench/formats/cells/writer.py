@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells.calibrations import record_table
+from workbench.formats.cells.recipes import recipe_lines
 from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
@@ -20,6 +21,7 @@ from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import POLICIES, Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
+from workbench.model.recipes.recipe import names_of
 from workbench.model.robot import ArmScanner
 from workbench.plugins.options import Options
 
@@ -97,6 +99,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield from _fixture(fixture, put_mesh)
     for station in cell.stations:
         yield from _station(station)
+    for recipe in cell.recipes:
+        yield from recipe_lines(recipe)
 
 
 def _options(options: Options) -> Iterator[str]:
@@ -249,8 +253,9 @@ def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
         yield "passes_parts_on = true    # each is taken away before the arm brings another"
     if arm.needs_roll:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
-    for T in arm.Ts_world_place:
-        yield from ("", "[[arm.place]]", *_pose(T))
+    names = names_of(len(arm.Ts_world_place), arm.place_names)
+    for T, name in zip(arm.Ts_world_place, names, strict=True):
+        yield from ("", "[[arm.place]]", *_place_name(name), *_pose(T))
     for pallet, places in groupby(arm.part_places, key=lambda place: place.pallet):
         if pallet:
             first, *others = places
@@ -260,8 +265,14 @@ def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
                 yield from ("", "[[arm.place]]", *_part_place(place))
 
 
+def _place_name(name: str) -> Iterator[str]:
+    if name:
+        yield f"name = {text(name)}"
+
+
 def _part_place(place: PartPlace) -> Iterator[str]:
     rpy = np.rad2deg(pin.rpy.matrixToRpy(place.T_world_part.rotation))
+    yield from _place_name(place.name)
     if place.part:
         yield f"part = {text(place.part)}"
     yield f"part_position_mm = {_mm(place.T_world_part.translation)}"

@@ -162,8 +162,11 @@ def _with_pallet(places: tuple[PartPlace, ...], number: int, T: pin.SE3) -> tupl
 
 
 def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:
-    """The cell with other places for an arm."""
-    return _with_arm(cell, arm, Ts_world_place=places)
+    """The cell with other places for an arm; a place that stays keeps its name."""
+    was = cell.arm(arm)
+    known = list(zip(was.Ts_world_place, was.place_names, strict=False))
+    names = tuple(next((name for T, name in known if T.isApprox(place)), "") for place in places)
+    return _with_arm(cell, arm, Ts_world_place=places, place_names=names if any(names) else ())
 
 
 def with_home(cell: Cell, arm: str, home: Floats) -> Cell:
