@@ -15,7 +15,8 @@ from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
-from workbench.model.robot import Robot
+from workbench.model.recipes.recipe import NO_RECIPE, Recipe
+from workbench.model.robot import ArmScanner, Robot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -23,8 +24,6 @@ ORDER_NAMES: tuple[OrderName, ...] = get_args(OrderName)
 
 LiftName = Literal["leaning", "up", "back", "off-wall", "around", "any"]
 LIFT_NAMES: tuple[LiftName, ...] = get_args(LiftName)
-
-_LEANING: tuple[LiftName, ...] = ("leaning",)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +96,7 @@ class Arm:
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
     `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
     that it can carry.  `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most that its
-    joints may have; without `jerk` acceleration may jump.
+    joints may have; without `jerk` acceleration may jump.  `place_names`: of `Ts_world_place`.
     """
 
     name: str
@@ -116,6 +115,7 @@ class Arm:
     part_places: tuple[PartPlace, ...] = field(default_factory=tuple, metadata=LATER)
     passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
     jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
+    place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -169,7 +169,8 @@ class ScannerMount:
     scan; `options` are the driver's own keys.  `calibration` says who has measured the pose and
     when, None when nobody has; after `calibration_days` it counts as old.  `cloud_axes` names the
     axes of the points in files, see `formats.clouds.scans.CLOUD_AXES`.  `while_moving`: a scan is
-    as good while arms move out of its view, so that it need not wait for them.
+    as good while arms move out of its view, so that it need not wait for them.  `on_arm` is the arm
+    that carries it, None where it stands; `T_world_scanner` is its pose at the view then.
     """
 
     T_world_scanner: pin.SE3
@@ -187,9 +188,14 @@ class ScannerMount:
     options: Mapping[str, Option] = field(default_factory=dict[str, Option], metadata=LATER)
     cloud_axes: str = field(default_factory=lambda: Z_FORWARD, metadata=LATER)
     while_moving: bool = field(default_factory=bool, metadata=LATER)
+    on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
+
+    def housing_of(self, arm: str) -> tuple[Solid, ...]:
+        """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
+        return () if self.on_arm is None or self.on_arm.arm != arm else self.on_arm.housing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -256,7 +262,7 @@ class Policy:
     order: OrderName = "travel"
     metric: float = 0.6
     approval_minutes: float = 5.0
-    lifts: tuple[LiftName, ...] = field(default_factory=lambda: _LEANING, metadata=LATER)
+    lifts: tuple[LiftName, ...] = field(default_factory=lambda: ("leaning",), metadata=LATER)
     least_air: float | None = field(default_factory=lambda: None, metadata=LATER)
     pair_gap: float = field(default_factory=lambda: 0.0, metadata=LATER)
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
@@ -306,7 +312,8 @@ class Cell(Told):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
-    how many different people have to approve it, change nothing in it.
+    how many different people have to approve it, change nothing in it.  `recipe`: by which of
+    `recipes` it is made (`derived.by_recipe`), 0 for none.
     """
 
     name: str
@@ -323,10 +330,15 @@ class Cell(Told):
     approvers: int = 1
     localizer: LocalizerChoice = field(default_factory=LocalizerChoice, metadata=LATER)
     stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
+    recipes: tuple[Recipe, ...] = field(default_factory=tuple, metadata=LATER)
+    recipe: int = field(default_factory=lambda: NO_RECIPE, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         put(self, T_world_robot=copied(self.T_world_robot))
+        if (carrier := self.scanner.on_arm) is not None:
+            T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
+            put(self, scanner=replace(self.scanner, T_world_scanner=T))
         put(self, digest=digest_of(self, without=frozenset({"controller", "approvers"})))
 
     @property

@@ -184,6 +184,7 @@ class PartPlace:
     Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
     place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
     it.  So it takes parts only when every place beneath has one, and none when one lies above.
+    `name` is for recipes; several places may share it.
     """
 
     T_world_part: pin.SE3
@@ -194,6 +195,7 @@ class PartPlace:
     approach: tuple[float, float, float] = field(default_factory=lambda: DOWN, metadata=LATER)
     pallet: int = field(default_factory=int, metadata=LATER)
     layer: int = field(default_factory=lambda: 1, metadata=LATER)
+    name: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copied(self.T_world_part))

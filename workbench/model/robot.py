@@ -1,4 +1,4 @@
-"""A robot as a tree of links and joints, whatever file it came from."""
+"""A robot as a tree of links and joints, whatever file it came from, and a scanner on its arm."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -105,6 +105,21 @@ class Robot(Shared):
             link = by_child[link].parent
         return tuple(reversed(joints))
 
+    def link_poses(self, values: Mapping[str, float]) -> dict[str, pin.SE3]:
+        """`T_root_link` of every link; joints without a value [rad, m] stand at zero."""
+        poses = {self.root: pin.SE3.Identity()}
+        for joint in self.joints:
+            there = joint.at(values.get(joint.name, 0.0))
+            poses[joint.child] = poses[joint.parent] * there.T_parent_joint
+        return poses
+
+    def rigid_with(self, link: str) -> frozenset[str]:
+        """Links that no movable joint parts from a link, itself among them."""
+        carriers = {self.root: self.root}
+        for joint in self.joints:
+            carriers[joint.child] = carriers[joint.parent] if joint.kind == "fixed" else joint.child
+        return frozenset(name for name, carrier in carriers.items() if carrier == carriers[link])
+
     def reach(self, link: str, tools: Mapping[str, float]) -> float:
         """How far [m] the farthest point that a link carries gets from its origin, at most.
 
@@ -130,3 +145,58 @@ class Robot(Shared):
             np.array([joint.upper for joint in found]),
             np.array([joint.velocity for joint in found]),
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order."""
+
+    name: str
+    q: Floats
+
+    def __post_init__(self) -> None:
+        put(self, q=frozen(self.q))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ArmScanner:
+    """Which arm carries the scanner, where on its flange, and what collides of it.
+
+    `flange` and `joints` are those of the arm.
+    `T_flange_scanner` is the pose of the camera's frame.  `housing` are solids in the flange's
+    frame: scanner, bracket, plug.  The arm waits at the `view`, where every plan begins and ends.
+    `home` (n,) [rad, m] is the arm's `home_deg` in the cell file, where the arm stands before it
+    goes to the view.
+    """
+
+    arm: str
+    flange: str
+    joints: tuple[str, ...]
+    T_flange_scanner: pin.SE3
+    view: View
+    home: Floats
+    housing: tuple[Solid, ...] = ()
+
+    def __post_init__(self) -> None:
+        put(self, T_flange_scanner=copied(self.T_flange_scanner), home=frozen(self.home))
+
+    @property
+    def label(self) -> str:
+        """What people and a list of disabled pairs call the housing."""
+        return f"{self.arm}_scanner"
+
+    @property
+    def reach(self) -> float:
+        """How far [m] the farthest point of the housing gets from the flange, at most."""
+        return max((solid.reach for solid in self.housing), default=0.0)
+
+    def T_world_scanner(self, T_world_robot: pin.SE3, robot: Robot, q: Floats) -> pin.SE3:
+        """Where the scanner is while its arm stands at `q` (n,) [rad, m], chain order.
+
+        Args:
+            T_world_robot: where the robot stands.
+            robot: whose arm carries it.
+            q: of the arm; the robot's other joints do not count.
+        """
+        values = dict(zip(self.joints, map(float, np.asarray(q)), strict=True))
+        return T_world_robot * robot.link_poses(values)[self.flange] * self.T_flange_scanner

@@ -30,6 +30,8 @@ class Scan(Told):
     (columns, rows), otherwise both are None.  `at` is seconds since the epoch, for people:
     it is not part of the digest, so the same points are the same scan.  `colours` (n, 3) are red,
     green and blue of each point, 0 to 255 as sRGB has them, None where the scanner gives none.
+    `joints` (name -> rad, m) is how the robot stood where an arm carries the scanner, which
+    `T_world_scanner` follows from; None where the scanner stands, or nobody knows.
     """
 
     points: Floats
@@ -39,6 +41,7 @@ class Scan(Told):
     resolution: tuple[int, int] | None = None
     at: float = 0.0
     colours: np.ndarray | None = field(default_factory=lambda: None, metadata=LATER)
+    joints: Mapping[str, float] | None = field(default_factory=lambda: None, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -59,6 +62,7 @@ class Scan(Told):
             T_world_scanner=copied(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
             colours=None if self.colours is None else frozen(self.colours, np.uint8),
+            joints=None if self.joints is None else dict(self.joints),
         )
         put(self, digest=digest_of(self, without=frozenset({"at", "source"})))
 

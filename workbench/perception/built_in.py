@@ -42,7 +42,8 @@ class SimulatedScanner:
         if cancelled():
             raise JobCancelled(CancelText.SCAN())
         report(0.6, ProgressText.SCANNER_LOOKS())
-        return synthesize(self._cell, truth, seed=request.seed)
+        on_arm = self._cell.scanner.on_arm is not None
+        return synthesize(self._cell, truth, seed=request.seed, shows_robot=on_arm)
 
 
 class PointPairs:

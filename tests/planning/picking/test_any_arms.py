@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
-from workbench.app.core.value_checks import strategies_of
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.formats.cells.reading import read_cell
+from workbench.model.derived.by_recipe import strategies_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.proofs import ProofText

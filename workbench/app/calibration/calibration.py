@@ -11,6 +11,7 @@ from workbench.model.cell import Arm, Bin, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.messages.calibration import PlateText
+from workbench.model.messages.cells import CellText
 from workbench.perception.calibration.calibrate import PlatePose, calibrate
 from workbench.perception.calibration.sureness import point_errors
 from workbench.planning.kinematics.robot import Kinematics
@@ -22,6 +23,7 @@ def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrat
     Raises:
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
+    check_stands(cell)
     if not observations:
         raise InputError(PlateText.NO_POSE())
     first = observations[0]
@@ -30,6 +32,16 @@ def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrat
         if observation.arm != first.arm or not np.array_equal(sides, first.plate.sides):
             raise InputError(PlateText.OTHER_PLATE(pose=observation.name, first=first.name))
     return calibrate(poses_of(cell, observations), first.plate.centres)
+
+
+def check_stands(cell: Cell) -> None:
+    """The scanner stands.
+
+    Raises:
+        InputError: an arm carries it.
+    """
+    if (carrier := cell.scanner.on_arm) is not None:
+        raise InputError(CellText.SCANNER_HANGS(cell=cell.name, arm=carrier.arm))
 
 
 def poses_of(cell: Cell, observations: Sequence[PlateObservation]) -> list[PlatePose]:

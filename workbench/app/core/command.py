@@ -31,7 +31,7 @@ class Right:
     People give commands, except those `by_machine`; those `by_anybody` come from both.  `also_by`
     is the one machine that may give a command of people.  `role` is the least one that a person
     needs.  While somebody is in control, a command is theirs alone unless it passes
-    `without_control`.
+    `without_control`.  One that `changes_cell` has to wait while a recipe is chosen.
     """
 
     says: CommandText
@@ -43,6 +43,7 @@ class Right:
     also_by: str | None = None
     role: Role = Role.OPERATOR
     without_control: bool = False
+    changes_cell: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from types import ModuleType
 
 from workbench.app.core import control, session
-from workbench.app.core.cell import changes, emptying, making, part_edits
+from workbench.app.core.cell import changes, emptying, making, part_edits, recipes
 from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
@@ -30,6 +30,7 @@ SUBJECTS = (
     ahead,
     jobs,
     changes,
+    recipes,
     part_edits,
     making,
     emptying,

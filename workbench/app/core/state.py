@@ -152,6 +152,7 @@ class SessionState:
     asked for it, the first one first.
     `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
     fault that was acknowledged, or another cell.
+    `whole` is the cell without a recipe while one is chosen; `cell` is the cell by that recipe.
     """
 
     cell: Cell = field(kw_only=False)
@@ -171,6 +172,12 @@ class SessionState:
     control: str = ""
     asking: tuple[str, ...] = ()
     unscanned: SentFor | None = field(default_factory=lambda: None, metadata=LATER)
+    whole: Cell | None = field(default_factory=lambda: None, metadata=LATER)
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the cell is as its file has it, whichever recipe is chosen."""
+        return self.saved == (self.whole or self.cell).digest
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

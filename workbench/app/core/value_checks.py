@@ -36,18 +36,6 @@ LARGEST_MARGIN = 0.2
 """[m]"""
 
 
-def strategies_of(cell: Cell) -> tuple[str, ...]:
-    """What can be asked for in a cell: words, and its arms by name, each of which works alone.
-
-    `auto` takes what the controller can run; `both` plans with two arms one after the other and at
-    once, and compares.
-    """
-    arms = tuple(arm.name for arm in cell.arms)
-    if len(arms) < 2:
-        return ("auto", *arms)
-    return ("auto", "alternated", "coordinated", *arms, "both")
-
-
 def check_person(actor: str) -> None:
     """A name is that of a person, not of a machine.
 
@@ -213,6 +201,9 @@ def check_cell(cell: Cell) -> None:
         lower, upper, _ = cell.robot.limits(arm.joints)
         if not np.all((arm.home >= lower) & (arm.home <= upper)):
             raise CommandRefused(ChangeRefusal.HOME_OUTSIDE(arm=arm.name))
+        carrier = cell.scanner.on_arm
+        if carrier and carrier.arm == arm.name and not np.array_equal(arm.home, carrier.view.q):
+            raise CommandRefused(ChangeRefusal.WAITS_AT_VIEW(arm=arm.name, view=carrier.view.name))
 
 
 def _named(name: NameText | str) -> Message | str:

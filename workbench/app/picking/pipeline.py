@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.app.core.value_checks import strategies_of
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.derived.by_recipe import strategies_of
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote

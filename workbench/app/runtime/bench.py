@@ -8,8 +8,11 @@ from pathlib import Path
 from typing import Protocol
 
 from workbench.app.core.command import Command, Entry
+from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.jobs import JobEnded
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
 from workbench.app.core.decide import NOT_REPORTED, allowed, decide
 from workbench.app.core.effects import Effect, StopSending
@@ -185,7 +188,14 @@ class Bench:
             raise NotRecorded(JobText.UNRECORDED(error=error.message)) from error
 
     def _asks_for_joints(self, command: Command) -> bool:
-        """Whether how the robot stands counts in a command: where it lets a plan go out."""
+        """Whether how the robot stands counts in a command: where it lets a plan go out.
+
+        And where a scan is taken or used whose scanner an arm carries.
+        """
+        if self._state.cell.scanner.on_arm is not None and isinstance(
+            command, TakeScan | UseScan | GoOn | JobEnded | MakePlan
+        ):
+            return True
         if isinstance(command, LinkEnded):
             return bool(self._state.row) and not command.fault
         return isinstance(command, Approve | SendPlan)

@@ -96,7 +96,7 @@ class CellWatch:
     def _take(self) -> bool:
         """Read the cell and hand it over; whether it was taken."""
         state = self._bench.state
-        if self._bench.live.is_saving and state.cell.digest != state.saved:
+        if self._bench.live.is_saving and not state.is_saved:
             return False  # the file may hold half of what is to be saved: that is not given up
         try:
             cell = read_cell(self._path)

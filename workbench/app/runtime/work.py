@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from workbench.app.calibration.held_plate import simulated_sight
+from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.emptying.film import Filmed
 from workbench.app.picking.exactness import with_exactness
 from workbench.app.picking.glance import Glance, apply_change, glance_at
@@ -16,12 +19,13 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
-from workbench.model.errors import JobCancelled
+from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import Part
 from workbench.model.plan import PlanResult
 from workbench.model.scan import LocalizationResult, Scan, SearchOverrides, Unexplained
 from workbench.perception.calibration.balls import sight_plate
+from workbench.perception.scene.own_robot import without_robot
 from workbench.perception.scene.unexplained import look_around, unexplained
 from workbench.planning.collision.world import World
 from workbench.plugins.localizer import find_parts as localized
@@ -32,7 +36,30 @@ from workbench.plugins.scanner import ScanRequest, scanner_of
 def scan(cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled) -> Scan:
     """A scan by the cell's scanner; a simulated one sees `parts` parts dropped by `seed`."""
     request = ScanRequest(arguments["seed"], arguments["parts"], arguments.get("part", ""))
-    return scanner_of(cell).scan(request, report, cancelled)
+    found = scanner_of(cell).scan(request, report, cancelled)
+    return found if cell.scanner.on_arm is None else as_taken(cell, found, arguments["joints"])
+
+
+def as_taken(cell: Cell, scan: Scan, joints: Mapping[str, float]) -> Scan:
+    """The scan with the joints at which it was taken, the pose that follows, and no robot.
+
+    Args:
+        cell: whose scanner an arm carries; the scan stays as it is where it stands.
+        scan: as the driver gives it.
+        joints: name -> [rad, m] of all arms while it was taken.
+
+    Raises:
+        InputError: joints are missing, the arm stands elsewhere than at its view, or nothing is
+            left of the scan.
+    """
+    if problem := view_problem(cell, joints):
+        raise InputError(problem)
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        return scan
+    q = np.array([joints[name] for name in carrier.joints])
+    T = carrier.T_world_scanner(cell.T_world_robot, cell.robot, q)
+    return without_robot(replace(scan, T_world_scanner=T, joints=joints), cell)
 
 
 def find_parts(

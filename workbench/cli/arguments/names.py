@@ -20,6 +20,9 @@ CellOfPlan = Annotated[
     Maybe[str],
     arg(help="Name under robots/, or path of a cell.toml; the name in the plan when not given."),
 ]
+RecipeNumber = Annotated[
+    int, arg(help="Number of the cell's recipe; 0: none, the cell is as its file states it.")
+]
 PartName = Annotated[str, arg(help="Name under parts/, or path of a part's folder.")]
 PartOfPoses = Annotated[
     Maybe[str],

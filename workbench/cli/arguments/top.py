@@ -21,6 +21,7 @@ from workbench.cli.arguments.names import (
     OrderName,
     PartName,
     PartOfPoses,
+    RecipeNumber,
     Seed,
     UsersFile,
 )
@@ -31,7 +32,7 @@ from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.scanner import ScannerCommands
 from workbench.cli.arguments.session import SessionCommands
 from workbench.cli.arguments.studies import Study
-from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Statistics
+from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Plugins, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,13 +81,6 @@ class Serve:
 
 
 @dataclass(frozen=True, slots=True)
-class Plugins:
-    """List scanners, robot links, planners, localizers, tools and tabs: ours and installed ones."""
-
-    json: Json = False
-
-
-@dataclass(frozen=True, slots=True)
 class Demo:
     """Run whole cycles without a page: scan, find, plan, approve, send to a simulated controller.
 
@@ -94,6 +88,7 @@ class Demo:
     """
 
     cell: CellName = "yumi"
+    recipe: RecipeNumber = 0
     seed: int = 0
     """Seed of the pile and of all else that is random; each further cycle takes the next one."""
     cycles: int = 1
@@ -120,6 +115,7 @@ class Scan:
     """Which part of the cell; the first one unless stated otherwise; all: of each in turn."""
     truth: Maybe[Path] = None
     """JSON file to write the true poses to."""
+    recipe: RecipeNumber = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +130,7 @@ class Localize:
     rejected: Annotated[bool, arg(aliases=["--discarded"])] = False
     """Tell also which poses were hypotheses and rejected, and why."""
     seed: Seed = 0
+    recipe: RecipeNumber = 0
     detail: float = 1.0
     """How fine the scan is searched, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
@@ -160,7 +157,7 @@ class Calibrate:
     """Folder with the scans and calibration.toml; or pairs of a flange pose and a target pose:
     CSV, YAML of OpenCV, MoveIt or easy_handeye, or a folder of Zivid's."""
     in_hand: bool = False
-    """The robot holds the scanner, and the target stands. Only for pairs; cannot be saved yet."""
+    """The robot holds the scanner, and the target stands. Only for pairs."""
     unit: Literal["m", "mm"] = "m"
     """Unit of lengths in a file of pairs."""
     format: Maybe[PoseFormatName] = None
@@ -196,8 +193,9 @@ class Plan:
     """JSON file of the plan to write."""
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
-    strategy: str = "auto"
-    """Which arms work: auto, alternated, coordinated, both, or one arm by its name."""
+    strategy: Maybe[str] = None
+    """Which arms work: auto, alternated, coordinated, both, or one arm by its name; that of the
+    recipe when not given, or auto."""
     threshold: Maybe[float] = None
     """Distance of two parts [m] from which both arms may work; the cell's when not given."""
     planner: Maybe[str] = None
@@ -218,6 +216,7 @@ class Plan:
     protocol: Maybe[str] = None
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
+    recipe: RecipeNumber = 0
     part: PartOfPoses = None
     json: Json = False
 

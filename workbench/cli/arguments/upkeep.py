@@ -54,3 +54,10 @@ class Doctor:
 @dataclass(frozen=True, slots=True)
 class Compile:
     """Compile now, once on a machine, what is otherwise compiled at its first use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plugins:
+    """List scanners, robot links, planners, localizers, tools and tabs: ours and installed ones."""
+
+    json: Json = False

@@ -139,7 +139,9 @@ def _problems(cell: Cell, arm: Arm, reach: Reach) -> Iterator[str]:
     if reach.at_home is not None:
         first, second = reach.at_home.pair
         distance = reach.at_home.distance * 1000
-        yield f"{arm.name} arm: at home {first} and {second} are {distance:.1f} mm apart"
+        carrier = cell.scanner.on_arm
+        at = f"at view {carrier.view.name}" if carrier and carrier.arm == arm.name else "at home"
+        yield f"{arm.name} arm: {at} {first} and {second} are {distance:.1f} mm apart"
     if not any(target.outcome == "clear" for target in reach.bin):
         yield f"{arm.name} arm: reaches no pose in the bin with the tool pointing down"
     if not reach.places and not reach.part_places:

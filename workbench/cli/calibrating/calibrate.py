@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import calibrated, with_calibration
+from workbench.app.calibration.calibration import calibrated, check_stands, with_calibration
 from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.next_pose import next_poses
 from workbench.app.core.value_checks import SEED_LIMIT
@@ -51,6 +51,8 @@ MOST = 30
 def calibrate(typed: arguments.Calibrate) -> int:
     """Find the plate in every scan, solve, compare with the cell, and save if asked to."""
     cell = read_cell(typed.cell)
+    if not typed.in_hand:
+        check_stands(cell)
     if typed.save and not typed.by.strip():
         raise InputError("--save needs --by NAME: who answers for the calibration")
     if is_pairs(typed.poses):
@@ -103,8 +105,8 @@ def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
     """The same by pairs of poses of another program."""
     if typed.simulate or typed.next:
         raise InputError(f"{typed.poses} holds pairs of poses: --simulate and --next need scans")
-    if typed.save and typed.in_hand:
-        raise InputError("--save needs a scanner that stands; a cell has none on its arm yet")
+    if typed.save and typed.in_hand and cell.scanner.on_arm is None:
+        raise InputError("--save with --in-hand needs [scanner.on_arm] in the cell file")
     calibration = calibrate_by_pairs(typed, cell)
     if typed.save:
         _save(typed, cell, calibration)
@@ -155,6 +157,9 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
 def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
     at, path = time.time(), cell_path(typed.cell)
     calibrated_cell = with_calibration(cell, calibration, at, typed.by)
+    if (carrier := cell.scanner.on_arm) is not None:
+        on_arm = replace(carrier, T_flange_scanner=calibration.T_world_scanner)
+        calibrated_cell = replace(cell, scanner=replace(cell.scanner, on_arm=on_arm))
     save_cell(path, calibrated_cell)
     says = f"calibrated by {calibration.used} poses, {calibration.rms * 1000:.2f} mm"
     log_change(path, read_cell(path), typed.by, at, says)

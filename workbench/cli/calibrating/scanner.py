@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from workbench.app.calibration.calibration import check_stands
 from workbench.app.calibration.first_scan import FirstScan, first_scan
 from workbench.cli.arguments import scanner as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
@@ -20,6 +21,7 @@ from workbench.formats.files.whole_files import read_whole
 def fit(typed: arguments.ScannerFit) -> int:
     """Say what a scan shows of its scanner, and write it into the cell if asked to."""
     cell = read_cell(typed.cell)
+    check_stands(cell)
     cloud = read_whole(typed.scan, LARGEST_FILE)
     seen = first_scan(typed.scan, cloud, cell)
     if typed.write:

@@ -34,6 +34,7 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
+from workbench.model.derived.by_recipe import strategy_of, with_recipe
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -50,10 +51,11 @@ def plan(typed: arguments.Plan) -> int:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
-    cell = read_cell(typed.cell)
+    cell = with_recipe(read_cell(typed.cell), typed.recipe)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
-    check_strategy(cell, typed.strategy)
+    strategy = typed.strategy or strategy_of(cell)
+    check_strategy(cell, strategy)
     picks = cell.policy.picks if typed.picks is None else typed.picks
     check_whole("--picks", picks, 1, MOST_PICKS)
     check_picks(cell, picks)
@@ -78,7 +80,7 @@ def plan(typed: arguments.Plan) -> int:
             detections,
             digest_of(detections),
             picks=picks,
-            strategy=typed.strategy,
+            strategy=strategy,
             threshold=typed.threshold,
             overrides=overrides,
             obstacles=around.seen,
@@ -119,11 +121,15 @@ def warm_up(cell: Cell) -> None:
 def cell_of(plan: Plan, name: str | None) -> Cell:
     """The cell that a plan was made for, found by the name in it unless another one is given.
 
+    Where one of its recipes makes the cell that the plan names by its digest, that is it.
+
     Raises:
         InputError: there is no such cell.
     """
     try:
-        return read_cell(plan.cell if name is None else name)
+        cell = read_cell(plan.cell if name is None else name)
+        by_recipes = (with_recipe(cell, recipe.number) for recipe in cell.recipes)
+        return next((one for one in by_recipes if one.digest == plan.cell_digest), cell)
     except InputError as error:
         if name is not None:
             raise

@@ -4,9 +4,11 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any
 
+from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.arm_scanner import view_problem
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -78,6 +80,8 @@ def demo(typed: arguments.Demo) -> int:
         bench = Bench(cell, journal, start=Started(inventory(cell, roles(USERS)), is_trial=True))
         try:
             with progress("demo") as report:
+                if typed.recipe:
+                    bench.do(ChooseRecipe(typed.recipe), ACTOR)
                 for number in range(typed.cycles):
                     Cycle(bench, number + 1, rows, report).run(typed.seed + number)
                     cycles.append(_cycle_form(typed.seed + number, bench.state))
@@ -167,11 +171,12 @@ class Cycle:
 
     def _plan(self, seed: int) -> State:
         """The state with what planning has brought for a new pile."""
+        self._see_it_at_the_view()
         self._stage("scan", TakeScan(seed, PARTS), Phase.SCANNED)
         state = self._stage("find parts", FindParts(seed), Phase.SCANNED, Phase.LOCALIZED)
         if not state.detections:
             raise NoPlan("no parts were found in the scan")
-        wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+        wanted = MakePlan("", None, seed)
         return self._stage("plan", wanted, Phase.LOCALIZED, Phase.PLANNED)
 
     def _see_it_at_the_start(self, plan: Plan) -> None:
@@ -181,6 +186,15 @@ class Cycle:
         """
         cell, until = self._bench.state.cell, time.monotonic() + REPORTED
         while moved_away(cell, plan, self._bench.live.joints) and time.monotonic() < until:
+            time.sleep(LOOK / 10)
+
+    def _see_it_at_the_view(self) -> None:
+        """Wait for the report that an arm with a scanner stands where it scans.
+
+        Where it really stands elsewhere the scan is refused, and says by how much.
+        """
+        cell, until = self._bench.state.cell, time.monotonic() + REPORTED
+        while view_problem(cell, self._bench.live.joints) and time.monotonic() < until:
             time.sleep(LOOK / 10)
 
     def _are_parts_told(self, state: State) -> bool:
@@ -218,7 +232,7 @@ class Cycle:
 
 def _next(state: State, seed: int) -> GoOn:
     """The wish to go on with the next pile as this one was planned."""
-    wanted = MakePlan(threshold=state.cell.policy.threshold, seed=seed)
+    wanted = MakePlan("", None, seed)
     return GoOn(TakeScan(seed, PARTS), FindParts(seed), wanted)
 
 

@@ -82,7 +82,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     home = np.empty(count)
     home[axis_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
     _check_home(table, robot, joints, home)
-    of_tool, of_part = read_places(table)
+    of_tool, of_part, place_names = read_places(table)
     id_key = table.renamed("controller_id", "letter")
     arm = Arm(
         name=name,
@@ -96,6 +96,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         tool=mounted,
         Ts_world_place=of_tool,
         part_places=of_part,
+        place_names=place_names,
         keeps_parts=table.flag("keeps_parts", False),
         needs_roll=table.flag("needs_roll", False),
         passes_parts_on=table.flag("passes_parts_on", False),

@@ -1,23 +1,28 @@
 """A cell file's scanner, localizer and controller: found by name, with keys of their own."""
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.formats.cells.calibrations import read_record
-from workbench.formats.cells.options import read_options, refused_at
 from workbench.formats.clouds.scans import CLOUD_AXES
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.files.units import UNITS
 from workbench.formats.meshes.solids import read_pose
+from workbench.formats.robots.arm_scanners import POSE
 from workbench.model.cell import Z_FORWARD, Controller, ScannerMount
+from workbench.model.errors import FileError, InputError
+from workbench.model.robot import ArmScanner
 from workbench.model.scan import LocalizerChoice
 from workbench.plugins.found import load, names
+from workbench.plugins.options import Options, options_of
 from workbench.plugins.robot_link import controller_by, link_named, usual_link
 
 
-def read_scanner(table: Table) -> ScannerMount:
-    """The table `[scanner]`."""
+def read_scanner(table: Table, on_arm: ArmScanner | None = None) -> ScannerMount:
+    """The table `[scanner]`, whose key `on_arm` has been read, if it is there."""
     columns, rows = table.wholes("resolution", 2, [640, 480], low=16, high=4096)
     mount = ScannerMount(
         T_world_scanner=read_pose(table),
@@ -34,11 +39,14 @@ def read_scanner(table: Table) -> ScannerMount:
         calibration_days=table.number("calibration_days", 90, low=0.1, high=3650),
         cloud_axes=table.text("cloud_axes", Z_FORWARD, among=tuple(CLOUD_AXES)),
         while_moving=table.flag("while_moving", False),
+        on_arm=on_arm,
     )
     with refused_at(table, "source"):
         options = read_options(table, load("workbench.scanners", mount.source).Options)
         mount = replace(mount, options=options)
     table.finish()
+    if mount.on_arm is not None:
+        _check_on_arm(table, mount)
     if mount.source in ("folder", "http", "merged") and not mount.address:
         raise table.error("address", f"source {mount.source!r} needs one")
     if mount.source == "http" and not mount.address.startswith(("http://", "https://")):
@@ -53,6 +61,21 @@ def read_scanner(table: Table) -> ScannerMount:
     if not mount.near < mount.far:
         raise table.error("near_mm", "must be less than far_mm")
     return mount
+
+
+def _check_on_arm(table: Table, mount: ScannerMount) -> None:
+    """Refuse what only a scanner that stands can be."""
+    for key in POSE:
+        if table.has(key):
+            raise table.error(
+                key, "the scanner stands here and hangs on an arm, too: on_arm says where it is"
+            )
+    if mount.source == "merged":
+        raise table.error("source", "a merged scanner stands; it cannot hang on an arm")
+    if mount.while_moving:
+        raise table.error("while_moving", "a scanner on an arm waits until its arm stands still")
+    if mount.calibration is not None:
+        raise table.error("calibration", "that is of a scanner which stands, not of one on an arm")
 
 
 def _address(table: Table) -> str:
@@ -87,3 +110,24 @@ def read_localizer(table: Table) -> LocalizerChoice:
         )
     table.finish()
     return choice
+
+
+def read_options(table: Table, kind: type) -> Options:
+    """The keys of its own that a plug-in has, as a table `options`; see `plugins.options`."""
+    given = table.table("options").plain() if table.has("options") else {}
+    try:
+        options_of(kind, given)
+    except InputError as error:
+        raise table.error("options", str(error)) from None
+    return given
+
+
+@contextmanager
+def refused_at(table: Table, key: str) -> Generator[None]:
+    """What a plug-in refuses is reported with the place in the file."""
+    try:
+        yield
+    except FileError:
+        raise
+    except InputError as error:
+        raise table.error(key, str(error)) from None

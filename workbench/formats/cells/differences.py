@@ -48,6 +48,14 @@ def _differences(before: Cell, after: Cell) -> Iterator[Message]:
             yield from _list_moves(name, were[name].T_world_fixture, are[name].T_world_fixture)
     if digest_of(before.stations) != digest_of(after.stations):
         yield DifferenceText.STATIONS()
+    if before.recipe != after.recipe:
+        chosen = next((one for one in after.recipes if one.number == after.recipe), None)
+        if chosen is None:
+            yield DifferenceText.NO_RECIPE()
+        else:
+            yield DifferenceText.RECIPE(number=chosen.number, name=chosen.name)
+    if before.recipes != after.recipes:
+        yield DifferenceText.RECIPES()
     for arm, other in zip(before.arms, after.arms, strict=False):
         yield from _arm(arm, other)
     for field in fields(before.policy):

@@ -33,8 +33,12 @@ FINEST_MM, FINEST_DEG = 1.0, 1.0
 """As exactly as a proof holds any hand to its place."""
 
 
-def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...]]:
+def read_places(
+    table: Table,
+) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...], tuple[str, ...]]:
     """The places of an arm: poses of the TCP, and places of parts, each in the file's order.
+
+    Names of the poses come third, empty where nobody has named one.
 
     Args:
         table: of the arm.
@@ -44,6 +48,7 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
     """
     of_tool: list[pin.SE3] = []
     of_part: list[PartPlace] = []
+    names: list[str] = []
     pallets = 0
     for place in table.tables("place"):
         is_of_part = _is_of_part(place)
@@ -51,14 +56,16 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
         free = place.number("free_rotation_deg", 0, low=0, high=180)
         far = place.number("tolerance_mm", 2, low=FINEST_MM, high=50) / 1000
         turn = place.number("tolerance_deg", 3, low=FINEST_DEG, high=45)
-        approach = _direction(place)
+        approach, name = _direction(place), place.text("name", "", empty=True)
         shifts, layers, height = _grid(place)
         if layers > 1:
             _check_layers(place, is_of_part, T_part)
             pallets += 1
         place.finish()
         if is_of_part:
-            part_place = PartPlace(T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach)
+            part_place = PartPlace(
+                T_part, kind, np.deg2rad(free), far, np.deg2rad(turn), approach, name=name
+            )
             for layer, T in product(range(layers), shifts):
                 up = np.array([0.0, 0.0, layer * height])
                 T_world_part = pin.SE3(T_part.rotation, (T_part * T).translation + up)
@@ -68,7 +75,8 @@ def read_places(table: Table) -> tuple[tuple[pin.SE3, ...], tuple[PartPlace, ...
                 )
         else:
             of_tool += [T_tool * T for T in shifts]
-    return tuple(of_tool), tuple(of_part)
+            names += [name] * len(shifts)
+    return tuple(of_tool), tuple(of_part), tuple(names) if any(names) else ()
 
 
 def check_kinds(table: Table, places: tuple[PartPlace, ...], known: list[str]) -> None:

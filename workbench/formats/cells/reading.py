@@ -5,15 +5,22 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.formats.cells.arms import read_arms
-from workbench.formats.cells.devices import read_controller, read_localizer, read_scanner
-from workbench.formats.cells.options import refused_at
+from workbench.formats.cells.devices import (
+    read_controller,
+    read_localizer,
+    read_scanner,
+    refused_at,
+)
 from workbench.formats.cells.places import check_kinds, read_stations
+from workbench.formats.cells.recipes import check_recipes, read_recipes
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.formats.parts.reading import read_part
+from workbench.formats.robots.arm_scanners import read_arm_scanner
 from workbench.formats.robots.dh import read_dh
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.cell import (
@@ -26,6 +33,7 @@ from workbench.model.cell import (
     Fixture,
     LiftName,
     Policy,
+    ScannerMount,
     picks_problem,
 )
 from workbench.model.errors import FileError
@@ -68,13 +76,15 @@ def read_cell(name: str | Path) -> Cell:
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     fixtures = tuple(_fixture(fixture) for fixture in table.tables("fixture"))
     table.once("fixture.name", (fixture.name for fixture in fixtures))
+    called, box = table.text("name"), read_bin(table.table("bin"))
+    scanner, arms = _scanner(table.table("scanner"), robot, T_world_robot, arms)
     cell = Cell(
-        name=table.text("name"),
+        name=called,
         robot=robot,
         T_world_robot=T_world_robot,
         arms=arms,
-        bin=read_bin(table.table("bin")),
-        scanner=read_scanner(table.table("scanner")),
+        bin=box,
+        scanner=scanner,
         controller=read_controller(table.table("controller"))
         if table.has("controller")
         else controller_by(usual_link()),
@@ -89,6 +99,7 @@ def read_cell(name: str | Path) -> Cell:
         policy=policy,
         approvers=approvers,
         stations=read_stations(table, fixtures),
+        recipes=read_recipes(table),
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
@@ -102,8 +113,20 @@ def read_cell(name: str | Path) -> Cell:
         raise table.error("detections.part", f"is not one of {', '.join(names)}")
     for arm in cell.arms:
         check_kinds(table, arm.part_places, names)
+    check_recipes(table, cell)
     table.finish()
     return cell
+
+
+def _scanner(
+    table: Table, robot: Robot, T_world_robot: pin.SE3, arms: tuple[Arm, ...]
+) -> tuple[ScannerMount, tuple[Arm, ...]]:
+    """The scanner, and the arms, of which the one that carries it waits at its view."""
+    if not table.has("on_arm"):
+        return read_scanner(table), arms
+    carrier = read_arm_scanner(table.table("on_arm"), robot, T_world_robot, arms)
+    waiting = (replace(a, home=carrier.view.q) if a.name == carrier.arm else a for a in arms)
+    return read_scanner(table, carrier), tuple(waiting)
 
 
 def part_folders(path: Path, new: Iterable[str] = ()) -> dict[str, Path]:
@@ -166,7 +189,7 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
     if tools <= SIDES:
         # The SRDF of a robot with two arms also serves a cell with one of them.
         tools = SIDES
-    links = {link.name for link in robot.links}
+    links = {link.name for link in robot.links} | {f"{arm.name}_scanner" for arm in arms}
     for pair in sorted(pairs):
         for name in pair:
             if name not in links | tools:

@@ -16,6 +16,7 @@ from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_stations
 from workbench.formats.cells.reading import read_bin, read_cell, read_poses_folder
+from workbench.formats.cells.recipes import read_recipes
 from workbench.formats.cells.tools import LOAD_KEYS
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
@@ -34,7 +35,7 @@ NOT_ALWAYS = frozenset(
 BY_SHAPE = frozenset({"size_mm", "radius_mm", "length_mm", "file"})
 """Keys that only solids of some shapes have."""
 
-BY_AXES = frozenset({"axes", "signs", "home_deg"})
+BY_AXES = frozenset({"axes", "signs", "home_deg", "joints_deg"})
 """Lists with a number for each axis of the arm."""
 
 A_TABLE = {
@@ -59,6 +60,8 @@ A_RECORD = {
 
 A_STATION = {"name": "table", "size_mm": [100, 100]}
 
+A_RECIPE = {"number": 1, "name": "caps", "threshold_mm": 100, "speed": 0.3}
+
 A_BIN = {"size_mm": [100, 100, 50], "region": [{"name": "left", "size_mm": [50, 100, 50]}]}
 
 SOLIDS = (
@@ -68,7 +71,13 @@ SOLIDS = (
 )
 """A solid of each kind that has keys of its own; the file is of the shipped YuMi."""
 
-SOLID_TABLES = ("tool[].body[].", "tool[].finger[].", "fixture[].solid[].", "piece[].")
+SOLID_TABLES = (
+    "tool[].body[].",
+    "tool[].finger[].",
+    "fixture[].solid[].",
+    "scanner.on_arm.housing[].",
+    "piece[].",
+)
 
 A_GRASP = {
     "name": "top",
@@ -87,11 +96,14 @@ GRASPS = {
 }
 
 DEPENDS = frozenset(
-    ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
+    ("scanner.on_arm.view.joints_deg",)
+    + ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
     + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
     + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
     + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")
     + ("friction", "tolerance_mm", "arm[].place[].part_position_mm", "grasp[].retreat")
+    + ("recipe[].parts", "recipe[].grasps", "recipe[].places", "recipe[].strategy")
+    + ("recipe[].threshold_mm", "recipe[].speed")
 )
 """Keys without which something else counts than a value: their meaning says what."""
 
@@ -101,6 +113,7 @@ def cell_schema() -> dict[str, Any]:
     with _take_notes() as notes:
         for name in ("yumi", "tx2_90"):
             read_cell(name)
+        read_cell(find("robots", "yumi") / "on_arm.toml")
         _read_solids()
         file = Path("cell.toml")
         read_bin(Table(file, A_BIN, "bin."))
@@ -108,9 +121,10 @@ def cell_schema() -> dict[str, Any]:
         read_record(Table(file, A_RECORD, "scanner.calibration."))
         read_poses_folder(Table(file, {"path": "poses"}, "detections."))
         read_stations(Table(file, {"station": [A_STATION]}), ())
+        read_recipes(Table(file, {"recipe": [A_RECIPE]}))
         read_localizer(Table(file, {"name": names("workbench.localizers")[0]}, "localizer."))
     notes = {place: form for place, form in notes.items() if not _is_foreign(place)}
-    for place in ("robot.dh", "scanner.calibration", "detections", "localizer"):
+    for place in ("robot.dh", "scanner.calibration", "scanner.on_arm", "detections", "localizer"):
         notes[place] = {"type": "object", "required": False}
     schema = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -231,6 +245,7 @@ TOP = (
     "policy",
     "fixture",
     "station",
+    "recipe",
     "detections",
     "localizer",
 )

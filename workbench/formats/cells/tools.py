@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.formats.cells.options import read_options, refused_at
+from workbench.formats.cells.devices import read_options, refused_at
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Finger, Tool

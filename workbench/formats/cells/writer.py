@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.cells.calibrations import record_table
+from workbench.formats.cells.recipes import recipe_lines
 from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
@@ -20,6 +21,8 @@ from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import POLICIES, Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
+from workbench.model.recipes.recipe import names_of
+from workbench.model.robot import ArmScanner
 from workbench.plugins.options import Options
 
 PutMesh = Callable[[str, bytes], str]
@@ -64,8 +67,10 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
 
     for tool in tools.values():
         yield from tool_lines(tool, put_mesh)
+    carrier = cell.scanner.on_arm
     for arm in cell.arms:
-        yield from _arm(arm)
+        is_carrier = carrier is not None and carrier.arm == arm.name
+        yield from _arm(arm, carrier.home if carrier and is_carrier else arm.home)
     yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
@@ -76,7 +81,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
         yield from _pose(region.T_bin_region)
         yield f"size_mm = {_mm(region.size)}"
-    yield from _scanner(cell)
+    yield from _scanner(cell, put_mesh)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
     yield f"host = {text(controller.host)}"
@@ -94,6 +99,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
         yield from _fixture(fixture, put_mesh)
     for station in cell.stations:
         yield from _station(station)
+    for recipe in cell.recipes:
+        yield from recipe_lines(recipe)
 
 
 def _options(options: Options) -> Iterator[str]:
@@ -146,10 +153,11 @@ def _base(policy: Policy) -> Policy:
     return Policy() if policy.least_air is None or len(policy.lifts) == 1 else thorough
 
 
-def _scanner(cell: Cell) -> Iterator[str]:
+def _scanner(cell: Cell, put_mesh: PutMesh) -> Iterator[str]:
     scanner = cell.scanner
     yield from ("", "# Its frame is a camera's: z into the picture, x right, y down.", "[scanner]")
-    yield from _pose(scanner.T_world_scanner)
+    if scanner.on_arm is None:
+        yield from _pose(scanner.T_world_scanner)
     yield f"resolution = [{scanner.resolution[0]}, {scanner.resolution[1]}]"
     yield f"field_of_view_deg = {number(np.rad2deg(scanner.field_of_view))}"
     yield f"depth_noise_mm = {number(scanner.depth_noise * 1000)}"
@@ -169,6 +177,20 @@ def _scanner(cell: Cell) -> Iterator[str]:
         record = record_table(scanner.calibration)
         yield from ("", "[scanner.calibration]")
         yield from (f"{key} = {text(value)}" for key, value in record.items())
+    if scanner.on_arm is not None:
+        yield from _on_arm(scanner.on_arm, cell.arm(scanner.on_arm.arm), put_mesh)
+
+
+def _on_arm(carrier: ArmScanner, arm: Arm, put_mesh: PutMesh) -> Iterator[str]:
+    yield from ("", "# Its pose in the flange's frame.", "[scanner.on_arm]")
+    yield f"arm = {text(carrier.arm)}"
+    yield from _pose(carrier.T_flange_scanner)
+    joints = np.rad2deg(arm.to_axes(carrier.view.q))
+    yield from ("", "[scanner.on_arm.view]", f"name = {text(carrier.view.name)}")
+    yield f"joints_deg = {numbers(np.round(joints, 4))}   # in the controller's order"
+    for solid in carrier.housing:
+        lines = _solid("scanner", solid.name, solid, put_mesh)
+        yield from ("", "[[scanner.on_arm.housing]]", *lines)
 
 
 def _load(tool: Tool) -> Iterator[str]:
@@ -205,9 +227,9 @@ def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
         yield f"opens_along = {numbers(finger.direction)}"
 
 
-def _arm(arm: Arm) -> Iterator[str]:
+def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
-    home = np.rad2deg(arm.to_axes(arm.home))
+    home = np.rad2deg(arm.to_axes(q_home))
     yield from (
         "",
         "[[arm]]",
@@ -231,8 +253,9 @@ def _arm(arm: Arm) -> Iterator[str]:
         yield "passes_parts_on = true    # each is taken away before the arm brings another"
     if arm.needs_roll:
         yield "needs_roll = true         # only parts whose roll the scan shows are put there"
-    for T in arm.Ts_world_place:
-        yield from ("", "[[arm.place]]", *_pose(T))
+    names = names_of(len(arm.Ts_world_place), arm.place_names)
+    for T, name in zip(arm.Ts_world_place, names, strict=True):
+        yield from ("", "[[arm.place]]", *_place_name(name), *_pose(T))
     for pallet, places in groupby(arm.part_places, key=lambda place: place.pallet):
         if pallet:
             first, *others = places
@@ -242,8 +265,14 @@ def _arm(arm: Arm) -> Iterator[str]:
                 yield from ("", "[[arm.place]]", *_part_place(place))
 
 
+def _place_name(name: str) -> Iterator[str]:
+    if name:
+        yield f"name = {text(name)}"
+
+
 def _part_place(place: PartPlace) -> Iterator[str]:
     rpy = np.rad2deg(pin.rpy.matrixToRpy(place.T_world_part.rotation))
+    yield from _place_name(place.name)
     if place.part:
         yield f"part = {text(place.part)}"
     yield f"part_position_mm = {_mm(place.T_world_part.translation)}"

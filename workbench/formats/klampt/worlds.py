@@ -101,6 +101,9 @@ def robot_with_tools(cell: Cell, snapshot: Snapshot) -> Robot:
         tool = f"{arm.name}_tool"
         links.append(Link(tool, _tool_solids(arm, snapshot.openings.get(arm.name, 0.0))))
         joints.append(_fix(arm.flange, tool, pin.SE3.Identity()))
+        if housing := cell.scanner.housing_of(arm.name):
+            links.append(Link(f"{arm.name}_scanner", housing))
+            joints.append(_fix(arm.flange, links[-1].name, pin.SE3.Identity()))
         held = snapshot.held.get(arm.name)
         if held is not None:
             links.append(Link(held.name, held.part.pieces))

@@ -130,7 +130,7 @@ class CellPanel:
             self._show_thing(cell, cannot)
             admit(self._undo, state, UndoCell, otherwise=not_undone(state))
             admit(self._redo, state, RedoCell, otherwise=not_redone(state))
-            is_changed = state.saved != cell.digest
+            is_changed = not state.is_saved
             admit(self._save, state, SaveCell, otherwise=not_saved(state))
             if self._is_saving and not is_changed:
                 self._is_saving, self._remark.value = False, ""

@@ -22,7 +22,7 @@ def cell_line(state: State, words: Words = IN_ENGLISH) -> str:
     if state.cell_problem:
         refused = CellText.FILE_REFUSED(problem=as_message(state.cell_problem))
         return line(words.render(refused), kind="bad")
-    if state.saved != state.cell.digest:
+    if not state.is_saved:
         return line(words.render(CellText.CHANGED(count=len(state.before))))
     return line(words.render(CellText.AS_IN_FILE(digest=state.cell.digest[:12])), kind="hint")
 

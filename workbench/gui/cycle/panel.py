@@ -22,6 +22,7 @@ from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
+from workbench.gui.cycle.recipe import RecipeInput
 from workbench.gui.cycle.row import RowInputs
 from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
@@ -44,6 +45,7 @@ from workbench.gui.shared.views import (
 )
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import strategy_of
 from workbench.model.errors import InputError
 from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
@@ -65,6 +67,7 @@ class CyclePanel:
         self._visitor = visitor
         gui = visitor.gui
         with group(gui, "1 · Scan"):
+            self._recipe = RecipeInput(visitor, self._follow_recipe)
             gui.add_html(ROW)
             self._kind = gui.add_dropdown(
                 "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
@@ -150,6 +153,7 @@ class CyclePanel:
             self._watched_line.content = words
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
+        self._recipe.show(None if old is None else old.state, state)
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)
         self._threshold.draw(state, new.at)
@@ -194,6 +198,14 @@ class CyclePanel:
             field.disabled = follows
         self._threshold.allow(is_allowed=not follows)
         self._dialog.show(new)
+
+    def _follow_recipe(self, cell: Cell) -> None:
+        """Have the strategy of the recipe planned with, until a person chooses another one."""
+        wanted = strategy_of(cell)
+        self._strategy.value = next(
+            words for words, known in self._strategies.items() if known == wanted
+        )
+        self._threshold.take(cell.policy.threshold)
 
     def _show_kinds(self, cell: Cell) -> None:
         kinds = _kinds(cell)

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from workbench.app.core.value_checks import strategies_of
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import strategies_of
 from workbench.model.plan import STRATEGY_WORDS, Strategy
 
 

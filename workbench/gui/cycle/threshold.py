@@ -86,8 +86,11 @@ class ThresholdInput:
         Not under a hand: what was asked for when it rested would undo where it has gone since.
         """
         wanted = new.wanted_threshold
-        if wanted is None or (old is not None and old.wanted_threshold == wanted):
-            return
+        if wanted is not None and (old is None or old.wanted_threshold != wanted):
+            self.take(wanted)
+
+    def take(self, wanted: float) -> None:
+        """Show a threshold [m] that somebody wants, unless the slider is being dragged."""
         if self._drag.is_under_way:
             return
         shown = _millimetres(wanted)

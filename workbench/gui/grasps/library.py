@@ -113,7 +113,7 @@ class LibraryControls:
 
     def show(self, state: State, part: Part, *, problem: str) -> None:
         """The part is this one now."""
-        is_changed = state.saved != state.cell.digest
+        is_changed = not state.is_saved
         self._visitor.admit(self._save, state, SaveCell, otherwise=not_saved(state))
         if self._is_saving and not is_changed:
             self._is_saving, self._remark.value = False, ""

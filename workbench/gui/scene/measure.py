@@ -77,7 +77,9 @@ def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[So
     kinematics = Kinematics(cell)
     links = kinematics.link_poses(cell.joint_values(q))
     owners = [(links[link.name], link.visual or link.collision) for link in cell.robot.links]
-    owners += [(links[arm.flange], arm.tool.body) for arm in cell.arms]
+    owners += [
+        (links[a.flange], (*a.tool.body, *cell.scanner.housing_of(a.name))) for a in cell.arms
+    ]
     owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
     return [*owners, (cell.bin.T_world_bin, cell.bin.solids)]
 

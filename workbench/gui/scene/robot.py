@@ -72,6 +72,7 @@ class DrawnRobot:
         for arm in cell.arms if arms is None else arms:
             tool = f"{name}/{arm.flange}/{arm.tool.name}"
             self._add(f"{tool}/body", arm.tool.body)
+            self._add(f"{name}/{arm.flange}/scanner", cell.scanner.housing_of(arm.name))
             self._fingers[arm.name] = []
             for finger in arm.tool.fingers:
                 node = scene.add_frame(f"{name}/{finger_name(arm, finger)}", show_axes=False)

@@ -37,7 +37,9 @@ def things(cell: Cell) -> tuple[str, ...]:
     tcps = [f"{TCP} {name}" for name in _carriers(cell)]
     regions = [name_of_region(region) for region in cell.bin.regions]
     fixtures = [fixture.name for fixture in cell.fixtures]
-    return (BIN, *regions, SCANNER, ROBOT, *fixtures, *places, *tcps)
+    # One on an arm is where its arm stands.
+    scanner = (SCANNER,) if cell.scanner.on_arm is None else ()
+    return (BIN, *regions, *scanner, ROBOT, *fixtures, *places, *tcps)
 
 
 def frame_of(cell: Cell, thing: str) -> pin.SE3:
@@ -160,8 +162,11 @@ def _with_pallet(places: tuple[PartPlace, ...], number: int, T: pin.SE3) -> tupl
 
 
 def with_places(cell: Cell, arm: str, places: tuple[pin.SE3, ...]) -> Cell:
-    """The cell with other places for an arm."""
-    return _with_arm(cell, arm, Ts_world_place=places)
+    """The cell with other places for an arm; a place that stays keeps its name."""
+    was = cell.arm(arm)
+    known = list(zip(was.Ts_world_place, was.place_names, strict=False))
+    names = tuple(next((name for T, name in known if T.isApprox(place)), "") for place in places)
+    return _with_arm(cell, arm, Ts_world_place=places, place_names=names if any(names) else ())
 
 
 def with_home(cell: Cell, arm: str, home: Floats) -> Cell:

@@ -208,7 +208,7 @@ def hint(state: State, command: type, purpose: str, span: int, words: Words = IN
 
 def not_saved(state: State) -> str:
     """Why there is nothing to save; empty when there is something."""
-    return "" if state.saved != state.cell.digest else "nothing has changed since it was saved"
+    return "" if not state.is_saved else "nothing has changed since it was saved"
 
 
 def not_undone(state: State) -> str:

@@ -30,7 +30,7 @@ def not_restored(state: State, robot: Message | None) -> str:
         return "a plan is approved: send it, or make another, before something is restored"
     if robot is not None and robot.text is LinkText.MOVES:
         return "the robot moves: wait until it stands"
-    if state.saved != state.cell.digest:
+    if not state.is_saved:
         return "the cell has changes that nobody has saved: save or undo them first"
     return ""
 

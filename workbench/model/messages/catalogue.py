@@ -11,7 +11,13 @@ from workbench.model.messages.calibration import (
     PlateText,
     PoseText,
 )
-from workbench.model.messages.cells import CellText, DifferenceText, InventoryText, LoadText
+from workbench.model.messages.cells import (
+    CellText,
+    DifferenceText,
+    InventoryText,
+    LoadText,
+    RecipeText,
+)
 from workbench.model.messages.changes import ChangeText, FillText, RemainText
 from workbench.model.messages.commands import (
     CommandText,
@@ -109,6 +115,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     DifferenceText,
     CellText,
     LoadText,
+    RecipeText,
     InventoryText,
     CommandText,
     RoleText,

@@ -21,6 +21,9 @@ class DifferenceText(Text, subject="difference"):
     TURNED = "{thing} was turned by {turn:deg1}"
     MOVED_AND_TURNED = "{thing} was moved by {shift:mm} and turned by {turn:deg1}"
     STATIONS = "the stations were changed"
+    RECIPE = "recipe {number} {name} was chosen"
+    NO_RECIPE = "no recipe is chosen any more"
+    RECIPES = "the recipes were changed"
     HOME = "the home of the {arm} arm was moved by up to {turn:deg1}"
     OTHER_TOOL = "the {arm} arm has another tool"
     OTHER_PLACES = "the {arm} arm has other places"
@@ -35,6 +38,9 @@ class CellText(Text, subject="cell"):
     """Why a cell, or what is asked of it, cannot be used."""
 
     NO_ARM = "cell {cell} has no arm {name}; it has {known}"
+    SCANNER_HANGS = (
+        "the scanner of cell {cell} hangs on the {arm} arm; this is for scanners that stand"
+    )
     NO_PART = "cell {cell} has no part {name}; it has {known}"
     PICKS = "a scan can be followed by 1 to {most} picks, not {count}"
     PAIR_GAP = (
@@ -43,6 +49,27 @@ class CellText(Text, subject="cell"):
     )
     STRATEGY = "strategy {strategy}: alternated, coordinated or the name of an arm is expected"
     TRIANGLE_COLOURS = "part {part} has {triangles} triangles but colours of shape {shape}"
+
+
+class RecipeText(Text, subject="recipe"):
+    """Recipes: chosen or not, and why one cannot be used."""
+
+    CHOSEN = "recipe {number} {name} is chosen"
+    NOT_CHOSEN = "no recipe is chosen"
+    UNFIT = "{problem}; no recipe is chosen"
+    NONE = "cell {cell} has no recipes"
+    UNKNOWN = "cell {cell} has no recipe {number}; it has {known}"
+    MISFIT = "recipe {number} {name} does not fit the cell: {problem}"
+    NO_PART = "part {part} is not one of the cell's parts: {known}"
+    NO_GRASP = "grasp {grasp} is not one of its parts' grasps: {known}"
+    PART_WITHOUT_GRASP = "part {part} has no enabled grasp among those of the recipe"
+    NO_PLACE = "place {place} is not one of the named places: {known}"
+    ARM_WITHOUT_PLACE = "the {arm} arm has no place among those of the recipe"
+    NO_STRATEGY = "strategy {strategy} is not one of {known}"
+    CELL_FIXED = "{command} has to wait while recipe {number} is chosen; choose no recipe first"
+    STILL_PLACED = (
+        "a part {part} stands on a pallet, and the recipe does not know it; empty the pallets first"
+    )
 
 
 class LoadText(Text, subject="load"):

@@ -28,6 +28,7 @@ class CommandText(Text, subject="command"):
     GO_ON = "the next cycle"
     JOB_ENDED = "the end of a task"
     CANCEL_JOB = "the cancelling of a task"
+    CHOOSE_RECIPE = "the choice of a recipe"
     CHANGE_CELL = "a change of the cell"
     UNDO_CELL = "an undo"
     REDO_CELL = "a redo"

@@ -96,6 +96,29 @@ class Refusal(Text, subject="refusal"):
         "(margin_mm); bring it back"
     )
 
+    SCANNER_UNKNOWN = (
+        "nobody knows where the scanner is: the controller does not report the joints of the {arm} "
+        "arm"
+    )
+    NOT_AT_VIEW = (
+        "the {arm} arm does not stand at view {view}: axis {axis} is {off:deg} from there, so that "
+        "a point of the arm may be {away:mm} away; bring it to the view"
+    )
+    SCAN_WITHOUT_JOINTS = (
+        "nobody knows from where the scan was taken: it has no joints of the {arm} arm, which "
+        "carries the scanner; take a scan"
+    )
+    SCAN_OF_OTHER_POSE = (
+        "the pose of the scan does not follow from its joints of the {arm} arm; take a scan"
+    )
+    MOVED_SINCE_SCAN = (
+        "the robot has moved since the scan: axis {axis} of the {arm} arm stands {off:deg} from "
+        "there, so that a point of the arm may be {away:mm} away; scan again"
+    )
+    SCANS_AFTER_THE_END = (
+        "the {arm} arm carries the scanner and still works; go on when the plan has ended"
+    )
+
     NOT_STEPPED = "the plan is not sent step by step"
     WAITS_NOWHERE = "the robot does not wait before a step now; wait until it stands"
     OTHER_STEP = "the robot waits before step {step}, not {named}: look and decide again"
@@ -129,6 +152,7 @@ class ChangeRefusal(Text, subject="cell-change"):
     SOLID_NAME = "the name of a solid has up to {most} letters"
     PART_TWICE = "each part is named once, not {parts}"
     HOME_OUTSIDE = "the home of the {arm} arm lies outside its limits"
+    WAITS_AT_VIEW = "the {arm} arm waits at view {view} with the scanner; change the cell file"
     MOST_POSES = "up to {most} poses are taken"
     MOST_POSES_TAKEN = "up to {most} poses are taken; remove one of them first"
     NOTHING_CHANGED = "nothing has changed that nobody has acknowledged"

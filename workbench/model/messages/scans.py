@@ -10,6 +10,7 @@ class ScanText(Text, subject="scan"):
     NOT_FINITE = "a scan may hold finite points only; drop the empty ones first"
     PIXELS = "{points} points but {pixels} pixels"
     COLOURS = "{points} points but colours of shape {shape}"
+    ONLY_ROBOT = "the scan shows nothing but the robot: look at the view and the joints"
     COVARIANCE = "the covariance of a pose has six rows of six numbers"
     ROLL_AXIS = "the axis of a roll is a point and a direction of length 1"
     ROLL_POINT = "the axis of a roll goes through a point with finite coordinates"

@@ -25,7 +25,10 @@ def reach(cell: Cell) -> float:
     hands = [
         from_base[arm.flange] + _hand(tool) + carried for arm in cell.arms for tool in _tools(arm)
     ]
-    return max((*links, *hands))
+    housings = [
+        from_base[arm.flange] + _extent(cell.scanner.housing_of(arm.name)) for arm in cell.arms
+    ]
+    return max((*links, *hands, *housings))
 
 
 def _tools(arm: Arm) -> tuple[Tool, ...]:

@@ -10,6 +10,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
+from workbench.perception.scene.own_robot import robot_solids
 from workbench.perception.simulation.colouring import Light, coloured
 from workbench.perception.simulation.noise_models import NoiseModel, noise_of
 from workbench.perception.simulation.scan_noise import noisy
@@ -30,6 +31,7 @@ def synthesize(
     seed: int,
     noise: NoiseModel | None = None,
     light: Light | None = None,
+    shows_robot: bool = False,
 ) -> Scan:
     """The organised cloud of the parts in their bin, seen by the cell's scanner.
 
@@ -45,12 +47,15 @@ def synthesize(
         noise: the build of scanner, None for that which the cell names; the mount's `depth_noise`
             says how large the deviation of a pixel by itself is.
         light: for colours, None for an even white one.
+        shows_robot: the robot stands at home, as far as it is in the picture.
 
     Raises:
         InputError: a part that the cell does not know, or nothing within the scanner's range.
     """
     noise = noise or noise_of(cell.scanner)
     scene = _scene(cell, truth)
+    if shows_robot:
+        _add_robot(scene, cell)
     camera = Pinhole.of_scanner(cell.scanner)
     rays = camera.rays().reshape(-1, 3)
     depth, cosine, hits = _cast(scene, rays, cell.scanner.T_world_scanner, noise.baseline)
@@ -127,6 +132,12 @@ def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingS
     for fixture in cell.fixtures:
         add_solids(scene, fixture.solids, fixture.T_world_fixture)
     return scene
+
+
+def _add_robot(scene: o3d.t.geometry.RaycastingScene, cell: Cell) -> None:
+    at_home = cell.joint_values({arm.name: arm.home for arm in cell.arms})
+    for solid, T_world_owner in robot_solids(cell, at_home):
+        add_solids(scene, (solid,), T_world_owner)
 
 
 def _cast(

@@ -57,7 +57,8 @@ class Body:
 
 def carried_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     """The robot itself: links, those that no arm moves among them, and tools, fingers closed."""
-    return [*_link_bodies(cell, kinematics), *_tool_bodies(cell, kinematics)]
+    links = [*_link_bodies(cell, kinematics), *_housing_bodies(cell, kinematics)]
+    return [*links, *_tool_bodies(cell, kinematics)]
 
 
 def obstacle_label(number: int) -> str:
@@ -125,6 +126,28 @@ def _tool_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
     return bodies
 
 
+def _housing_bodies(cell: Cell, kinematics: Kinematics) -> list[Body]:
+    """The housing of a scanner on an arm: like a link of its own behind the flange."""
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        return []
+    names = [arm.name for arm in cell.arms]
+    joint, T_joint_flange = kinematics.frames[cell.arm(carrier.arm).flange]
+    number, owner = names.index(carrier.arm), carrier.label
+    return [
+        Body(
+            f"{carrier.arm} {solid.name}",
+            "link",
+            owner,
+            number,
+            joint,
+            T_joint_flange * solid.T_owner_shape,
+            solid.shape,
+        )
+        for solid in carrier.housing
+    ]
+
+
 def arm_of_joint(cell: Cell, kinematics: Kinematics) -> list[int]:
     """For every joint of the model the arm that it belongs to, -1 for the world."""
     carriers = [-1] * kinematics.model.njoints
@@ -152,6 +175,12 @@ def pairs_of(cell: Cell, bodies: list[Body]) -> Bools:
         # Where a link has the name of a tool it is the tool, as another program writes it.
         first, second = ([number.get((kind, name)) for kind in ("link", "tool")] for name in pair)
         for a, b in product(first, second):
+            if a is not None and b is not None:
+                disabled[a, b] = disabled[b, a] = True
+    if (carrier := cell.scanner.on_arm) is not None:
+        # What is screwed to the flange touches it, even where a round flange hangs elsewhere.
+        for link in cell.robot.rigid_with(cell.arm(carrier.arm).flange):
+            a, b = (number.get(("link", name)) for name in (carrier.label, link))
             if a is not None and b is not None:
                 disabled[a, b] = disabled[b, a] = True
     joint = np.array([body.joint for body in bodies])

@@ -22,7 +22,8 @@ around it."""
 
 def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[Body, ...]:
     """Links, tools, fixtures, the bin, the parts of the scene, and what else the scan shows."""
-    return (*_links(cell, tree), *_tools(cell, tree), *still_of(cell, scene), *_parts(cell, scene))
+    robot = (*_links(cell, tree), *_housing(cell, tree), *_tools(cell, tree))
+    return (*robot, *still_of(cell, scene), *_parts(cell, scene))
 
 
 def _links(cell: Cell, tree: Tree) -> Iterator[Body]:
@@ -47,6 +48,16 @@ def _tools(cell: Cell, tree: Tree) -> Iterator[Body]:
         for finger, slide in zip(arm.tool.fingers, tree.fingers[arm.name], strict=True):
             label, T = f"{arm.name} {finger.solid.name}", finger.solid.T_owner_shape
             yield Body("tool", label, name, arm.name, -1, slide, T, finger.solid.shape, True)
+
+
+def _housing(cell: Cell, tree: Tree) -> Iterator[Body]:
+    """What an arm carries of the scanner; it is compared like a link."""
+    for arm in cell.arms:
+        joint, T_joint_flange = tree.flange(arm)
+        for solid in cell.scanner.housing_of(arm.name):
+            label, T = f"{arm.name} {solid.name}", T_joint_flange * solid.T_owner_shape
+            name = f"link {arm.name}_scanner"
+            yield Body("link", label, name, arm.name, -1, joint, T, solid.shape)
 
 
 def _tool(arm: Arm) -> str:

@@ -79,6 +79,12 @@ class Table(BodyPairs):
             )
             for i, j in product(first, second):
                 meet[i, j] = meet[j, i] = False
+        if (carrier := cell.scanner.on_arm) is not None and carrier.housing:
+            # A scanner is screwed to the flange, which may be round and so turn against it.
+            housing = names[f"link {carrier.arm}_scanner"]
+            for link in cell.robot.rigid_with(carrier.flange):
+                if (flange := names.get(f"link {link}")) is not None:
+                    meet[housing, flange] = meet[flange, housing] = False
         self.counts = np.triu(meet[np.ix_(name, name)], 1)
         self.first, self.second = np.nonzero(self.counts)
         self._part = np.array([b.part for b in bodies])

@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.control import (
     AskForControl,
@@ -37,6 +38,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import MOST_PICKS, ORDER_NAMES, PlanOverrides
 from workbench.model.prediction import CHANGE_KINDS, TOGETHER, Seen
+from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
 from workbench.model.release import SLOWEST
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.plugins.planner import planner_names
@@ -158,15 +160,16 @@ PLAN_FIELDS = (
     SEED,
     Field(
         "strategy",
-        "which arms work: one of the `strategies` of the state",
+        "which arms work: one of the `strategies` of the state; empty: the recipe's, or auto",
         _text(LONGEST_NAME),
-        "auto",
+        "",
     ),
     Field(
         "threshold",
-        "[m] parts nearer to each other are taken one after the other",
+        "[m] parts nearer to each other are taken one after the other; the recipe's or the cell's "
+        "where it is not given",
         _number(0.0, 1.0),
-        0.2,
+        None,
     ),
     Field("planner", "of free legs", {"type": "string", "enum": planner_names()}, default=None),
     Field("order", "of the parts", {"type": "string", "enum": ORDER_NAMES}, default=None),
@@ -329,6 +332,18 @@ CALLS: tuple[Call, ...] = (
         "Write into the session what somebody saw or did at the cell.",
         WriteNote,
         (Field("text", "the note", _text(LONGEST_TEXT)),),
+    ),
+    Call(
+        "/recipe",
+        "Go on by a recipe of the cell; detections, plan and approval are void then.",
+        ChooseRecipe,
+        (
+            Field(
+                "number",
+                "of one of the `recipes` of the state; 0: none, the cell is as its file states it",
+                _whole(NO_RECIPE, HIGHEST),
+            ),
+        ),
     ),
     Call("/cell/undo", "Take back the last change.", UndoCell),
     Call("/cell/redo", "Take back the last undo.", RedoCell),

@@ -6,12 +6,12 @@ from typing import Any
 
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
-from workbench.app.core.value_checks import strategies_of
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import ranked
 from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
+from workbench.model.derived.by_recipe import strategies_of
 from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
 from workbench.model.plan import Proof, Violation, parts_taken
@@ -38,7 +38,9 @@ def state_form(state: State, live: Live) -> Form:
         "changed": list(map(str, state.changed)),
         "cell": state.cell.name,
         "cell_digest": state.cell.digest,
-        "is_saved": state.saved == state.cell.digest,
+        "recipe": state.cell.recipe,
+        "recipes": [{"number": r.number, "name": r.name} for r in state.cell.recipes],
+        "is_saved": state.is_saved,
         "control": state.control,
         "asking": list(state.asking),
         "job": None if state.job is None else state.job.number,

@@ -82,6 +82,8 @@ STATE = record(
     changed=many(TEXT),
     cell=TEXT,
     cell_digest=DIGEST,
+    recipe=WHOLE,
+    recipes=many(record(number=WHOLE, name=TEXT)),
     is_saved=FLAG,
     control=TEXT,
     asking=many(TEXT),

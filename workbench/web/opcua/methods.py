@@ -6,6 +6,7 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
@@ -49,16 +50,25 @@ SEED = Argument("Seed", ua.VariantType.UInt32, "the same seed gives the same res
 
 PARTS = Argument("Parts", ua.VariantType.UInt32, "in the simulated pile")
 STRATEGY = Argument(
-    "Strategy", ua.VariantType.String, "which arms work: one of the variable Strategies"
+    "Strategy",
+    ua.VariantType.String,
+    "which arms work: one of the variable Strategies; empty: the recipe's, or auto",
 )
-THRESHOLD = Argument("Threshold", ua.VariantType.Double, "[m]")
+THRESHOLD = Argument(
+    "Threshold", ua.VariantType.Double, "[m]; below 0: that of the recipe, or of the cell"
+)
+
+
+def _plan(seed: int, strategy: str, threshold: float) -> MakePlan:
+    return MakePlan(strategy, None if threshold < 0.0 else threshold, seed)
+
 
 METHODS: tuple[Method, ...] = (
     Method("Scan", lambda given: TakeScan(given[0], given[1]), (SEED, PARTS)),
     Method("FindParts", lambda given: FindParts(given[0]), (SEED,)),
     Method(
         "MakePlan",
-        lambda given: MakePlan(given[1], given[2], given[0]),
+        lambda given: _plan(given[0], given[1], given[2]),
         (SEED, STRATEGY, THRESHOLD),
     ),
     Method(
@@ -71,9 +81,14 @@ METHODS: tuple[Method, ...] = (
         lambda given: GoOn(
             TakeScan(given[0], given[1]),
             FindParts(given[0]),
-            MakePlan(given[2], given[3], given[0]),
+            _plan(given[0], given[2], given[3]),
         ),
         (SEED, PARTS, STRATEGY, THRESHOLD),
+    ),
+    Method(
+        "ChooseRecipe",
+        lambda given: ChooseRecipe(given[0]),
+        (Argument("Recipe", ua.VariantType.UInt32, "one of the variable Recipes; 0: none"),),
     ),
     Method("Stop", lambda given: Stop()),
     Method("Cancel", lambda given: CancelJob()),

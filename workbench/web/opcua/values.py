@@ -9,8 +9,8 @@ from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.rights import obstacle
 from workbench.app.core.state import State
-from workbench.app.core.value_checks import strategies_of
 from workbench.app.runtime.live import Live
+from workbench.model.derived.by_recipe import strategies_of
 
 VARIABLES: Mapping[str, ua.VariantType] = {
     "Number": ua.VariantType.UInt32,
@@ -18,6 +18,8 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "Message": ua.VariantType.String,
     "Fault": ua.VariantType.String,
     "Control": ua.VariantType.String,
+    "Recipe": ua.VariantType.UInt32,
+    "Recipes": ua.VariantType.String,
     "PartsFound": ua.VariantType.UInt32,
     "PlanDigest": ua.VariantType.String,
     "Plans": ua.VariantType.UInt32,
@@ -45,6 +47,8 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "Message": str(state.message),
         "Fault": str(state.fault),
         "Control": state.control,
+        "Recipe": state.cell.recipe,
+        "Recipes": ", ".join(f"{r.number} {r.name}" for r in state.cell.recipes),
         "PartsFound": len(state.detections or ()),
         "PlanDigest": "" if state.plan is None else state.plan.digest,
         "Plans": len(state.plans),

@@ -22,9 +22,11 @@ from workbench.app.core.state import (
 from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.digest import LATER, digest_of
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import put
+from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.commands import CommandText, EditText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.refusals import ChangeRefusal
@@ -42,7 +44,9 @@ MOST_UNDO = 50
 class ChangeCell(Command):
     """Go on with another cell; `says` names the change for people."""
 
-    right: ClassVar[Right] = Right(CommandText.CHANGE_CELL, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.CHANGE_CELL, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     cell: Cell
     says: Message | str
@@ -61,7 +65,9 @@ class ChangeCell(Command):
 class UndoCell(Command):
     """Go back to the cell before the last change."""
 
-    right: ClassVar[Right] = Right(CommandText.UNDO_CELL, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.UNDO_CELL, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.before:
@@ -75,7 +81,9 @@ class UndoCell(Command):
 class RedoCell(Command):
     """Take back the last undo."""
 
-    right: ClassVar[Right] = Right(CommandText.REDO_CELL, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.REDO_CELL, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     def check(self, state: State, asked: Asked) -> None:
         if not state.undone:
@@ -89,13 +97,15 @@ class RedoCell(Command):
 class SaveCell(Command):
     """Write the changes of the cell and its parts to their files, with a remark of who saves."""
 
-    right: ClassVar[Right] = Right(CommandText.SAVE_CELL, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.SAVE_CELL, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     remark: str
 
     def check(self, state: State, asked: Asked) -> None:
         check_text("remark", self.remark)
-        if state.saved == state.cell.digest:
+        if state.is_saved:
             raise CommandRefused(ChangeRefusal.SAVED_ALREADY())
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -143,14 +153,14 @@ class EmptyPallets(Command):
 
 def changed_cell(state: State, cell: Cell, says: Message | str) -> Changed:
     """The state with another cell, which an undo can take back; `says` names the change."""
-    after, effects = _with_cell(state, cell, says)
+    after, effects = with_cell(state, cell, says)
     return replace(after, before=(state.cell, *state.before)[:MOST_UNDO], undone=()), effects
 
 
 def undone(state: State) -> Changed:
     """The state with the cell before the last change."""
     cell, *before = state.before
-    after, effects = _with_cell(state, cell, EditText.CELL_UNDONE())
+    after, effects = with_cell(state, cell, EditText.CELL_UNDONE())
     undone = (state.cell, *state.undone)[:MOST_UNDO]
     return replace(after, before=tuple(before), undone=undone), effects
 
@@ -158,13 +168,31 @@ def undone(state: State) -> Changed:
 def redone(state: State) -> Changed:
     """The state with the cell before the last undo."""
     cell, *undone = state.undone
-    after, effects = _with_cell(state, cell, EditText.CELL_REDONE())
+    after, effects = with_cell(state, cell, EditText.CELL_REDONE())
     before = (state.cell, *state.before)[:MOST_UNDO]
     return replace(after, before=before, undone=tuple(undone)), effects
 
 
 def cell_read(state: State, command: CellRead) -> Changed:
-    """The state after the cell file was read."""
+    """The state after the cell file was read; a recipe stays chosen where the file still has it."""
+    if state.whole is None or command.cell is None:
+        return _read(state, command)
+    in_force, number = state.cell, state.cell.recipe
+    after, effects = _read(replace(state, cell=state.whole, whole=None), command)
+    whole = after.cell
+    if whole.digest == state.whole.digest:
+        cell = replace(in_force, approvers=whole.approvers)
+    else:
+        try:
+            cell = with_recipe(whole, number)
+        except InputError as error:
+            return replace(after, message=RecipeText.UNFIT(problem=error.message)), effects
+    after = replace(after, cell=cell, whole=whole)
+    return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
+
+
+def _read(state: State, command: CellRead) -> Changed:
+    """The state after the cell file was read, while no recipe is chosen."""
     cell, problem = command.cell, command.problem
     if cell is None:
         message = StateText.CELL_REFUSED(problem=plain(problem))
@@ -184,12 +212,12 @@ def cell_read(state: State, command: CellRead) -> Changed:
         return replace(state, message=message), ()
     if command.is_saved:
         # Files hold fewer digits: what is read differs from what was saved by rounding only.
-        return _with_cell(state, cell, command.says or EditText.CELL_SAVED())
+        return with_cell(state, cell, command.says or EditText.CELL_SAVED())
     return changed_cell(state, cell, EditText.CELL_FILE_CHANGED())
 
 
-def _with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
-    """Another cell: a scan stays as long as the scanner does, what was made of it does not.
+def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
+    """The state with another cell: a scan stays as long as the scanner does, all else does not.
 
     With other grasps the parts found stay where they are.
     """

@@ -51,7 +51,9 @@ class ImportPart(Command):
     state its symmetry; `solid`: which of several, empty for all as one rigid part.
     """
 
-    right: ClassVar[Right] = Right(CommandText.IMPORT_PART, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.IMPORT_PART, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     name: str
     file: str
@@ -77,7 +79,9 @@ class ImportPart(Command):
 class AddTool(Command):
     """Make a tool of drawings, and have the arm of that name carry it."""
 
-    right: ClassVar[Right] = Right(CommandText.ADD_TOOL, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.ADD_TOOL, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     arm: str
     drawn: DrawnTool

@@ -34,7 +34,9 @@ class EditPart(Command):
     place: who edits something that was changed meanwhile is refused.  None: as it is.
     """
 
-    right: ClassVar[Right] = Right(CommandText.EDIT_PART, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.EDIT_PART, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     part: str
     was: tuple[GraspEntry, ...] = ()
@@ -55,7 +57,9 @@ class EditPart(Command):
 class DropDraft(Command):
     """Forget the changes of a part's grasps that an earlier session has not saved."""
 
-    right: ClassVar[Right] = Right(CommandText.DROP_DRAFT, SAFE, role=Role.ENGINEER)
+    right: ClassVar[Right] = Right(
+        CommandText.DROP_DRAFT, SAFE, role=Role.ENGINEER, changes_cell=True
+    )
 
     part: str
 

@@ -9,7 +9,8 @@ plan before there is such an end, and whatever is in doubt throws it away.  Noth
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from workbench.app.core.command import Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import standing_joints, view_problem
 from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
 from workbench.app.core.cycle.parts import FindParts, check_search
 from workbench.app.core.cycle.planning import MakePlan, check_planning
@@ -57,6 +58,10 @@ class GoOn(Command):
         check_scan(state.cell, self.scan)
         check_search(self.find)
         check_planning(state.cell, self.plan)
+        carrier = state.cell.scanner.on_arm
+        if carrier is not None and state.phase is Phase.SENDING:
+            raise CommandRefused(Refusal.SCANS_AFTER_THE_END(arm=carrier.arm))
+        refuse(view_problem(state.cell, standing_joints(state.cell, asked.joints)))
         if self.find.is_compared:
             raise CommandRefused(Refusal.ONLY_COMPARED())
 

@@ -1,17 +1,18 @@
 """Tasks of the worker: how they end, or are cancelled."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from workbench.app.core.cell.making import with_made
 from workbench.app.core.command import EVERY, Command, Decision, Entry, Right
 from workbench.app.core.cycle.ahead import brought_ahead, given_up
+from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.results import gone_on, with_result
 from workbench.app.core.effects import StopJob
 from workbench.app.core.state import Phase, State
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Tool
-from workbench.model.errors import WorkbenchError
+from workbench.model.errors import InputError, WorkbenchError
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
@@ -51,8 +52,18 @@ class JobEnded(Command):
             case _ if state.phase is Phase.SENDING:
                 return brought_ahead(state, self.number, self.result, entry)
             case _:
-                after = with_result(state, self.number, self.result, entry.at)
+                result = _still_good(state, self.result, entry)
+                after = with_result(state, self.number, result, entry.at)
                 return gone_on(state, after, entry)
+
+
+def _still_good(state: State, result: Any, entry: Entry) -> Any:
+    """A result of the worker; an error instead of a scan during which its arm has moved."""
+    if not isinstance(result, Scan):
+        return result
+    joints = standing_joints(state.cell, entry.joints)
+    problem = scan_problem(state.cell, result, joints)
+    return result if problem is None else InputError(problem)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begun
 from workbench.app.core.tasks import Begun, begin_task
@@ -13,9 +14,9 @@ from workbench.app.core.value_checks import (
     check_integer,
     check_number,
     check_overrides,
-    strategies_of,
 )
 from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.derived.by_recipe import strategies_of, strategy_of
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
@@ -33,7 +34,8 @@ MOST_OUTLINES = 20
 class MakePlan(Command):
     """Judge all candidates, plan and prove.
 
-    `strategy`: one of `value_checks.strategies_of` the cell; `threshold` [m].
+    `strategy`: one of `strategies_of` the cell; empty: that of the recipe, or `auto`.  `threshold`
+    [m]; None: the cell's.
     """
 
     right: ClassVar[Right] = Right(
@@ -41,12 +43,14 @@ class MakePlan(Command):
     )
 
     strategy: str = "auto"
-    threshold: float = 0.2
+    threshold: float | None = 0.2
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
 
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)
+        joints = standing_joints(state.cell, asked.joints)
+        refuse(scan_problem(state.cell, state.scan, joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return make_plan(state, entry, self)
@@ -75,8 +79,10 @@ def check_planning(cell: Cell, command: MakePlan) -> None:
     """
     check_integer("seed", command.seed, 0, SEED_LIMIT - 1)
     check_overrides(cell, command.overrides)
-    check_number("threshold", command.threshold, 0.0, 1.0, "m")
-    check_among("strategy", command.strategy, strategies_of(cell))
+    if command.threshold is not None:
+        check_number("threshold", command.threshold, 0.0, 1.0, "m")
+    if command.strategy:
+        check_among("strategy", command.strategy, strategies_of(cell))
 
 
 def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
@@ -87,21 +93,24 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
     """
     if not state.detections:
         raise CommandRefused(Refusal.NO_PARTS())
+    strategy, threshold = command.strategy or strategy_of(state.cell), command.threshold
+    if threshold is None:
+        threshold = state.cell.policy.threshold
     arguments = {
         "detections": state.detections,
         "scan_digest": state.scene_digest,
         "scan": state.scan,
-        "strategy": command.strategy,
-        "threshold": command.threshold,
+        "strategy": strategy,
+        "threshold": threshold,
         "overrides": command.overrides,
         "placed": state.placed,
         "avoided": avoided_parts(state, entry.at),
         "seed": command.seed,
     }
-    state = replace(state, wanted_threshold=command.threshold)
+    state = replace(state, wanted_threshold=threshold)
     about = {
-        "strategy": command.strategy,
-        "threshold": command.threshold,
+        "strategy": strategy,
+        "threshold": threshold,
         "seed": command.seed,
         "planning": command.overrides,
     }

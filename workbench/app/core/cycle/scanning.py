@@ -1,9 +1,10 @@
 """Scans of the bin and of the reference plate: taken, read from a file, used."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints, view_problem
 from workbench.app.core.people import Role
 from workbench.app.core.state import Avoided, Phase, ScanState, State, begun, stale_by
 from workbench.app.core.tasks import Begun, begin_task
@@ -22,6 +23,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import Floats, frozen, put
+from workbench.model.messages.cells import CellText
 from workbench.model.messages.commands import CommandText, StaleText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
@@ -48,6 +50,7 @@ class TakeScan(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         check_scan(state.cell, self)
+        refuse(view_problem(state.cell, standing_joints(state.cell, asked.joints)))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return take_scan(state, entry, self)
@@ -60,6 +63,10 @@ class UseScan(Command):
     right: ClassVar[Right] = Right(CommandText.USE_SCAN, SAFE)
 
     scan: Scan
+
+    def check(self, state: State, asked: Asked) -> None:
+        joints = standing_joints(state.cell, asked.joints)
+        refuse(scan_problem(state.cell, self.scan, joints))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return with_scan(state, self.scan, entry.at), ()
@@ -85,6 +92,9 @@ class SightPlate(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_configuration(state.cell, self.arm, self.q)
+        carrier = state.cell.scanner.on_arm
+        if carrier is not None:
+            refuse(CellText.SCANNER_HANGS(cell=state.cell.name, arm=carrier.arm))
         if len(state.observations) >= MOST_OBSERVATIONS:
             raise CommandRefused(ChangeRefusal.MOST_POSES_TAKEN(most=MOST_OBSERVATIONS))
 
@@ -131,7 +141,13 @@ def take_scan(
     then: "GoOn | None" = None,
 ) -> Begun:
     """The scanner is triggered; with `then` the next steps of a cycle follow the scan."""
-    arguments = {"seed": command.seed, "parts": command.parts, "part": command.part}
+    arguments: dict[str, Any] = {
+        "seed": command.seed,
+        "parts": command.parts,
+        "part": command.part,
+    }
+    if state.cell.scanner.on_arm is not None:
+        arguments["joints"] = standing_joints(state.cell, entry.joints)
     return begin_task(state, entry, "scan", arguments, StateText.SCANNING(), then=then)
 
 

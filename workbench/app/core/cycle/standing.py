@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,31 +66,61 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
         plan: that would be sent.
         joints: name -> [rad], as the controller reports.
     """
-    allowed = max(cell.policy.margin, LEAST_MOVED)
     for arm in cell.arms:
-        q, levers = start_of(cell, plan, arm.name), _levers(cell, arm)
-        shift, worst, worst_axis = 0.0, 0.0, 0
-        for axis, place in enumerate(arm.axis_order):
-            reported = joints.get(arm.joints[place])
-            if reported is None:
-                continue
-            if not math.isfinite(reported):
-                return Refusal.JOINT_UNKNOWN(axis=axis + 1, arm=arm.name, value=str(reported))
-            off = float(abs(reported - q[place]))
-            shift += off * levers[place]
-            if off > worst:
-                worst, worst_axis = off, axis + 1
-        if shift > allowed:
+        off = shift_of(cell, arm, start_of(cell, plan, arm.name), joints)
+        if not math.isfinite(off.worst):
+            return Refusal.JOINT_UNKNOWN(axis=off.axis, arm=arm.name, value=str(off.worst))
+        if off.shift > off.allowed:
             return Refusal.ROBOT_MOVED(
-                axis=worst_axis, arm=arm.name, off=worst, away=shift, allowed=allowed
+                axis=off.axis, arm=arm.name, off=off.worst, away=off.shift, allowed=off.allowed
             )
     return None
+
+
+class Shift(NamedTuple):
+    """How far any point of an arm may be from where it should stand [m], and how far it may be.
+
+    `worst` [rad, m] is the axis that is farthest off, `axis` its number from 1; where a joint is
+    reported as no number, `worst` is that.
+    """
+
+    shift: float
+    allowed: float
+    worst: float
+    axis: int
+
+
+def shift_of(cell: Cell, arm: Arm, q: Floats, joints: Mapping[str, float]) -> Shift:
+    """How far an arm stands from `q` (n,) [rad, m]; joints that are not reported do not count.
+
+    Args:
+        cell: of the arm.
+        arm: that should stand there.
+        q: where, chain order.
+        joints: name -> [rad, m], as the controller reports.
+    """
+    allowed, levers = max(cell.policy.margin, LEAST_MOVED), _levers(cell, arm)
+    shift, worst, worst_axis = 0.0, 0.0, 0
+    for axis, place in enumerate(arm.axis_order):
+        reported = joints.get(arm.joints[place])
+        if reported is None:
+            continue
+        if not math.isfinite(reported):
+            return Shift(math.inf, allowed, reported, axis + 1)
+        off = float(abs(reported - q[place]))
+        shift += off * levers[place]
+        if off > worst:
+            worst, worst_axis = off, axis + 1
+    return Shift(shift, allowed, worst, worst_axis)
 
 
 @lru_cache(maxsize=16)
 def _levers(cell: Cell, arm: Arm) -> tuple[float, ...]:
     """How far each joint of an arm, in chain order, moves any point at most [m/rad, m/m]."""
     tools = {other.flange: other.tool.reach for other in cell.arms}
+    if (carrier := cell.scanner.on_arm) is not None:
+        flange = cell.arm(carrier.arm).flange
+        tools[flange] = max(tools[flange], carrier.reach)
     joints = [cell.robot.joint(name) for name in arm.joints]
     return tuple(
         1.0 if joint.kind == "prismatic" else cell.robot.reach(joint.child, tools)

@@ -1,0 +1,63 @@
+"""Recipes as a PLC reads and chooses them."""
+
+import asyncio
+from dataclasses import replace
+
+import pytest
+from asyncua import Client, ua
+from canned import make_results
+from waiting import PATIENCE
+
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.people import Person, Role
+from workbench.model.recipes.recipe import Recipe
+from workbench.web.opcua.admission import Options
+from workbench.web.opcua.methods import METHODS
+from workbench.web.opcua.server import NAMESPACE, OpcUa
+from workbench.web.opcua.values import values_of
+
+
+@pytest.fixture(scope="module")
+def results():
+    usual = make_results()
+    recipes = (Recipe(4, "left", strategy="left", threshold=0.05), Recipe(12, "slow", speed=0.1))
+    return replace(usual, cell=replace(usual.cell, recipes=recipes))
+
+
+def test_a_plc_reads_the_recipes_and_chooses_one_by_number(site):
+    server = OpcUa(site.bench, Options(0, Person("plc", Role.OPERATOR)))
+
+    async def choose():
+        async with Client(server.url, timeout=PATIENCE) as client:
+            space = await client.get_namespace_index(NAMESPACE)
+            cell = await client.nodes.objects.get_child(f"{space}:Workbench")
+            said = [
+                await cell.call_method(
+                    f"{space}:ChooseRecipe", ua.Variant(number, ua.VariantType.UInt32)
+                )
+                for number in (5, 4)
+            ]
+            recipes = await cell.get_child(f"{space}:Recipes")
+            return said, await recipes.read_value()
+
+    try:
+        said, recipes = asyncio.run(choose())
+    finally:
+        server.close()
+    assert said == [
+        [False, "cell yumi has no recipe 5; it has 4 left, 12 slow"],
+        [True, "recipe 4 left is chosen"],
+    ]
+    assert recipes == "4 left, 12 slow"
+    state = site.bench.state
+    assert state.cell.recipe == 4
+    values = values_of(state, site.bench.live, site.bench.head)
+    assert (values["Recipe"], values["Recipes"]) == (4, "4 left, 12 slow")
+
+
+def test_a_plc_leaves_strategy_and_threshold_to_the_recipe():
+    (method,) = (one for one in METHODS if one.name == "MakePlan")
+    left, stated = method.make([3, "", -1.0]), method.make([3, "auto", 0.2])
+    assert isinstance(left, MakePlan) and isinstance(stated, MakePlan)
+    assert (left.seed, left.strategy, left.threshold) == (3, "", None)
+    assert (stated.strategy, stated.threshold) == ("auto", 0.2)

@@ -1,0 +1,70 @@
+"""Recipes: chosen by number, from then on the cell is by that recipe.
+
+The scan stays.  Detections, plan and approval were made for another cell, and are void.
+"""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.cell.changes import Changed, with_cell
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.state import State
+from workbench.app.core.value_checks import check_integer
+from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import recipe_of, with_recipe
+from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.cells import RecipeText
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.message import Message
+from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChooseRecipe(Command):
+    """Go on by the recipe of that number; 0: by none, as the cell file states the cell."""
+
+    right: ClassVar[Right] = Right(CommandText.CHOOSE_RECIPE, SAFE)
+
+    number: int
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("number", self.number, NO_RECIPE, HIGHEST)
+        cell = by_recipe(state, self.number)
+        refuse(_placed_problem(state, cell))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        return _chosen(state, self.number)
+
+
+def by_recipe(state: State, number: int) -> Cell:
+    """The cell of the state by one of its recipes.
+
+    Raises:
+        CommandRefused: there is none of that number, or it does not fit the cell.
+    """
+    try:
+        return with_recipe(state.whole or state.cell, number)
+    except InputError as error:
+        raise CommandRefused(error.message) from error
+
+
+def _chosen(state: State, number: int) -> Changed:
+    """The state by another recipe; the recipe that is chosen already voids nothing."""
+    whole, message = state.whole or state.cell, _message(state.cell, number)
+    if number == state.cell.recipe:
+        return replace(state, message=message), ()
+    after, effects = with_cell(state, by_recipe(state, number), message)
+    return replace(after, whole=None if number == NO_RECIPE else whole), effects
+
+
+def _message(cell: Cell, number: int) -> Message:
+    if number == NO_RECIPE:
+        return RecipeText.NOT_CHOSEN()
+    return RecipeText.CHOSEN(number=number, name=recipe_of(cell, number).name)
+
+
+def _placed_problem(state: State, cell: Cell) -> Message | None:
+    """Why a cell cannot follow: it does not know a part that stands on a pallet; else None."""
+    known = {part.name for part in cell.parts}
+    strange = next((placed.part for placed in state.placed if placed.part not in known), None)
+    return None if strange is None else RecipeText.STILL_PLACED(part=strange)

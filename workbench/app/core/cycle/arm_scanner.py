@@ -1,0 +1,78 @@
+"""A scanner on an arm: whether the arm stands where a scan may be taken, or where it was taken."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.app.core.cycle.standing import shift_of
+from workbench.model.cell import Cell
+from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import Refusal
+from workbench.model.scan import Scan
+
+
+def standing_joints(cell: Cell, reported: Mapping[str, float]) -> Mapping[str, float]:
+    """How the robot stands, name -> [rad, m].
+
+    It is what the controller reports.  A simulated scanner needs no controller: without a report
+    every arm waits where plans begin.
+    """
+    if reported or cell.scanner.source != "simulated":
+        return reported
+    return cell.joint_values({arm.name: arm.home for arm in cell.arms})
+
+
+def view_problem(cell: Cell, joints: Mapping[str, float]) -> Message | None:
+    """Why no scan can be taken; None when it can, or where the scanner stands.
+
+    Args:
+        cell: whose scanner it is.
+        joints: name -> [rad, m], as `standing_joints` has them.
+    """
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        return None
+    if problem := _unknown(cell, joints):
+        return problem
+    arm = cell.arm(carrier.arm)
+    off = shift_of(cell, arm, carrier.view.q, joints)
+    if off.shift <= off.allowed:
+        return None
+    return Refusal.NOT_AT_VIEW(
+        axis=off.axis, arm=arm.name, off=off.worst, view=carrier.view.name, away=off.shift
+    )
+
+
+def scan_problem(cell: Cell, scan: Scan | None, joints: Mapping[str, float]) -> Message | None:
+    """Why a scan cannot be used while the robot stands so; None when it can.
+
+    Args:
+        cell: with its scanner; where that stands every scan can be used.
+        scan: that was taken; None for parts from a file, which no scanner has seen.
+        joints: name -> [rad, m], as `standing_joints` has them.
+    """
+    carrier = cell.scanner.on_arm
+    if carrier is None or scan is None:
+        return None
+    arm = cell.arm(carrier.arm)
+    if scan.joints is None or any(name not in scan.joints for name in arm.joints):
+        return Refusal.SCAN_WITHOUT_JOINTS(arm=arm.name)
+    if problem := view_problem(cell, scan.joints) or _unknown(cell, joints):
+        return problem
+    q = np.array([scan.joints[name] for name in arm.joints])
+    T_world_scanner = carrier.T_world_scanner(cell.T_world_robot, cell.robot, q)
+    if not scan.T_world_scanner.isApprox(T_world_scanner, 1e-9):
+        return Refusal.SCAN_OF_OTHER_POSE(arm=arm.name)
+    off = shift_of(cell, arm, q, joints)
+    if off.shift <= off.allowed:
+        return None
+    return Refusal.MOVED_SINCE_SCAN(axis=off.axis, arm=arm.name, off=off.worst, away=off.shift)
+
+
+def _unknown(cell: Cell, joints: Mapping[str, float]) -> Message | None:
+    """Of which arm nobody knows where it stands; every one may be in the picture."""
+    for arm in cell.arms:
+        if not all(math.isfinite(joints.get(name, math.nan)) for name in arm.joints):
+            return Refusal.SCANNER_UNKNOWN(arm=arm.name)
+    return None

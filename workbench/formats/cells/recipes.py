@@ -1,0 +1,81 @@
+"""The recipes of a cell file."""
+
+from collections.abc import Iterable, Iterator
+
+from workbench.formats.files.toml_documents import number, text
+from workbench.formats.files.toml_keys import Table
+from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import recipe_problem
+from workbench.model.recipes.recipe import HIGHEST, MOST_RECIPES, Recipe
+
+
+def read_recipes(table: Table) -> tuple[Recipe, ...]:
+    """The recipes of a cell, no number and no name twice; `check_recipes` compares them with it.
+
+    Args:
+        table: of the cell.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    found: list[Recipe] = []
+    for recipe in table.tables("recipe"):
+        found.append(
+            Recipe(
+                recipe.whole("number", low=1, high=HIGHEST),
+                recipe.text("name"),
+                _names(recipe, "parts"),
+                _names(recipe, "grasps"),
+                _names(recipe, "places"),
+                recipe.text("strategy", "", empty=True),
+                recipe.number("threshold_mm", 200, low=0, high=1000) / 1000
+                if recipe.has("threshold_mm")
+                else None,
+                recipe.number("speed", 0.5, low=0.01, high=1) if recipe.has("speed") else None,
+            )
+        )
+        recipe.finish()
+    if len(found) > MOST_RECIPES:
+        raise table.error("recipe", f"{len(found)} recipes, {MOST_RECIPES} are allowed")
+    table.once("recipe.number", (str(recipe.number) for recipe in found))
+    table.once("recipe.name", (recipe.name for recipe in found))
+    return tuple(found)
+
+
+def check_recipes(table: Table, cell: Cell) -> None:
+    """Whether parts, grasps, places and strategies of all recipes are those of the cell.
+
+    Raises:
+        FileError: one names what the cell does not have; names the recipe and what there is.
+    """
+    for recipe in cell.recipes:
+        if problem := recipe_problem(cell, recipe):
+            key, why = problem
+            raise table.error(f"recipe.{key}", f"recipe {recipe.number} {recipe.name}: {why}")
+
+
+def recipe_lines(recipe: Recipe) -> Iterator[str]:
+    """A recipe as the cell file has it."""
+    yield from ("", "[[recipe]]", f"number = {recipe.number}", f"name = {text(recipe.name)}")
+    for key in ("parts", "grasps", "places"):
+        if names := getattr(recipe, key):
+            yield f"{key} = {_list(names)}"
+    if recipe.strategy:
+        yield f"strategy = {text(recipe.strategy)}"
+    if recipe.threshold is not None:
+        yield f"threshold_mm = {number(recipe.threshold * 1000)}"
+    if recipe.speed is not None:
+        yield f"speed = {number(recipe.speed)}"
+
+
+def _names(table: Table, key: str) -> tuple[str, ...]:
+    """Names, at least one and none twice; empty where the key is not there."""
+    names = table.texts(key, ())
+    if table.has(key) and not names:
+        raise table.error(key, "names nothing; leave the key out to keep what the cell has")
+    table.once(key, names)
+    return names
+
+
+def _list(names: Iterable[str]) -> str:
+    return f"[{', '.join(map(text, names))}]"

@@ -1,0 +1,1 @@
+"""Cells made from a cell: by one of its recipes."""
