@@ -57,6 +57,26 @@ def test_a_scanner_that_stands_is_saved_and_written(say, tmp_path):
     assert "eye_on_base" in (tmp_path / "scanner.yaml").read_text()
 
 
+def test_a_scanner_on_an_arm_is_saved_into_its_table(say, tmp_path):
+    shutil.copytree(find("robots", "yumi"), tmp_path / "yumi")
+    cell_file = tmp_path / "yumi" / "on_arm.toml"
+    before = read_cell(cell_file).scanner.on_arm
+    path = pairs_file(tmp_path / "pairs.csv", in_hand=True)
+    words = ["--in-hand", "--save", "--by", "Anna"]
+    said = say("calibrate", cell_file, "--poses", path, *words)
+    assert said.code == 0, said.err
+    carrier = read_cell(cell_file).scanner.on_arm
+    assert np.abs(carrier.T_flange_scanner.homogeneous - X.homogeneous).max() < 2e-3
+    assert np.array_equal(carrier.view.q, before.view.q)
+    assert "# In the flange's frame" in cell_file.read_text()
+
+
+def test_a_scanner_on_an_arm_is_not_calibrated_as_one_that_stands(say, tmp_path):
+    path = pairs_file(tmp_path / "pairs.csv", in_hand=False)
+    said = say("calibrate", find("robots", "yumi") / "on_arm.toml", "--poses", path)
+    assert said.code == 2 and "hangs on the left arm" in said.err
+
+
 def test_pairs_that_do_not_belong_together_are_refused(say, tmp_path):
     path = pairs_file(tmp_path / "pairs.csv", in_hand=False)
     rows = [row.split(",") for row in path.read_text().splitlines()]
@@ -69,7 +89,7 @@ def test_pairs_that_do_not_belong_together_are_refused(say, tmp_path):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (("--in-hand", "--save", "--by", "Anna"), "--save needs a scanner that stands"),
+        (("--in-hand", "--save", "--by", "Anna"), "--save with --in-hand needs [scanner.on_arm]"),
         (("--next",), "--simulate and --next need scans"),
     ],
 )

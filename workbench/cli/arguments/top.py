@@ -157,7 +157,7 @@ class Calibrate:
     """Folder with the scans and calibration.toml; or pairs of a flange pose and a target pose:
     CSV, YAML of OpenCV, MoveIt or easy_handeye, or a folder of Zivid's."""
     in_hand: bool = False
-    """The robot holds the scanner, and the target stands. Only for pairs; cannot be saved yet."""
+    """The robot holds the scanner, and the target stands. Only for pairs."""
     unit: Literal["m", "mm"] = "m"
     """Unit of lengths in a file of pairs."""
     format: Maybe[PoseFormatName] = None

@@ -105,8 +105,8 @@ def _by_pairs(typed: arguments.Calibrate, cell: Cell) -> int:
     """The same by pairs of poses of another program."""
     if typed.simulate or typed.next:
         raise InputError(f"{typed.poses} holds pairs of poses: --simulate and --next need scans")
-    if typed.save and typed.in_hand:
-        raise InputError("--save needs a scanner that stands; write [scanner.on_arm] by hand")
+    if typed.save and typed.in_hand and cell.scanner.on_arm is None:
+        raise InputError("--save with --in-hand needs [scanner.on_arm] in the cell file")
     calibration = calibrate_by_pairs(typed, cell)
     if typed.save:
         _save(typed, cell, calibration)
@@ -157,6 +157,9 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
 def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
     at, path = time.time(), cell_path(typed.cell)
     calibrated_cell = with_calibration(cell, calibration, at, typed.by)
+    if (carrier := cell.scanner.on_arm) is not None:
+        on_arm = replace(carrier, T_flange_scanner=calibration.T_world_scanner)
+        calibrated_cell = replace(cell, scanner=replace(cell.scanner, on_arm=on_arm))
     save_cell(path, calibrated_cell)
     says = f"calibrated by {calibration.used} poses, {calibration.rms * 1000:.2f} mm"
     log_change(path, read_cell(path), typed.by, at, says)

@@ -31,9 +31,10 @@ def save_cell(path: Path, cell: Cell) -> None:
     """Write into a cell file what a cell has otherwise than the file.
 
     Which parts it picks, poses of robot, bin, regions, scanner and fixtures, the scanner's
-    calibration, unit, axes and range, sizes of the bin, homes, places and the tools of the arms,
-    TCPs of tools, tools that are new or gone, and of the policy the lifts and the margin of
-    straight legs can be written; the file is left as it is when anything else differs.
+    calibration, pose on its arm, unit, axes and range, sizes of the bin, homes, places and the
+    tools of the arms, TCPs of tools, tools that are new or gone, and of the policy the lifts and
+    the margin of straight legs can be written; the file is left as it is when anything else
+    differs.
 
     Args:
         path: of the cell file, which must be readable as a cell.
@@ -115,6 +116,9 @@ def _is_same(cell: Cell, other: Cell) -> bool:
     )
     mount, other_mount = cell.scanner, other.scanner
     calibration, record = mount.calibration, other_mount.calibration
+    carrier, other_carrier = mount.on_arm, other_mount.on_arm
+    if carrier is not None and other_carrier is not None:
+        carrier = replace(carrier, T_flange_scanner=other_carrier.T_flange_scanner)
     if calibration is not None and record is not None:
         calibration = replace(
             calibration,
@@ -136,7 +140,10 @@ def _is_same(cell: Cell, other: Cell) -> bool:
             ),
         ),
         scanner=replace(
-            mount, T_world_scanner=other_mount.T_world_scanner, calibration=calibration
+            mount,
+            T_world_scanner=other_mount.T_world_scanner,
+            calibration=calibration,
+            on_arm=carrier,
         ),
         arms=arms,
         fixtures=fixtures,
@@ -172,8 +179,12 @@ def _edit(document: Any, old: Cell, new: Cell) -> None:
         document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
     ):
         edit_pose(table, region.T_bin_region, other.T_bin_region)
-    if old.scanner.on_arm is None:
+    carrier, other_carrier = old.scanner.on_arm, new.scanner.on_arm
+    if carrier is None or other_carrier is None:
         edit_pose(document["scanner"], old.scanner.T_world_scanner, new.scanner.T_world_scanner)
+    else:
+        T, U = carrier.T_flange_scanner, other_carrier.T_flange_scanner
+        edit_pose(document["scanner"]["on_arm"], T, U)
     for key in ("unit", "cloud_axes"):
         if getattr(old.scanner, key) != getattr(new.scanner, key):
             document["scanner"][key] = getattr(new.scanner, key)

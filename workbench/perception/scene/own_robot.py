@@ -47,21 +47,21 @@ def without_robot(scan: Scan, cell: Cell) -> Scan:
 
 def _on_robot(scan: Scan, cell: Cell) -> Bools:
     points = scan.points_world
+    lowest, highest = points.min(axis=0), points.max(axis=0)
     is_robot = np.zeros(len(points), bool)
-    for solid, T in robot_solids(cell, scan.joints or {}):
-        surface = triangles_of(solid.shape)
-        T_world_solid = T * solid.T_owner_shape
-        corners = np.asarray(surface.vertices)
-        at = (points - T_world_solid.translation) @ T_world_solid.rotation
+    for solid, T_world_owner in robot_solids(cell, scan.joints or {}):
+        surface, T = triangles_of(solid.shape), T_world_owner * solid.T_owner_shape
+        corners = np.asarray(surface.vertices) @ T.rotation.T + T.translation
         low, high = corners.min(axis=0) - ROOM, corners.max(axis=0) + ROOM
-        near = np.flatnonzero(~is_robot & np.all((at >= low) & (at <= high), axis=1))
-        if not len(near):
+        if np.any((low > highest) | (high < lowest)):
             continue
-        scene = o3d.t.geometry.RaycastingScene()
-        add_surface(scene, surface, pin.SE3.Identity())
-        queries = o3d.core.Tensor(np.ascontiguousarray(at[near], dtype=np.float32))
-        away = scene.compute_signed_distance(queries, nthreads=1).numpy()
-        is_robot[near[away <= ROOM]] = True
+        near = np.flatnonzero(~is_robot & np.all((points >= low) & (points <= high), axis=1))
+        if len(near):
+            scene = o3d.t.geometry.RaycastingScene()
+            add_surface(scene, surface, T)
+            queries = o3d.core.Tensor(points[near].astype(np.float32))
+            away = scene.compute_signed_distance(queries, nthreads=1).numpy()
+            is_robot[near[away <= ROOM]] = True
     return is_robot
 
 
