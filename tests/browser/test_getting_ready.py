@@ -30,7 +30,7 @@ def test_the_page_says_that_it_gets_ready_and_what_is_pressed_runs_afterwards(
     bench, screen, tmp_path, wait
 ):
     screen.wait_for("Getting ready, once, about a minute")
-    screen.wait_for("40 %")
+    screen.wait_for("40%")
     screen.tab("Cell")
     screen.button("Jog").wait_for()
     expect(screen.button("Jog")).to_be_disabled()

@@ -28,7 +28,7 @@ def stepping(screen, bench, robot, reaches, wait):
     dialog.locator("input[type=checkbox]").check()
     screen.button("Approve as Anna, step by step").wait_for()
     dialog.locator("input").nth(1).click()
-    screen.page.get_by_role("option", name="50 %").click()
+    screen.page.get_by_role("option", name="50%").click()
     screen.button("Approve as Anna, at 50% of the planned speed, step by step").wait_for()
     screen.shoot("s1-approval")
     screen.press("Approve as Anna, at 50% of the planned speed, step by step")

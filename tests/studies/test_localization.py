@@ -128,7 +128,7 @@ def test_an_empty_bin_is_a_task_too():
 
 def test_a_cad_file_of_another_size_is_said_to_be_one():
     (size,) = localized_scene(Task("yumi", "bracket", "fine", 5, 100, cad_scale=0.98)).scales
-    assert str(size.words) == "the CAD file of bracket seems 2.0 % too small for the scan"
+    assert str(size.words) == "the CAD file of bracket seems 2.0% too small for the scan"
 
 
 def test_figures_are_those_of_bop_too(capsys):

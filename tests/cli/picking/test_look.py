@@ -28,7 +28,7 @@ def test_a_cad_file_of_another_size_is_said_to_be_one(monkeypatch, scan, tmp_pat
     out = tmp_path / "poses.json"
     assert main(["localize", "yumi", "--scan", str(scan), "--out", str(out)]) == 0
     said = capsys.readouterr().out
-    wanted = "the CAD file of bolt seems 3.1 % too large for the scan"
+    wanted = "the CAD file of bolt seems 3.1% too large for the scan"
     assert f"size: {wanted} (± 0.2 %, by 4 parts)" in said
     assert "--scale bolt=0.97" in said
     assert "bracket" not in said

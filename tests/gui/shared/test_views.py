@@ -114,7 +114,7 @@ def test_while_it_gets_ready_the_page_says_so_and_how_far_it_is(states, view_of,
     number = state.job.number if state.job is not None else 0
     live = Live(job=number, started=NOW - 2.5, getting_ready=ready)
     text = Reader(views.status_html(view_of(state, live=live))).text
-    assert "Getting ready, once, about a minute" in text and "40 %" in text
+    assert "Getting ready, once, about a minute" in text and "40%" in text
     assert "2.5 s" not in text
     assert (f"then: {state.message}" in text) is (name == "planning")
     assert "etting ready" not in views.status_html(view_of(state))
@@ -145,8 +145,8 @@ def test_results_of_the_steps_carry_units(states):
     assert "3,600 points (a drawn floor), 08:53:20 UTC" in views.scan_line(states.planned)
     assert "2 parts, score 0.90, 0.90" in views.parts_line(states.planned)
     assert "wb-bad" not in views.parts_line(states.planned)
-    said = views.parts_line(states.planned, ("the CAD file of <a> seems 3.0 % too large",))
-    assert "wb-bad" in said and "The CAD file of &lt;a&gt; seems 3.0 % too large." in said
+    said = views.parts_line(states.planned, ("the CAD file of <a> seems 3.0% too large",))
+    assert "wb-bad" in said and "The CAD file of &lt;a&gt; seems 3.0% too large." in said
 
 
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):

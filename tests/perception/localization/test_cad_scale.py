@@ -97,8 +97,8 @@ def scale_at(cell, part, truth, poses):
 
 def test_it_is_said_which_way_and_by_how_much():
     large = ScaleCheck("bolt", 0.97, 0.002, 4)
-    assert str(large.words) == "the CAD file of bolt seems 3.1 % too large for the scan"
-    assert "2.9 % too small" in str(ScaleCheck("bolt", 1.03, 0.002, 4).words)
+    assert str(large.words) == "the CAD file of bolt seems 3.1% too large for the scan"
+    assert "2.9% too small" in str(ScaleCheck("bolt", 1.03, 0.002, 4).words)
     # Less than half a percent, or than three deviations, is no difference.
     assert ScaleCheck("bolt", 1.0049, 0.0001, 4).words is None
     assert ScaleCheck("bolt", 1.03, 0.011, 4).words is None

@@ -119,7 +119,7 @@ def test_cad_files_of_a_wrong_size_are_told_with_the_parts_they_belong_to(site):
     sizes = (ScaleCheck("bolt", 0.97, 0.002, 4), ScaleCheck("bracket", 1.001, 0.002, 4))
     assert site.get("/state").json()["wrong_sizes"] == []
     site.effects.live = Live(findings=LocalizationResult(found, (), sizes))
-    told = ["the CAD file of bolt seems 3.1 % too large for the scan"]
+    told = ["the CAD file of bolt seems 3.1% too large for the scan"]
     assert site.get("/state").json()["wrong_sizes"] == told
     site.effects.live = Live(findings=LocalizationResult(found[:1], (), sizes))
     assert site.get("/state").json()["wrong_sizes"] == []

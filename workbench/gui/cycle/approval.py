@@ -78,8 +78,8 @@ class ApprovalDialog:
         shares = (*shares, manner[0]) if manner[0] not in shares else shares
         speed = gui.add_dropdown(
             "Speed",
-            tuple(f"{share * 100:g} %" for share in shares),
-            initial_value=f"{manner[0] * 100:g} %",
+            tuple(f"{share * 100:g}%" for share in shares),
+            initial_value=f"{manner[0] * 100:g}%",
             disabled=len(shares) == 1,
             hint="Of what was planned; the way stays the same.",
         )
@@ -89,7 +89,7 @@ class ApprovalDialog:
             disabled=not motion.takes_steps,
             hint="The robot waits before each step until somebody lets that one run.",
         )
-        by_words = {f"{share * 100:g} %": share for share in shares}
+        by_words = {f"{share * 100:g}%": share for share in shares}
         self._fields = (speed, steps)
         # Whatever else a browser sends is refused by the rules.
         self._chosen = lambda: (by_words.get(speed.value, math.nan), bool(steps.value))

@@ -122,7 +122,7 @@ def _row(
 
 
 def _share(count: int, of: int) -> str:
-    return f"{100 * count / of:.0f} %" if of else ""
+    return f"{100 * count / of:.0f}%" if of else ""
 
 
 def no_grasp(entry: Entry | None) -> str:

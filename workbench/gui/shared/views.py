@@ -139,7 +139,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         waiting = "" if state.job is None else f"; {then}"
         getting_ready = sentence(words.render(live.getting_ready.note))
         note = f"<b>{escape(getting_ready)}</b>{escape(waiting)}"
-        return _box("busy", note, f"{100 * live.getting_ready.done:.0f} %")
+        return _box("busy", note, f"{100 * live.getting_ready.done:.0f}%")
     if state.job is not None and state.phase is not Phase.SENDING:
         note = words.render(live.told_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0

@@ -9,7 +9,7 @@ class CalibrationText(Text, subject="page-calibration"):
     OLD = "Calibrated {days} {days:day|days} ago; limit: {limit} days."
     NEVER = "The scanner was never calibrated."
     RECORD = "Calibrated {at} by {person}: {count} {count:pose|poses}, {rms:mm2} RMS."
-    RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95 %)."
+    RECORD_CORNERS = "Error at the corners of the bin: up to {error:mm2} (95%)."
     OFF = "{shift:mm2}, {turn:deg}"
     MOVED = "{shift:mm} and {turn:deg} from its pose in the cell"
     FINDINGS_MOVE = "parts in the bin shift by {shift:mm}"
@@ -20,7 +20,7 @@ class CalibrationText(Text, subject="page-calibration"):
     PREDICTED = "{rms} RMS; {worst}"
     SOME_PREDICTED = "not all; {worst}"
     CORNERS = (
-        "Error at the corners of the bin: up to {error:mm2} in 95 % of such calibrations. "
+        "Error at the corners of the bin: up to {error:mm2} in 95% of such calibrations. "
         "Errors of robot and search add to it."
     )
     NEXT_FROM = "From {pose} on, with the plate held as it is:"

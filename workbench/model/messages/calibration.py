@@ -90,7 +90,7 @@ class DriftText(Text, subject="drift"):
     )
     CORRECTED = (
         "with the scanner corrected by {moved:mm2} at the corners of the bin, the error there is "
-        "{error:mm2} or less (95 %)"
+        "{error:mm2} or less (95%)"
     )
 
 

@@ -39,5 +39,5 @@ class ObjectionText(Text, subject="objection"):
 class ScaleText(Text, subject="scale"):
     """What the parts found say of the size of a CAD file."""
 
-    LARGE = "the CAD file of {part} seems {share} % too large for the scan"
-    SMALL = "the CAD file of {part} seems {share} % too small for the scan"
+    LARGE = "the CAD file of {part} seems {share}% too large for the scan"
+    SMALL = "the CAD file of {part} seems {share}% too small for the scan"
