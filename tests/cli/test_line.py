@@ -147,7 +147,7 @@ def test_demo_prints_one_object_and_nothing_else(tmp_path):
         check=False,
     )
     assert ended.returncode == 0, ended.stderr
-    at_work = r"demo: .* \(\d+ s\)\n"
+    at_work = r"demo: .* \((\d+% after )?\d+ s\)\n"
     assert re.fullmatch(f"({at_work})*", ended.stderr)
     told = json.loads(ended.stdout)
     assert told["ok"] is True
