@@ -45,7 +45,7 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
-	web test_new_part.py test_new_robot.py test_skips.py app/core/test_any_sequence.py \
+	web test_new_part.py test_new_robot.py test_site.py test_skips.py app/core/test_any_sequence.py \
 	app/emptying app/evidence app/calibration/test_calibration.py app/calibration/test_first_scan.py \
 	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
 	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
