@@ -18,6 +18,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import PlanResult
+from workbench.model.recipes.recipe import Recipe
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection, Scan
 
@@ -51,6 +52,13 @@ def make_results() -> Results:
         for x, y, yaw in ((-0.01, -0.07, 0.4), (0.01, 0.07, -0.6))
     )
     return Results(cell, scan, detections, plan_pick(cell, detections, scan.digest, seed=0))
+
+
+def results_with_recipes() -> Results:
+    """The same by a cell with the recipes 4 and 12."""
+    usual = make_results()
+    recipes = (Recipe(4, "left", strategy="left", threshold=0.05), Recipe(12, "slow", speed=0.1))
+    return replace(usual, cell=replace(usual.cell, recipes=recipes))
 
 
 def make_row(picks: int) -> Results:

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from workbench.app.core.state import Phase, State
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import Arm, Cell, Policy, ScannerMount, Tool
 from workbench.model.geometry import Box, Mesh, Solid
@@ -25,6 +26,7 @@ from workbench.model.plan import (
     Strategy,
     Violation,
 )
+from workbench.model.release import Approval
 from workbench.model.robot import Joint, Link, Robot
 from workbench.model.scan import Detection, Scan
 from workbench.model.symmetry import Symmetry
@@ -111,6 +113,27 @@ class Samples:
         result = self.planned(scan_digest, seed)
         ends = RowEnd.NO_PART() if picks < 4 else None
         return replace(result, plan=first.plan, proof=first.proof, row=tuple(rest), row_ends=ends)
+
+    def approved(self, cell: Cell) -> State:
+        """A cell with an approved plan; what is planned for is the samples' own cell."""
+        scan = self.scan()
+        planned = self.planned(scan.digest)
+        assert planned.plan is not None and planned.proof is not None
+        approval = Approval(
+            planned.plan.digest, planned.proof.digest, cell.digest, scan.digest, "ada", 0.0, 1e9
+        )
+        return State(
+            cell,
+            Phase.APPROVED,
+            scan=scan,
+            detections=self.detections(),
+            scene_digest=scan.digest,
+            candidates=planned.candidates,
+            plan=planned.plan,
+            proof=planned.proof,
+            approval=approval,
+            saved=cell.digest,
+        )
 
     def refused(self) -> PlanResult:
         verdict = Verdict(

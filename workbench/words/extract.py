@@ -1,9 +1,9 @@
 """Finds what the page shows in the sources; `python -m workbench.words.extract` updates catalogs.
 
 There are no marks in the code.  A text on the page is a literal of the page, of the front door, or
-a sentence of a layer below that reaches the page as a refusal, a reason or a note; so literals are
-what is looked for, and what is code, a style or a name is left out by its form.  A text with values
-in it has an id (`workbench.model.messages`), so literals that are put together are left out.
+a sentence of a layer below that reaches the page as a refusal, a reason or a note.  So this takes
+literals, and leaves out code, styles and names by their form.  A text with values in it has an id
+(`workbench.model.messages`), so literals with values are left out, too.
 """
 
 import ast

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from line import Line
+from on_arm import at_view, on_arm_cell, pose_at
 
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.parts import FindParts
@@ -16,16 +16,14 @@ from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.effects import StartJob
 from workbench.app.core.state import Phase
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused
-from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
 
 
 @pytest.fixture(scope="module")
 def simulated() -> Cell:
-    return read_cell(find("robots", "yumi") / "on_arm.toml")
+    return on_arm_cell()
 
 
 @pytest.fixture(scope="module")
@@ -39,16 +37,6 @@ def line(cell: Cell) -> Line:
     line = Line(cell)
     line.joints = at_view(cell)
     return line
-
-
-def pose_at(cell: Cell, q: Floats) -> pin.SE3:
-    carrier = cell.scanner.on_arm
-    assert carrier is not None
-    return carrier.T_world_scanner(cell.T_world_robot, cell.robot, q)
-
-
-def at_view(cell: Cell) -> dict[str, float]:
-    return cell.joint_values({arm.name: arm.home for arm in cell.arms})
 
 
 def turned(cell: Cell, degrees: float, joint: str = "left_joint_1") -> dict[str, float]:

@@ -35,7 +35,6 @@ from workbench.model.cell import Cell
 from workbench.model.digest import canonical
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.release import Approval
 from workbench.model.scan import Detection
 
 
@@ -45,23 +44,7 @@ def with_bin_at(cell: Cell, x: float) -> Cell:
 
 @pytest.fixture
 def approved(cell, samples) -> State:
-    scan = samples.scan()
-    planned = samples.planned(scan.digest)
-    approval = Approval(
-        planned.plan.digest, planned.proof.digest, cell.digest, scan.digest, "ada", 0.0, 1e9
-    )
-    return State(
-        cell,
-        Phase.APPROVED,
-        scan=scan,
-        detections=samples.detections(),
-        scene_digest=scan.digest,
-        candidates=planned.candidates,
-        plan=planned.plan,
-        proof=planned.proof,
-        approval=approval,
-        saved=cell.digest,
-    )
+    return samples.approved(cell)
 
 
 def after(state: State, command, actor="ada", at=1.0):

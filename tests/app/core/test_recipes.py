@@ -25,7 +25,6 @@ from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part_edits import with_part
 from workbench.model.recipes.recipe import Recipe
-from workbench.model.release import Approval
 from workbench.model.scan import Detection
 
 SLOW = Recipe(2, "slow", parts=("peg",), strategy="right", threshold=0.1, speed=0.2)
@@ -39,23 +38,7 @@ def with_recipes(cell):
 
 @pytest.fixture
 def approved(with_recipes, samples) -> State:
-    scan = samples.scan()
-    planned = samples.planned(scan.digest)
-    approval = Approval(
-        planned.plan.digest, planned.proof.digest, with_recipes.digest, scan.digest, "ada", 0, 1e9
-    )
-    return State(
-        with_recipes,
-        Phase.APPROVED,
-        scan=scan,
-        detections=samples.detections(),
-        scene_digest=scan.digest,
-        candidates=planned.candidates,
-        plan=planned.plan,
-        proof=planned.proof,
-        approval=approval,
-        saved=with_recipes.digest,
-    )
+    return samples.approved(with_recipes)
 
 
 def after(state: State, command, actor="ada", role=Role.ENGINEER):

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from on_arm import at_view, on_arm_cell, pose_at
 
 from workbench.app.runtime.work import as_taken
-from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -19,17 +18,7 @@ from workbench.perception.simulation.synthesize import synthesize
 
 @pytest.fixture(scope="module")
 def cell() -> Cell:
-    return read_cell(find("robots", "yumi") / "on_arm.toml")
-
-
-def pose_at(cell: Cell, q: Floats) -> pin.SE3:
-    carrier = cell.scanner.on_arm
-    assert carrier is not None
-    return carrier.T_world_scanner(cell.T_world_robot, cell.robot, q)
-
-
-def at_view(cell: Cell) -> dict[str, float]:
-    return cell.joint_values({arm.name: arm.home for arm in cell.arms})
+    return on_arm_cell()
 
 
 def seen(cell: Cell, points_world: Floats) -> Scan:

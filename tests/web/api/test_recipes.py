@@ -1,18 +1,12 @@
 """Recipes over HTTP."""
 
-from dataclasses import replace
-
 import pytest
-from canned import make_results
-
-from workbench.model.recipes.recipe import Recipe
+from canned import results_with_recipes
 
 
 @pytest.fixture(scope="module")
 def results():
-    usual = make_results()
-    recipes = (Recipe(4, "left", strategy="left", threshold=0.05), Recipe(12, "slow", speed=0.1))
-    return replace(usual, cell=replace(usual.cell, recipes=recipes))
+    return results_with_recipes()
 
 
 def test_a_recipe_is_read_and_chosen_by_number_and_is_on_record(site):

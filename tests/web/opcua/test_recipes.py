@@ -1,16 +1,14 @@
 """Recipes as a PLC reads and chooses them."""
 
 import asyncio
-from dataclasses import replace
 
 import pytest
 from asyncua import Client, ua
-from canned import make_results
+from canned import results_with_recipes
 from waiting import PATIENCE
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.people import Person, Role
-from workbench.model.recipes.recipe import Recipe
 from workbench.web.opcua.admission import Options
 from workbench.web.opcua.methods import METHODS
 from workbench.web.opcua.server import NAMESPACE, OpcUa
@@ -19,9 +17,7 @@ from workbench.web.opcua.values import values_of
 
 @pytest.fixture(scope="module")
 def results():
-    usual = make_results()
-    recipes = (Recipe(4, "left", strategy="left", threshold=0.05), Recipe(12, "slow", speed=0.1))
-    return replace(usual, cell=replace(usual.cell, recipes=recipes))
+    return results_with_recipes()
 
 
 def test_a_plc_reads_the_recipes_and_chooses_one_by_number(site):

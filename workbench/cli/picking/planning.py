@@ -129,7 +129,7 @@ def cell_of(plan: Plan, name: str | None) -> Cell:
     try:
         cell = read_cell(plan.cell if name is None else name)
         by_recipes = (with_recipe(cell, recipe.number) for recipe in cell.recipes)
-        return next((one for one in by_recipes if one.digest == plan.cell_digest), cell)
+        return next((known for known in by_recipes if known.digest == plan.cell_digest), cell)
     except InputError as error:
         if name is not None:
             raise

@@ -49,7 +49,7 @@ def _differences(before: Cell, after: Cell) -> Iterator[Message]:
     if digest_of(before.stations) != digest_of(after.stations):
         yield DifferenceText.STATIONS()
     if before.recipe != after.recipe:
-        chosen = next((one for one in after.recipes if one.number == after.recipe), None)
+        chosen = next((recipe for recipe in after.recipes if recipe.number == after.recipe), None)
         if chosen is None:
             yield DifferenceText.NO_RECIPE()
         else:

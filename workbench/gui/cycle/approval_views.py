@@ -9,7 +9,7 @@ from workbench.app.picking.numbers import renumber
 from workbench.gui.scene.nearest import certificates_of, free_message, straight_message
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
-from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
 from workbench.model.messages.plans import cycle_words, guarantee_message, strategy_message
@@ -47,11 +47,11 @@ def approval_line(
         # It is for one sending: once that has begun, nothing is let out by it any more.
         by = ApprovalText.UNTIL(people=approval.people, until=clock(approval.until))
     manner = manner_words(*approval.manner)
-    texts = CommonText.LIST(items=[by] if manner is None else [by, manner])
+    texts = LabelText.LIST(items=[by] if manner is None else [by, manner])
     if approval.is_unwatched:
         texts = Others.ALSO(first=texts, last=ApprovalText.NOT_ALL_WATCHED())
     if now >= approval.until and state.phase is Phase.APPROVED:
-        texts = CommonText.LIST(items=[texts, ApprovalText.RUN_OUT()])
+        texts = LabelText.LIST(items=[texts, ApprovalText.RUN_OUT()])
         return line(words.render(texts), kind="bad", tip=purpose)
     return line(words.render(texts), tip=purpose)
 
@@ -102,7 +102,7 @@ def facts_html(
     if len(row) > 1:
         seconds = sum(proven_plan.plan.cycle_seconds for proven_plan in row)
         cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
-    address = CommonText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
+    address = LabelText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
     facts: list[Fact] = [
         *(_plans(state) if len(row) > 1 else _plan(plan)),
         ("Free motion", free_message(state)),
@@ -119,7 +119,7 @@ def facts_html(
         people = [vote.actor for vote in standing_votes(state, at)] or ApprovalText.NOBODY()
         facts.append(("People", ApprovalText.PEOPLE(count=cell.approvers, people=people)))
     if len(row) == 1:
-        facts.append(("Plan", CommonText.NAME(name=short(plan.digest))))
+        facts.append(("Plan", LabelText.NAME(name=short(plan.digest))))
     rows = [(words.render(name), words.render(fact)) for name, fact in facts]
     name, certificates = certificates_of(state)
     rows.append((name, ", ".join(map(words.render, certificates))))
@@ -134,7 +134,7 @@ def _plan(plan: Plan) -> list[Fact]:
     for arm in plan.arms:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=arm.grasp)
-        facts.append((CommonText.ARM(arm=arm.arm.capitalize()), grasp))
+        facts.append((LabelText.ARM(arm=arm.arm.capitalize()), grasp))
     return facts
 
 
@@ -163,7 +163,7 @@ def _plans(state: State) -> list[Fact]:
             proof=short(proof.digest),
         )
         fact = all_of((*takes, _strategy(plan, remarks), proven))
-        facts.append((CommonText.PLAN_NUMBER(number=number), fact))
+        facts.append((LabelText.PLAN_NUMBER(number=number), fact))
     return facts
 
 
@@ -226,7 +226,7 @@ def _corners(motion: MotionModel, zone: float) -> Message:
 def _clear_of(state: State, plan: Plan) -> Message:
     on_pallets = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     unknown = len(plan.obstacles) - on_pallets
-    things = [CommonText.PARTS(count=len(plan.detections))]
+    things = [LabelText.PARTS(count=len(plan.detections))]
     if unknown:
         things.append(ApprovalText.UNKNOWN_THINGS(count=unknown))
     if on_pallets:

@@ -64,7 +64,7 @@ class RecipeInput:
 def _recipes(cell: Cell) -> Mapping[str, int]:
     """What can be chosen: words -> number."""
     return {"no recipe": NO_RECIPE} | {
-        f"{one.number} {one.name}": one.number for one in cell.recipes
+        f"{recipe.number} {recipe.name}": recipe.number for recipe in cell.recipes
     }
 
 

@@ -10,8 +10,8 @@ from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.plan import Proven, parts_taken
@@ -126,7 +126,7 @@ def row_words(state: State, words: Words = IN_ENGLISH) -> str:
         facts.append(CycleText.LEFT_OUT(count=len(state.left_out)))
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):
         return ""
-    return words.render(all_of((CommonText.LIST(items=facts), state.row_ends)))
+    return words.render(all_of((LabelText.LIST(items=facts), state.row_ends)))
 
 
 def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
@@ -155,7 +155,7 @@ def _takes(state: State, proven_plan: Proven) -> Message:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
     numbers = parts_taken(state.plans[0], proven_plan.plan)
     pairs = zip(numbers, proven_plan.plan.arms, strict=True)
-    return CommonText.LIST(
+    return LabelText.LIST(
         items=[
             CycleText.TAKES_TO_STATION(part=FoundPart(part), arm=arm.arm, station=arm.station)
             if arm.station

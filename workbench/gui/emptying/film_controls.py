@@ -13,7 +13,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.own import Showing
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.labels import LabelText
 
 STEP = 0.05
 """[s] Of the slider."""
@@ -85,7 +85,7 @@ class FilmControls:
         self._says.content = line(
             "Play shows in the scene how the pile was emptied, in your view alone."
             if new.filmed is None
-            else self._visitor.words.render(CommonText.SENTENCE(text=new.filmed.says)),
+            else self._visitor.words.render(LabelText.SENTENCE(text=new.filmed.says)),
             kind="hint" if new.filmed is None else "result",
         )
         if showing is None:

@@ -16,8 +16,8 @@ from workbench.app.emptying.film import Film, FilmedPick, Shot
 from workbench.gui.shared.look import FilmMoment, FilmPart
 from workbench.gui.shared.own import Showing
 from workbench.gui.shared.playback import Run, interpolated, moments, timeline
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.emptying import EmptyingText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, plain
 from workbench.model.plan import LegName
@@ -168,7 +168,7 @@ def _doing(film: Film, stretch: Stretch, now: float, taken: int, number: int) ->
         plans=len(film.shots),
         taken=taken,
         total=len(film.fallen),
-        actions=CommonText.LIST(items=actions),
+        actions=LabelText.LIST(items=actions),
     )
 
 

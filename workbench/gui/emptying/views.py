@@ -8,8 +8,8 @@ from typing import Any, Literal
 from workbench.gui.shared.colours import left_colour
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import line, sentence, table_html
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.emptying import EmptyingText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.messages.catalogue import message_of
 from workbench.model.messages.message import Message, as_message, plain
 from workbench.model.prediction import EmptiedPile, Emptying
@@ -155,7 +155,7 @@ def _reasons(reasons: Mapping[str, int]) -> Message | str:
     counts = (
         EmptyingText.COUNTED(count=count, kind=plain(kind)) for kind, count in reasons.items()
     )
-    return CommonText.LIST(items=counts)
+    return LabelText.LIST(items=counts)
 
 
 def piles_html(

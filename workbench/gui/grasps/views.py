@@ -12,8 +12,8 @@ from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
 from workbench.gui.shared.tables import clickable, marked
 from workbench.gui.shared.views import day_and_time, line, mm, sentence
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.grasps import GraspText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message, all_of, as_message
 from workbench.model.part import Entry, GraspPair, GraspPattern, Part, grasps_of
@@ -149,7 +149,7 @@ def check_line(name: str, check: GraspCheck | None, words: Words = IN_ENGLISH) -
     if check is None:
         return line("", kind="hint")
     checked = GraspText.CHECKED(name=name, text=findings_message(check))
-    text = sentence(words.render(CommonText.SENTENCE(text=checked)))
+    text = sentence(words.render(LabelText.SENTENCE(text=checked)))
     return line(text, kind="result" if check.is_ok else "bad")
 
 

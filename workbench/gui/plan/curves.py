@@ -16,7 +16,7 @@ from workbench.gui.shared.playback import (
     sync_points,
 )
 from workbench.gui.shared.plots import Curve, Plot
-from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
@@ -147,7 +147,7 @@ def doing(runs: tuple[Run, ...], time: float) -> Message | str:
     """Which legs are under way at `time` [s]."""
     active = [_leg_of(run) for run in runs if run.start <= time < run.end]
     if active:
-        return CommonText.LIST(items=active)
+        return LabelText.LIST(items=active)
     return "at the end" if runs and time > 0 else "at home"
 
 

@@ -8,7 +8,7 @@ from workbench.app.picking.numbers import renumber
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
-from workbench.gui.texts.common import CommonText
+from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
@@ -37,7 +37,7 @@ def plan_html(state: State, words: Words = IN_ENGLISH) -> str:
     said = "".join(_plan_html(state, number, words) for number in range(len(row)))
     if len(row) > 1:
         seconds = sum(proven_plan.cycle_seconds for proven_plan in row)
-        parts = CommonText.PARTS(count=count_taken(row))
+        parts = LabelText.PARTS(count=count_taken(row))
         whole = words.render(PlanText.ROW(count=len(row), parts=parts, time=seconds))
         said = f"<div><b>{escape(whole)}</b></div>{said}"
     return f'<div class="wb-pad">{said}<div class="wb-small">{escape(computed)}</div></div>'
@@ -135,7 +135,7 @@ def _outline_row(outline: Outline, taken: str, button: str, words: Words) -> str
     what = words.render(outline.verdict)
     if not what:
         strategy = strategy_message(Strategy(outline.strategy))
-        parts = CommonText.PARTS(count=outline.parts)
+        parts = LabelText.PARTS(count=outline.parts)
         text = PlanText.OUTLINE(strategy=strategy, parts=parts)
         if outline.plans > 1:
             text = PlanText.OUTLINE_ROW(strategy=strategy, parts=parts, count=outline.plans)

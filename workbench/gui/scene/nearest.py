@@ -17,8 +17,8 @@ from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, short, table_html
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message, found_part
@@ -61,7 +61,7 @@ def _of_plan(row: Sequence[Proven], number: int, text: Message) -> Message:
 
 def _nearest_message(state: State, plan: Plan, proof: Proof) -> Message:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
-    place, distance = proof.nearest, CommonText.AT_LEAST(distance=floored(proof.clearance))
+    place, distance = proof.nearest, LabelText.AT_LEAST(distance=floored(proof.clearance))
     if place is None or place.pair is None:
         return NearestText.FROM_EVERYTHING(distance=distance)
     # Parts by the numbers of the scan, that of the first plan.
@@ -95,9 +95,9 @@ def _straight_message(state: State, proof: Proof) -> Message:
     if not kept:
         return NearestText.REQUIRED(margin=margin)
     bound, arm, leg = min(kept)
-    near = CommonText.AT_LEAST(distance=floored(bound))
+    near = LabelText.AT_LEAST(distance=floored(bound))
     if bound < TOUCH:
-        near = CommonText.TOUCHING()
+        near = LabelText.TOUCHING()
     return NearestText.LINEAR(
         near=near, arm=arm, leg=leg_message(leg), margin=margin, resolution=proof.resolution
     )
@@ -192,7 +192,7 @@ class PlanLinks:
         runs, time = timeline(*state.plans), run.start + spot.seconds
         visitor.own.end()
         visitor.look.change(time=time, is_playing=False, by=None)
-        near = visitor.words.render(CommonText.AT_LEAST(distance=floored(proof.clearance)))
+        near = visitor.words.render(LabelText.AT_LEAST(distance=floored(proof.clearance)))
         visitor.own.change(visited=Visited(plan, time, spot, near))
         first, second = spot.points
         q = {arm: moment.q for arm, moment in moments(state.cell, runs, time).items()}

@@ -7,8 +7,8 @@ from html import escape
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import LinkText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, as_message
 from workbench.model.release import LinkStatus, PartReport, Receipt
@@ -34,11 +34,11 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         phase = as_message(link.phase)
         if link.step:
             phase = LinkText.STEP(phase=phase, number=link.step, total=link.steps)
-    name = CommonText.NAME(name=controller.link)
+    name = LabelText.NAME(name=controller.link)
     if link.version:
         name = LinkText.VERSION(link=controller.link, version=link.version)
     facts: list[tuple[Message | str, Message | str]] = [
-        ("Controller", CommonText.ADDRESS(host=controller.host, port=controller.port)),
+        ("Controller", LabelText.ADDRESS(host=controller.host, port=controller.port)),
         ("Robot link", name),
         ("Link", phase),
         ("Last report of the robot", view.live.robot or "none (no state report)"),
@@ -61,7 +61,7 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         ]
     if state.plan is not None:
         facts.append(("Parts", parts_placed(state, words)))
-    facts += [(CommonText.ARM(arm=r.arm.capitalize()), _part(r)) for r in state.part_reports]
+    facts += [(LabelText.ARM(arm=r.arm.capitalize()), _part(r)) for r in state.part_reports]
     rows = [(words.render(title), words.render(fact)) for title, fact in facts]
     bar = ""
     if state.receipts:
@@ -75,7 +75,7 @@ def _wire(last: Receipt, link: LinkStatus) -> Message:
     sent, answer = last.sent or last.heard, link.acknowledged
     if sent and answer:
         return LinkText.ANSWERED(sent=sent, answer=answer)
-    return CommonText.NAME(name=sent or answer)
+    return LabelText.NAME(name=sent or answer)
 
 
 def _part(report: PartReport) -> Message:
@@ -114,7 +114,7 @@ def joints_html(
             value = joints.get(joint)
             text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
             cells += f'<td class="wb-number">{text}</td>'
-        name = words.render(CommonText.AXIS(number=axis + 1))
+        name = words.render(LabelText.AXIS(number=axis + 1))
         rows += f"<tr><th>{escape(name)}</th>{cells}</tr>"
     table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
     return last + table

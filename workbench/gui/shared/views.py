@@ -15,8 +15,8 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
-from workbench.gui.texts.common import CommonText
 from workbench.gui.texts.cycle import CycleText, StatusText
+from workbench.gui.texts.labels import LabelText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
 from workbench.model.cell import Cell
@@ -256,7 +256,7 @@ def parts_line(
     if count == 0:
         return line("No part found in this scan.", kind="bad", span=2, tip=purpose)
     scores = ", ".join(f"{detection.score:.2f}" for detection in state.detections[:4])
-    parts = CommonText.PARTS(count=count)
+    parts = LabelText.PARTS(count=count)
     if check is not None:
         parts = as_message(parts_in_words(state.cell, check, state.detections))
     found = (CycleText.FOUND_MORE if count > 4 else CycleText.FOUND)(parts=parts, scores=scores)

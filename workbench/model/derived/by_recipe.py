@@ -66,8 +66,9 @@ def with_recipe(cell: Cell, number: int) -> Cell:
 
 def strategy_of(cell: Cell) -> str:
     """The strategy of a planning for which nobody names one: the recipe's, or `auto`."""
-    recipe = next((one for one in cell.recipes if one.number == cell.recipe), None)
-    return "auto" if recipe is None else recipe.strategy or "auto"
+    if cell.recipe == NO_RECIPE:
+        return "auto"
+    return recipe_of(cell, cell.recipe).strategy or "auto"
 
 
 def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:

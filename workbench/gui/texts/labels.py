@@ -1,10 +1,10 @@
-"""Texts that several tabs share."""
+"""Labels of arms, parts, plans and distances, which several tabs show."""
 
 from workbench.model.messages.message import Text
 
 
-class CommonText(Text, subject="page"):
-    """Arms, parts, times and distances, and what pieces of a line are joined by."""
+class LabelText(Text, subject="page"):
+    """What things and measures are called in lines of the page, and how such pieces are joined."""
 
     NAME = "{name}"
     ARM = "{arm} arm"
