@@ -81,7 +81,7 @@ def test_more_faults_in_docstrings_than_stated_are_reported():
     *wrong, last = counted(none)
     assert wrong and all(line.startswith("workbench/") for line in wrong)
     assert last == f"{len(wrong)} in docstrings, at most 0 (setup/prose.toml)"
-    assert len(wrong) == RULES["docstrings"]["at_most"], "the stated count is that of today"
+    assert len(wrong) <= RULES["docstrings"]["at_most"]
 
 
 def test_the_documents_hold(capsys):
