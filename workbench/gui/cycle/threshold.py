@@ -106,7 +106,8 @@ class ThresholdInput:
             state, self._strategy(), threshold, at, self._visitor.words
         )
         if self._forecast is not None:
-            known = self._visitor.predictions
+            # Of use once there are parts to plan for.
+            known = None if state.detections is None else self._visitor.predictions
             self._forecast.content = forecast_line(
                 state.cell, known, threshold, self._visitor.words
             )
