@@ -71,7 +71,7 @@ class GraspSearch:
         self._cancelled.clear()
         self._is_running = True
         self._changed()
-        threading.Thread(target=self._work, name="grasp search", daemon=True).start()
+        threading.Thread(target=self._work, name="searching", daemon=True).start()
 
     def _work(self) -> None:
         says: Sequence[str] = ()
