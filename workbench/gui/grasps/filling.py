@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import viser
 
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.grasps.search import GraspSearch
+from workbench.gui.searching.grasp_search import GraspSearch
 from workbench.gui.shared.views import said
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText

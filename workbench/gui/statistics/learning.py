@@ -8,7 +8,7 @@ import viser
 
 from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.statistics.remaining import RemainingPart
-from workbench.gui.grasps.search import GraspSearch
+from workbench.gui.searching.grasp_search import GraspSearch
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import said
 from workbench.gui.shared.visitor import Visitor
