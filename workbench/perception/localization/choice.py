@@ -124,8 +124,8 @@ def take(
 ) -> Assessment | None:
     """Take a hypothesis if it holds after a close look beside those that were taken before.
 
-    It must explain enough of what it shows, and reach neither into a chosen one nor, where the
-    close look has moved it, out of the bin.
+    It must explain enough of what it shows, and reach neither into a chosen one nor out of the
+    bin.  The close look may have moved it there.
 
     Args:
         choice: what was taken before; the hypothesis is added to it, or to what was rejected.
