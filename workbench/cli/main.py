@@ -131,7 +131,7 @@ HOW: Mapping[type, str] = {
     session.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
     top.OpcUaCommands: "serving.certificates:certificates",
-    top.Statistics: "sessions.statistics:tell_statistics",
+    top.Statistics: "sessions.statistics:print_statistics",
     top.Evidence: "sessions.evidence:evidence",
     top.Backup: "serving.backup:backup",
     top.Restore: "serving.backup:restore",

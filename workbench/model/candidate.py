@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import Told
+from workbench.model.digest import FactsRepr
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.messages.message import Message, all_of, found_part
 from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
@@ -125,7 +125,7 @@ def kind_of(reason: Reason, *, is_apart: bool) -> Reason:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Candidate(Told):
+class Candidate(FactsRepr):
     """One detection taken by one grasp with one arm, with the verdict so far.
 
     `detection` is the index among the detections of the scan.  `rank` orders the choice:

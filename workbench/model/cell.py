@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import LATER, Told, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copied, frozen, put
 from workbench.model.messages.cells import CellText
@@ -308,7 +308,7 @@ class PlanOverrides:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Cell(Told):
+class Cell(FactsRepr):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, Shared, Told, digest_of
+from workbench.model.digest import LATER, FactsRepr, Shared, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import (
     Bools,
@@ -302,7 +302,7 @@ TURNED = "@"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Part(Shared, Told):
+class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.

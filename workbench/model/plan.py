@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import LATER, Told, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.load import Loads
@@ -164,7 +164,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Plan(Told):
+class Plan(FactsRepr):
     """What will be sent, and all that it was made from.
 
     `detections` are all parts known in the bin: those taken and those that are obstacles;
@@ -274,7 +274,7 @@ class Violation:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Proof(Told):
+class Proof(FactsRepr):
     """What was checked again, independently of the planner, on what will be sent.
 
     `checks` states were checked; between two of them no point of the robot moves further
@@ -357,7 +357,7 @@ def count_taken(plans: Sequence[Plan]) -> int:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PlanResult(Told):
+class PlanResult(FactsRepr):
     """What a planning job brings: every candidate judged, and the plan or why there is none.
 
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
@@ -383,10 +383,10 @@ class PlanResult(Told):
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         works = sum(candidate.verdict.is_ok for candidate in self.candidates)
-        told = {"candidates": f"{works} of {len(self.candidates)} work"}
+        counts = {"candidates": f"{works} of {len(self.candidates)} work"}
         if self.plan is None or self.proof is None:
-            return {**told, "no plan": self.verdict}
-        return {**told, **self.plan.facts, **self.proof.facts}
+            return {**counts, "no plan": self.verdict}
+        return {**counts, **self.plan.facts, **self.proof.facts}
 
     @property
     def plans(self) -> tuple[Plan, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, Told, digest_of
+from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copied, frozen, put
 from workbench.model.messages.message import FoundPart, Message
@@ -22,7 +22,7 @@ Option = bool | int | float | str
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Scan(Told):
+class Scan(FactsRepr):
     """A point cloud in the scanner's frame.
 
     `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
@@ -82,7 +82,7 @@ class Scan(Told):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Detection(Told):
+class Detection(FactsRepr):
     """One part found: its pose, and how much speaks for and against it.
 
     `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
@@ -228,7 +228,7 @@ class ScaleCheck:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LocalizationResult(Told):
+class LocalizationResult(FactsRepr):
     """What a search brought: the parts, best first, and the best of what was rejected.
 
     `scales` are of those kinds of which enough is seen to tell their size.

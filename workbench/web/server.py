@@ -161,7 +161,7 @@ def serve_front(
     return Front(f"{scheme}://{_format_host(options.host)}:{port}", first, store, running)
 
 
-def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+def log_loop_problem(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
     """Log what nobody waited for: in full, except for connections that broke off.
 
     These end at any moment, in the libraries as well, and are no fault of anybody's here.
@@ -242,7 +242,7 @@ class _Running:
 
     async def _serve_until_stopped(self) -> None:
         self.loop, self.stop = asyncio.get_running_loop(), asyncio.Event()
-        self.loop.set_exception_handler(tell_of_loop)
+        self.loop.set_exception_handler(log_loop_problem)
         # Requests go on when the browser goes: a password is being tried in a thread, and how
         # many of them there are is counted by their requests.
         runner = web.AppRunner(self.app, shutdown_timeout=CLOSING_SECONDS)

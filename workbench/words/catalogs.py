@@ -107,7 +107,7 @@ def _entry(path: Path, entry: str) -> tuple[dict[str, str], tuple[str, ...]]:
         now = (found[1] or now) if found else ""
         if found is None or not now:
             raise ValueError(f"{path}: {line!r} is no line of a catalog")
-        texts[now] += re.sub(r"\\(.)", lambda one: _ESCAPES.get(one[1], one[1]), found[2])
+        texts[now] += re.sub(r"\\(.)", lambda match: _ESCAPES.get(match[1], match[1]), found[2])
     if not texts["msgid"]:
         raise ValueError(f"{path}: an entry has no message: {entry[:60]!r}")
     return texts, tuple(where)

@@ -21,7 +21,7 @@ def first_guess(accepted: str) -> str:
         except ValueError:
             continue
     # The first of those that are liked as much.
-    for weight, language in sorted(liked, key=lambda one: -one[0]):
+    for weight, language in sorted(liked, key=lambda choice: -choice[0]):
         if language in LANGUAGES and weight > 0:
             return language
     return ENGLISH

@@ -187,9 +187,9 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
-            for one in body:
-                if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant):
-                    skipped.add(id(one.value))
+            for statement in body:
+                if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                    skipped.add(id(statement.value))
         if isinstance(node, ast.JoinedStr):
             skipped.update(map(id, node.values))
         if isinstance(node, ast.Call) and _is_silent(node.func):

@@ -48,7 +48,7 @@ def html_said(text: str, say: Callable[[str], str]) -> str:
     made: list[str] = []
     for kind, piece in _pieces(text):
         if kind == "tag":
-            piece = _SAID.sub(lambda one: f'{one[1]}="{_kept(one[2], say)}"', piece)
+            piece = _SAID.sub(lambda match: f'{match[1]}="{_kept(match[2], say)}"', piece)
         elif kind == "text":
             piece = _kept(piece, say)
         made.append(piece)

@@ -54,7 +54,7 @@ def test_a_motion_comes_to_its_end_whatever_is_read_meanwhile(page, files):
         await chosen(one, name, content)
         await let_out(one)
         state = await one.until(has_ended, "the end")
-        await one.told(name, "closed")
+        await one.wait_for_text(name, "closed")
         if state["phase"] == "done":
             assert state["parts_placed"] == 2
             return ""

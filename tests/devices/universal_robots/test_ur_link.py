@@ -87,7 +87,7 @@ def test_the_program_tells_what_the_arm_carries_whenever_the_gripper_has_moved(p
         load = loads.carried(holding)
         inertia = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         assert numbers == pytest.approx((load.mass, *load.centre, *inertia), abs=1e-6)
-    old = program_of(cell, plan, approval, 3, 0.25, 2.0, tells_inertia=False).text
+    old = program_of(cell, plan, approval, 3, 0.25, 2.0, sends_inertia=False).text
     assert old.count("set_payload(0.8") == 2 and old.count("set_payload(1.0") == 1
     assert read_program(old)
     none = program_of(cell, planned[1], approval, 3, 0.25, 2.0).text

@@ -210,7 +210,7 @@ def test_the_words_count_every_kind(states):
 
 def test_there_is_room_for_the_words_before_a_drag_begins(states):
     told = dragged_html(Dragged(glance(1), HERE, states.localized))
-    before, without = dragged_html(None, Room.TOLD), dragged_html(None, Room.EMPTY)
+    before, without = dragged_html(None, Room.HINT), dragged_html(None, Room.EMPTY)
     assert without == '<div class="wb-live"></div>'
     assert told.startswith('<div class="wb-live">') and before.startswith('<div class="wb-live">')
 

@@ -8,7 +8,7 @@ from scipy.stats import chi2
 
 from workbench.model.scan import Detection
 from workbench.perception.calibration.drift import DAY, courses, estimated, known
-from workbench.perception.calibration.refinement import drift_of, told_by_parts
+from workbench.perception.calibration.refinement import drift_of, estimate_from_parts
 from workbench.perception.calibration.things import (
     Sighting,
     motion_at,
@@ -109,7 +109,7 @@ def test_parts_that_slip_in_the_hand_say_how_sure_they_are():
         sightings = list(exact(cell, put_parts(cell, seed, MOVED, 8, slip=3e-4), MOVED))
         for told, found in (
             (alone, estimated(sightings)),
-            (held, told_by_parts(sightings)),
+            (held, estimate_from_parts(sightings)),
         ):
             off = found.moved - MOVED
             told.append(off @ found.information @ off < chi2.ppf(0.95, 6))

@@ -119,9 +119,9 @@ def test_nothing_in_a_set_is_nearer_than_is_said(cell, result, space, corners, a
                 q[block.columns] = shares @ block.corners[0, :corners]
             space.look(q)
             smallest = np.minimum(smallest, [space.distance(int(row)) for row in rows])
-        for bounds in (along, close.told, close.lower - close.moves):
+        for bounds in (along, close.whole_bounds, close.lower - close.moves):
             worst = min(worst, float((smallest - bounds)[smallest > 0].min()))
-        assert (np.maximum(along, close.told)[smallest <= 0] <= 0).all()
+        assert (np.maximum(along, close.whole_bounds)[smallest <= 0] <= 0).all()
         is_apart = middle > 0
         told += int(is_apart.sum())
         better += int((along > middle - close.moves)[is_apart].sum())

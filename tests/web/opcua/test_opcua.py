@@ -134,7 +134,7 @@ def test_a_plc_sends_what_a_person_approved_once_and_approves_nothing(site, serv
         await cell.call("MakePlan", whole(0), "auto", 0.2)
         await cell.until("Phase", "planned")
         digest = await cell.read("PlanDigest")
-        site.bench.do(WatchPlan(digest, is_told=True), "Ada")
+        site.bench.do(WatchPlan(digest, is_reported=True), "Ada")
         site.bench.do(Approve(digest), "Ada")
         await cell.until("ApprovedBy", "Ada")
         done, says = await cell.call("Send", "0" * 64)

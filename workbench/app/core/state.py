@@ -236,12 +236,12 @@ class PlanState(PartsState):
 class ReleaseState(PlanState):
     """What lets the plan out.
 
-    `watched` names those before whose eyes it was played to its end, `told` those of them of whom
-    only a program says so; `votes` are given for it, enough of them or not.
+    `watched` names those before whose eyes it was played to its end, `watched_elsewhere` those of
+    them of whom only a program says so; `votes` are given for it, enough of them or not.
     """
 
     watched: tuple[str, ...] = ()
-    told: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    watched_elsewhere: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     votes: tuple[Vote, ...] = ()
     approval: Approval | None = None
 

@@ -45,16 +45,16 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
             tried = changed(plain, task.change)
         says = _message(task, number % command.piles + 1, command.piles)
 
-        def tell(
+        def report_step(
             done: float, note: Message | str, number: int = number, says: Message = says
         ) -> None:
             report((number + done) / len(tasks), PileText.STEP(pile=says, step=note))
 
-        tell(0.0, ProgressText.FALLING())
+        report_step(0.0, ProgressText.FALLING())
         pile = fallen(plain, tried, task)
         shots: list[Shot] = []
         piles.append(
-            emptied(tried, task, pile, report=tell, cancelled=cancelled, film=shots.append)
+            emptied(tried, task, pile, report=report_step, cancelled=cancelled, film=shots.append)
         )
         if not task.change:
             films.append(_film(task, tuple(enumerate(pile)), tuple(shots)))

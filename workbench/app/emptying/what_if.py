@@ -50,7 +50,7 @@ def ranked(
     rows = [
         {
             "change": str(said),
-            "said": said.told,
+            "said": said.program_form,
             "taken_share_before": before["taken_share"],
             "taken_share": answer["taken_share"],
             "parts_gained": answer["taken"] - before["taken"],

@@ -179,7 +179,7 @@ def _list_shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]
     for entry, _ in before:
         command = entry.command
         if isinstance(command, WatchPlan) and command.plan_digest == digest:
-            how = "told by a program" if command.is_told else "drawn by a browser to its end"
+            how = "told by a program" if command.is_reported else "drawn by a browser to its end"
             yield "shown", f"{clock(entry.at)} to {entry.actor}, {how} (entry {entry.number})"
 
 

@@ -31,7 +31,7 @@ from workbench.formats.files.whole_files import (
     read_whole,
 )
 from workbench.model.cell import Cell
-from workbench.model.digest import Told, canonical, digest_of
+from workbench.model.digest import FactsRepr, canonical, digest_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.model.messages.commands import NameText
 from workbench.model.scan import Detection, Scan, Search
@@ -51,7 +51,7 @@ UNREADABLE = (
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Case(Told):
+class Case(FactsRepr):
     """What a search found in a scan, and what a person says lies there.
 
     `at` [s since the epoch] `by` somebody, whose `comment` says what was wrong.  `search` is what

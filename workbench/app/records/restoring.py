@@ -180,7 +180,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
     except FileError as error:
         # Where the file lies for now says nothing to anybody.
         raise InputError(f"{file.name}: {error.problem}") from None
-    return tuple(Thing(**fields) for fields in answer.told)
+    return tuple(Thing(**fields) for fields in answer.value)
 
 
 def looked_into(file: Path, root: str, is_put: bool) -> Answer:

@@ -259,10 +259,10 @@ class LinkRunner:
         ended = LinkEnded(fault or "", placed, parts)
         how = fault or LinkText.WENT_WELL()
 
-        def tell(problem: Message | None) -> None:
+        def show_unrecorded(problem: Message | None) -> None:
             self._show(unrecorded=problem and LinkText.ENDED_BUT(how=how, problem=problem))
 
-        insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, tell=tell)
+        insist(self._do, ended, ROBOT_LINK, giving_up=self._giving_up, show_problem=show_unrecorded)
 
     def _see_it_at(self, plan: Plan) -> None:
         """Between two plans: show how the robot stands once that is where the next one starts.

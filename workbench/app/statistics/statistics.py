@@ -196,7 +196,7 @@ class Count:
         for row in rows:
             self.last = row.number
             try:
-                for kind, number, body in self._turns.told(row):
+                for kind, number, body in self._turns.release_entries(row):
                     self._add(kind, number, body)
             except (AttributeError, LookupError, TypeError, ValueError) as error:
                 raise JournalError(

@@ -11,7 +11,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
 from workbench.cli.authoring.first_tools import gripper, suction_cup
-from workbench.cli.authoring.new_cell_report import Made, tell
+from workbench.cli.authoring.new_cell_report import Made, print_report
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, progress
 from workbench.formats.cells.writer import write_cell
@@ -88,7 +88,7 @@ def new_cell(typed: CellNew) -> int:
         path = write_cell(folder, found.cell, unchecked)
     decisions = (*description.notes, *arms.notes, ACCELERATION, MASS, *found.notes)
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
-    tell(made, as_json=typed.json)
+    print_report(made, as_json=typed.json)
     return SUCCESS
 
 

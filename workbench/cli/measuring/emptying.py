@@ -28,7 +28,7 @@ LONGEST = 3600.0
 COMPARED = ("taken_share", "parts_per_hour", "cycles", "scans", "failed_picks", "touches")
 """The report of the same piles, emptied by one plan a look."""
 
-MOST_TOLD = 30
+MOST_LISTED = 30
 """Parts that stayed are computed up to here; --json prints all."""
 
 
@@ -189,9 +189,9 @@ def _print(found: dict[str, Any], title: str) -> None:
         return
     reasons = ", ".join(f"{count} {kind}" for kind, count in found["left_by_reason"].items())
     print(f"{len(left)} parts stayed: {reasons}")
-    for seed, part in left[:MOST_TOLD]:
+    for seed, part in left[:MOST_LISTED]:
         fix = part["nearest_fix"] or "no small change of a grasp takes it"
         bound = f"; {part['any_grasp']}" if part["any_grasp"] else ""
         print(f"  seed {seed}, {part['part']}: {part['reason']}; {fix}{bound}")
-    if len(left) > MOST_TOLD:
-        print(f"  and {len(left) - MOST_TOLD} more: see --json")
+    if len(left) > MOST_LISTED:
+        print(f"  and {len(left) - MOST_LISTED} more: see --json")

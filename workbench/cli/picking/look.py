@@ -92,7 +92,7 @@ def localize(typed: arguments.Localize) -> int:
         print_table(
             "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
         )
-    _tell_sizes(typed, findings.scales, sizes)
+    _report_sizes(typed, findings.scales, sizes)
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
@@ -101,7 +101,7 @@ def localize(typed: arguments.Localize) -> int:
     return 0
 
 
-def _tell_sizes(
+def _report_sizes(
     typed: arguments.Localize, checks: Sequence[ScaleCheck], sizes: Mapping[str, float]
 ) -> None:
     """Print sizes that differ from the CAD files, or write them into the parts."""

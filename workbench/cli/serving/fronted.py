@@ -9,7 +9,7 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
-from workbench.cli.serving.ending import told_to_end
+from workbench.cli.serving.ending import queue_end_signals
 from workbench.cli.terminal import check_number, check_whole
 from workbench.model.errors import InputError
 from workbench.model.prediction import Predictions
@@ -88,6 +88,6 @@ def fronted(
 
 def wait_for_the_end(*lines: str) -> None:
     """Print that all is there, and return at SIGINT or SIGTERM."""
-    signals = told_to_end()
+    signals = queue_end_signals()
     print(*lines, sep="\n", flush=True)
     signals.get()

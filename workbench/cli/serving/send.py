@@ -58,7 +58,7 @@ def send(typed: arguments.Send) -> int:
     usual = cell.controller
     cell = replace(cell, controller=_controller(cell, typed))
     if typed.row:
-        _check_told(cell)
+        _check_reports(cell)
     if typed.digest is not None:
         check_digest(plans, typed.digest)
     record = ApprovalRecord(typed.record)
@@ -135,7 +135,7 @@ def _describe(typed: arguments.Send) -> str:
     return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
 
 
-def _check_told(cell: Cell) -> None:
+def _check_reports(cell: Cell) -> None:
     """Look whether anybody can know, between two plans, how it stands.
 
     Raises:

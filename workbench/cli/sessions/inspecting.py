@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.evidence import verify
-from workbench.app.records.session_archive import opened, told
+from workbench.app.records.session_archive import list_session, opened
 from workbench.app.review.likeness import Likeness
 from workbench.app.review.recompute import recomputed
 from workbench.cli.arguments.session import SessionList, SessionReplay, SessionShow, SessionVerify
@@ -63,7 +63,7 @@ def _summary(folder: Path) -> tuple[str, ...]:
 def show_session(typed: SessionShow) -> int:
     """Tell what happened, entry by entry."""
     with closing(opened(typed.session)) as journal:
-        entries = told(journal).entries
+        entries = list_session(journal).entries
     if typed.json:
         print_json({"entries": entries})
         return SUCCESS

@@ -296,8 +296,8 @@ class Sending:
             raise ProtocolError(f"the controller says it is {phase}, it should be running")
         # Each is told once, and before the robot moves each phase: a controller that repeats
         # itself fills no journal.
-        is_told_whole = self._reports.step or phase == "waiting"
-        said = (phase, step, *sorted(points.items())) if is_told_whole else phase
+        is_complete = self._reports.step or phase == "waiting"
+        said = (phase, step, *sorted(points.items())) if is_complete else phase
         if said in self._told:
             return []
         self._told.add(said)

@@ -86,7 +86,7 @@ class Controller:
         speed: float = 1.0,
         operator: Operator | None = None,
         clock: Callable[[], float] = time.monotonic,
-        peek_tells_end: bool = True,
+        peek_reports_end: bool = True,
     ) -> None:
         """Load everything.
 
@@ -98,7 +98,7 @@ class Controller:
             speed: how fast the robots' time goes; that of programs and of the link is real.
             operator: who stands at the robot; nobody answers when not given.
             clock: [s] never goes back.
-            peek_tells_end: whether SocketPeek raises ERR_SOCK_CLOSED once the other side has left.
+            peek_reports_end: whether SocketPeek raises ERR_SOCK_CLOSED once the peer has left.
 
         Raises:
             BadModule: a module cannot run.
@@ -126,7 +126,7 @@ class Controller:
         self.moving: dict[str, Moving] = {}
         self.shared: dict[str, list[Any]] = {}
         self._meetings = Meetings(list(self.mechanisms))
-        self.network = Network(host, port, peek_tells_end)
+        self.network = Network(host, port, peek_reports_end)
         try:
             for name in setup.tasks:
                 self._load(name)
@@ -155,7 +155,7 @@ class Controller:
             makers={**MAKERS, "socketdev": lambda name: self.network.device()},
             shared=self.shared,
             signals=dict.fromkeys(self.setup.outputs, "signaldo"),
-            told=task.told,
+            on_error=task.set_errno,
         )
         task.loaded.check()
 

@@ -95,7 +95,7 @@ class UrRtde:
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
         return program_of(
-            cell, plan, approval, *hand, silence, tells_inertia=options.payload_inertia
+            cell, plan, approval, *hand, silence, sends_inertia=options.payload_inertia
         )
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
@@ -108,17 +108,17 @@ class UrRtde:
         with Client(cell.controller.host, (RTDE_PORT,), sends=False) as client:
             while not cancelled():
                 # The library goes on telling the last that it heard when a cable is cut.
-                told = states.taken(client.hear(POLL), in_motion=False)
-                if told is None:
+                news = states.taken(client.hear(POLL), in_motion=False)
+                if news is None:
                     if time.monotonic() - fresh > silence:
                         raise LinkError(
                             f"the controller has reported nothing new for {silence:.0f} s"
                         )
                     continue
                 fresh, silence = time.monotonic(), USUAL.silence
-                moving = "" if told.stands else arm.name
-                joints = {arm.name: tuple(told.q.tolist())}
-                state = RobotState(joints, {}, moving, 0, 0, told.fault)
+                moving = "" if news.stands else arm.name
+                joints = {arm.name: tuple(news.q.tolist())}
+                state = RobotState(joints, {}, moving, 0, 0, news.fault)
                 if state != before:
                     before = state
                     yield state
@@ -167,7 +167,7 @@ class UrRtdeBlend(UrRtde):
         options = options_of(self.Options, cell.controller.options)
         hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
         inertia = options.payload_inertia
-        return program_of(cell, plan, approval, *hand, silence, blend, tells_inertia=inertia)
+        return program_of(cell, plan, approval, *hand, silence, blend, sends_inertia=inertia)
 
 
 class UrRtdeServo(UrRtde):
@@ -197,5 +197,5 @@ class UrRtdeServo(UrRtde):
         hand = options.gripper_output, options.grip_s
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
         return program_of(
-            cell, plan, approval, *hand, silence, servo=servo, tells_inertia=options.payload_inertia
+            cell, plan, approval, *hand, silence, servo=servo, sends_inertia=options.payload_inertia
         )

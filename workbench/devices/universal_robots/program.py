@@ -66,7 +66,7 @@ def program_of(
     silence: float,
     blend: float = 0.0,
     servo: Servo | None = None,
-    tells_inertia: bool = True,
+    sends_inertia: bool = True,
 ) -> Program:
     """The program of a plan.
 
@@ -79,7 +79,7 @@ def program_of(
         silence: [s] after which the controller stops when nobody writes `ALIVE`.
         blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
         servo: how references along each leg are followed, where they are streamed.
-        tells_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
+        sends_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
 
     Raises:
         InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
@@ -112,7 +112,7 @@ def program_of(
                 lines.append(f"  set_standard_digital_out({output}, {holding})")
                 lines.append(f"  sleep({grip_seconds:.3f})")
                 if (loads := plan.arm(arm.name).loads) is not None:
-                    lines.append(_payload(loads.carried(holding), tells_inertia))
+                    lines.append(_payload(loads.carried(holding), sends_inertia))
             if servo is not None:
                 references.append(references_of(cell, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]
@@ -135,10 +135,10 @@ def program_of(
     return Program("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
 
 
-def _payload(load: Load, tells_inertia: bool) -> str:
+def _payload(load: Load, sends_inertia: bool) -> str:
     """What the arm carries from now on, in the flange's frame."""
     centre = ", ".join(f"{value + 0.0:.6f}" for value in load.centre)
-    if not tells_inertia:
+    if not sends_inertia:
         return f"  set_payload({load.mass:.6f}, [{centre}])"
     six = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     inertia = ", ".join(f"{value + 0.0:.9f}" for value in six)

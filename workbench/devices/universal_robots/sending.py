@@ -110,7 +110,7 @@ class Sending:
             self._check_leg(done, state.at)
             yield state
             self._check_follows(state)
-            self._tell(state)
+            self._report(state)
             over = over or (clock() if done > total else None)
             if over is not None and clock() - over > self._patience.answer:
                 raise LinkError("the controller does not end the program after its last leg")
@@ -246,7 +246,7 @@ class Sending:
             missing = StopText.SINCE(what=missing, why=error.message)
         raise JobCancelled(StopText.AT(where=self._where, how=missing))
 
-    def _tell(self, state: State) -> None:
+    def _report(self, state: State) -> None:
         joints, at = {self._arm.name: state.q}, self._now()
         phase = "running" if state.runtime == PLAYING else "stopped"
         legs = len(self._program.legs)

@@ -86,7 +86,7 @@ def bodies_of(path: Path) -> CadBodies:
         FileError: it cannot be read, or holds nothing that has a surface.
     """
     answer = apart(path, raw_bodies)
-    content: Any = answer.told
+    content: Any = answer.value
     points, triangles = answer.arrays["points"], answer.arrays["triangles"]
     of_points = np.cumsum(answer.arrays["counts"][:, 0])[:-1]
     of_triangles = np.cumsum(answer.arrays["counts"][:, 1])[:-1]

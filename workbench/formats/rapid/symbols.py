@@ -89,7 +89,7 @@ class Routine:
     handler: Run | None = None
     undo: Run | None = None
     locals: list[tuple[int, Run]] = field(default_factory=list[tuple[int, Run]])
-    told: Callable[[RapidError], None] = lambda error: None
+    on_error: Callable[[RapidError], None] = lambda error: None
     calls: list[Frame] = field(default_factory=list[Frame])
     takes: list[str] = field(default_factory=list[str])
     is_executed: bool = True
@@ -133,7 +133,7 @@ class Routine:
             if any(call.has_handler and call.error is None for call in self.calls[begin:-1]):
                 raise error
             raise RapidStop(f"nothing handles {error}")
-        self.told(error)
+        self.on_error(error)
         frame.error = error
         try:
             # A handler that reaches its end returns to the caller.

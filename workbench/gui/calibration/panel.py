@@ -214,7 +214,7 @@ class CalibrationPanel:
             if not left:
                 raise InputError(CalibrationText.NO_POSE(arm=arm.name))
         except InputError as error:
-            visitor.tell("No suggestion", visitor.words.render(error.message))
+            visitor.notify("No suggestion", visitor.words.render(error.message))
             return
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST

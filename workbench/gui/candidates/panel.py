@@ -194,7 +194,7 @@ class CandidatesPanel:
         if place >= len(shown):
             return
         if problem := visitor.lacks(visitor.bench.state, TakeScan):
-            visitor.tell("Refused", problem)
+            visitor.notify("Refused", problem)
             return
         look = visitor.look
         visitor.own.change(thing="")

@@ -117,7 +117,7 @@ class CellPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._view = new
-        self._inputs.tell(old, new)
+        self._inputs.show_drag(old, new)
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
             self._tree.content = tree_html(cell, self._visitor.words)

@@ -18,7 +18,7 @@ class Room(enum.Enum):
 
     NONE = enum.auto()
     EMPTY = enum.auto()
-    TOLD = enum.auto()
+    HINT = enum.auto()
 
 
 def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words = IN_ENGLISH) -> str:
@@ -26,7 +26,7 @@ def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words =
     if dragged is None and room is Room.NONE:
         return ""
     if dragged is None:
-        note = line(BEFORE, kind="hint") if room is Room.TOLD else ""
+        note = line(BEFORE, kind="hint") if room is Room.HINT else ""
         return f'<div class="wb-live">{note}</div>'
     counts = Counter(kinds_in(dragged.glance))
     chips = "".join(

@@ -131,9 +131,9 @@ class InView:
             return False
         position, set_at, until = self._asked
         camera = visitor.client.camera
-        is_told = camera.update_timestamp > set_at
+        is_updated = camera.update_timestamp > set_at
         is_there = bool(np.allclose(camera.position, position, atol=THERE))
-        if (is_told and is_there) or time.monotonic() > until:
+        if (is_updated and is_there) or time.monotonic() > until:
             self._asked = None
         return self._asked is not None
 

@@ -170,7 +170,7 @@ class EmptyingPanel:
         )
         plot = taken_plot(plain, words)
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
-        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, words))
+        self._film.show_left(left_html(plain[pile], chosen, self._left_rows, words))
         if self._brought.visible:
             self._ranked.content = changes_html(ranked(found.piles, **takes), words)
 

@@ -124,7 +124,7 @@ class GraspCopies:
                 ),
             )
         except InputError as error:
-            self._visitor.tell("Refused", self._visitor.words.render(error.message))
+            self._visitor.notify("Refused", self._visitor.words.render(error.message))
             return
         self._editing.put(
             entry, pattern, GraspEditText.REPEATED(grasp=entry.name, count=pattern.count)

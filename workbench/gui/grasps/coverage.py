@@ -90,13 +90,13 @@ class CoverageControls:
             if not self._cancelled.is_set():
                 self._found = _key(part, cell), found
         except WorkbenchError as error:
-            self._visitor.tell("Coverage", self._visitor.words.render(error.message))
+            self._visitor.notify("Coverage", self._visitor.words.render(error.message))
         except Exception as error:
             # A rim: what cannot be looked at leaves the page as it is.
             log.exception("the coverage of a part could not be found")
-            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+            self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
         self._is_looking, self._look.label = False, "Look"
-        self._editing.tell()
+        self._editing.notify()
 
     def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))

@@ -54,7 +54,7 @@ class FillControls:
             return
         self._cancelled.clear()
         self._is_filling = True
-        self._editing.tell()
+        self._editing.notify()
         threading.Thread(target=self._work, name="filling", daemon=True).start()
 
     def _work(self) -> None:
@@ -81,10 +81,10 @@ class FillControls:
         except Exception as error:
             # A rim: a library that cannot be filled stays as it is.
             log.exception("the library of a part could not be filled")
-            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+            self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
         self._is_filling = False
         self._line.content = "".join(line(text, kind="hint") for text in says)
-        self._editing.tell()
+        self._editing.notify()
 
     def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))

@@ -122,7 +122,7 @@ class GraspsPanel:
             self._uses = new.statistics.grasps()
         if is_counted or old is None or old.state is not new.state:
             self._draw()
-        self._pose.tell(old, new)
+        self._pose.show_drag(old, new)
 
     def _react(self) -> None:
         visitor, editing = self._visitor, self._editing

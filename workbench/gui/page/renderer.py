@@ -228,7 +228,7 @@ class Renderer:
         new = self._own_views.of(visitor.own.now, old, shared)
         for panel in self._panels.get(visitor.number, ()):
             _run_shielded(lambda panel=panel: panel.show(old, new))
-        _run_shielded(visitor.show_told)
+        _run_shielded(visitor.show_button_texts)
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
@@ -317,7 +317,7 @@ class Renderer:
             panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
             for panel in panels:
                 panel.show(None, view)
-            visitor.show_told()
+            visitor.show_button_texts()
         self._shown[client.client_id] = view
         self._panels[client.client_id] = panels
 

@@ -185,7 +185,7 @@ class PlanLinks:
             return
         spot = nearest_place(state.cell, plan, proof)
         if spot is None:
-            visitor.tell("Nothing to show", "on its free legs the plan comes near nothing")
+            visitor.notify("Nothing to show", "on its free legs the plan comes near nothing")
             return
         self._before()
         run = _run(_runs_of(state, plan), proof.nearest.arm, proof.nearest.leg)

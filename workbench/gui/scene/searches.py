@@ -99,7 +99,7 @@ class SearchInputs:
         if place >= len(searches):
             return
         if problem := visitor.lacks(visitor.bench.state, TakeScan):
-            visitor.tell("Refused", problem)
+            visitor.notify("Refused", problem)
             return
         number = searches[place].number
         chosen = None if look.now.search == number else number

@@ -126,7 +126,7 @@ def clickable(button: str) -> str:
     return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
 
 
-def told_css(words: Mapping[str, str]) -> str:
+def make_text_css(words: Mapping[str, str]) -> str:
     """Rules by which the style sheet shows a text for each button: viser shows none for them.
 
     Args:

@@ -141,7 +141,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         note = f"<b>{escape(getting_ready)}</b>{escape(waiting)}"
         return _box("busy", note, f"{100 * live.getting_ready.done:.0f}%")
     if state.job is not None and state.phase is not Phase.SENDING:
-        note = words.render(live.told_of(state.job.number)[1] or state.message)
+        note = words.render(live.progress_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
     match state.phase:

@@ -47,7 +47,9 @@ class LearningControls:
     def show(self, view: View) -> None:
         """Offer the button where parts were left of which the cell has the kind."""
         kinds = {part.name for part in view.state.cell.parts}
-        self._left = tuple(one for one in view.statistics.remaining if one.part in kinds)
+        self._left = tuple(
+            remaining for remaining in view.statistics.remaining if remaining.part in kinds
+        )
         self._button.visible = bool(self._left)
         busy = "grasps are being looked for" if self._is_busy else ""
         self._visitor.admit(self._button, view.state, EditPart, otherwise=busy)
@@ -65,7 +67,7 @@ class LearningControls:
         from workbench.app.filling.words import proposal_words
 
         left, cell = self._left, self._visitor.cell
-        name = Counter(one.part for one in left).most_common(1)[0][0]
+        name = Counter(remaining.part for remaining in left).most_common(1)[0][0]
         says: list[str] = []
         try:
             found = propose_apart(cell, name, left, self._report, self._cancelled)
@@ -81,16 +83,16 @@ class LearningControls:
         except Exception as error:
             # A rim: a library without the new grasps stays as it is.
             log.exception("grasps for parts that were left could not be made")
-            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+            self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
         self._is_busy = False
-        self._tell(says)
+        self._show_lines(says)
         state = self._visitor.bench.state
         self._visitor.admit(self._button, state, EditPart)
 
     def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))
-        self._tell([self._visitor.words.render(progress)])
+        self._show_lines([self._visitor.words.render(progress)])
 
-    def _tell(self, says: Sequence[str]) -> None:
+    def _show_lines(self, says: Sequence[str]) -> None:
         self._line.content = "".join(line(text, kind="hint") for text in says)
         self._line.visible = bool(says)

@@ -166,7 +166,7 @@ class RestoreControls:
     def _begin(self, work: Callable[[], None]) -> None:
         """Have something done in a thread of its own; what goes wrong is reported in its place."""
 
-        def told() -> None:
+        def work_and_report() -> None:
             try:
                 work()
             except JobCancelled:
@@ -179,4 +179,4 @@ class RestoreControls:
             if self._view is not None:
                 self.show(self._view)
 
-        threading.Thread(target=told, name="restore", daemon=True).start()
+        threading.Thread(target=work_and_report, name="restore", daemon=True).start()

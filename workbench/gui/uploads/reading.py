@@ -96,7 +96,7 @@ def _read(
 ) -> Any:
     with uploaded(name, content) as file:
         answer = apart(file, work, *arguments, cancelled=cancelled)
-    return restored(kind, answer.told, lambda digest: answer.arrays[digest].data)
+    return restored(kind, answer.value, lambda digest: answer.arrays[digest].data)
 
 
 def _make_answer(value: Any) -> Answer:

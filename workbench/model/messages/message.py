@@ -177,7 +177,7 @@ class Message:
         return {"id": self.id, "args": {name: _form(arg) for name, arg in self.args.items()}}
 
     @property
-    def told(self) -> dict[str, Any]:
+    def program_form(self) -> dict[str, Any]:
         """What programs get: `id`, `args` and the English `text`; both empty without an id."""
         form = {"id": "", "args": {}} if self.text is Others.PLAIN else self.form
         return {**form, "text": str(self)}

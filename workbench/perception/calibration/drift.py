@@ -59,8 +59,8 @@ class Course:
     `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
     seems to be moved, NaN along what a day does not tell.  `change` (6,) [m, rad] is what has
     become of that from the first three days to the last three, with its `deviation` and the
-    `freedom` of it, all NaN where nothing can be compared; `is_told` (6,) where the first week and
-    the last one do not differ by chance.
+    `freedom` of it, all NaN where nothing can be compared; `is_significant` (6,) where the first
+    week and the last one do not differ by chance.
     """
 
     thing: str
@@ -70,12 +70,12 @@ class Course:
     change: Floats
     deviation: Floats
     freedom: Floats
-    is_told: Bools
+    is_significant: Bools
 
     def __post_init__(self) -> None:
         for name in ("moved", "change", "deviation", "freedom"):
             put(self, **{name: frozen(getattr(self, name))})
-        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_told, np.bool_))
+        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_significant, np.bool_))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,5 +169,5 @@ def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float
         odds[axis] = 2 * stdtr(freedom[axis], -away)
         change[axis] = last[-now:].mean() - first[:now].mean()
         deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
-    is_told = np.asarray(odds < chance)  # not where nothing is compared
-    return Course(thing, kind, days, moved, change, deviation, freedom, is_told)
+    is_significant = np.asarray(odds < chance)  # not where nothing is compared
+    return Course(thing, kind, days, moved, change, deviation, freedom, is_significant)

@@ -75,7 +75,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Told:
+class ColourReading:
     """What colours say of a part that was chosen: of which kind it is, and how it lies."""
 
     kind: int
@@ -84,7 +84,7 @@ class Told:
     assessed: Assessment
 
 
-def told_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
+def resolve_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
     """The searches of all kinds, each part that was chosen as its colours show it.
 
     Args:
@@ -147,7 +147,7 @@ def _decide(
     lights: Bools,
     light: int,
     deviation: Floats,
-) -> Told:
+) -> ColourReading:
     """What stands of the guesses at a part; `light` is the likeliest."""
     search = brought[seen.kind]
     own = search.choice.chosen[seen.number]
@@ -166,7 +166,7 @@ def _decide(
         shape.allows(Guess(k, own.pose, np.empty((0, 3)))) is not None for k in bare
     )
     if not is_open and all(shape.allows(seen.guesses[g]) is None for g in rivals):
-        return Told(seen.kind, seen.number, chosen, own)
+        return ColourReading(seen.kind, seen.number, chosen, own)
     kind = kinds[chosen.kind]
     assert kind is not None
     pose = shape.allows(chosen)
@@ -179,7 +179,7 @@ def _decide(
         share=1.0 if not is_open and _flips_show(kind) else own.share,
         by_colour=not is_open,
     )
-    return Told(seen.kind, seen.number, chosen, assessed)
+    return ColourReading(seen.kind, seen.number, chosen, assessed)
 
 
 def _is_alike(first: Guess, second: Guess) -> bool:
@@ -195,7 +195,9 @@ def _flips_show(kind: Painted) -> bool:
     return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
 
 
-def _chosen_anew(brought: Sequence[PartSearch], decisions: Sequence[Told]) -> list[PartSearch]:
+def _chosen_anew(
+    brought: Sequence[PartSearch], decisions: Sequence[ColourReading]
+) -> list[PartSearch]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
         Choice(

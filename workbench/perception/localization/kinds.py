@@ -88,7 +88,7 @@ def localize_parts(
     detail: float,
     report: Report,
     cancelled: Cancelled,
-    tell: ResolveByColour = lambda _, brought: list(brought),
+    resolve_by_colour: ResolveByColour = lambda _, brought: list(brought),
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
@@ -123,7 +123,7 @@ def localize_parts(
             for (search, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
         compete(found, proposed, closely)
-    searches = iter(tell(scan, found))
+    searches = iter(resolve_by_colour(scan, found))
     return merged(
         together(
             scan,
@@ -330,6 +330,8 @@ def _overlap(
     def is_in(surface: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
         return reaches_into(surface, host, T_host.actInv(T_one).homogeneous)
 
-    one, other = brought[j].surface, brought[k].surface
+    first_surface, other = brought[j].surface, brought[k].surface
     T_one, T_other = first.T_world_part, second.T_world_part
-    return is_in(one, T_one, other, T_other) or is_in(other, T_other, one, T_one)
+    return is_in(first_surface, T_one, other, T_other) or is_in(
+        other, T_other, first_surface, T_one
+    )

@@ -66,7 +66,7 @@ class _Question:
     """One search as it was asked, to be asked again more closely."""
 
     step: Step
-    one: Moving
+    moving: Moving
     sets: tuple[tuple[Sets, ...], ...]
     pairs: Pairs
     found: Found
@@ -111,7 +111,7 @@ class Walk:
             clearance, nearest = self._stated.clearance, self._stated.nearest
         clearances: dict[tuple[str, str], Floats] = {}
         for asked in self._asked:
-            key, bounds = (asked.one.arm.name, asked.one.leg.name), asked.found.bounds
+            key, bounds = (asked.moving.arm.name, asked.moving.leg.name), asked.found.bounds
             clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
         table = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
@@ -342,14 +342,14 @@ class Walk:
             # How near, not whether too near: that has been answered.
             shown = asked.pairs.among(asked.pairs.shown)
             pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
-            base, count = asked.step.base, len(asked.one.path)
+            base, count = asked.step.base, len(asked.moving.path)
             again = search(self._space, base, sets, pairs, TIGHT, count, within)
             if not again.gave_up:
                 asked.found.bounds[close] = again.bounds[close]
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
         bound = min(float(question.found.bounds.min()) for question in free)
-        return bound, self._violation(where.one, state, ProofText.NEAREST())
+        return bound, self._violation(where.moving, state, ProofText.NEAREST())
 
     def _with(self, step: Step, arm_motion: Moving, values: Floats) -> Floats:
         q = step.base.copy()

@@ -151,7 +151,7 @@ class OpcUa:
                 [argument.described() for argument in method.arguments],
                 [ua.VariantType.Boolean, ua.VariantType.String],
             )
-        await self._tell()
+        await self._write_changes()
         await server.start()
         if not is_bound(server):
             raise InputError("this version of asyncua cannot be kept from keeping what is sent")
@@ -196,18 +196,18 @@ class OpcUa:
                     await self._changed.wait()
             self._changed.clear()
             try:
-                await self._tell()
+                await self._write_changes()
             except ua.UaError:
                 log.exception("the state cannot be told over OPC UA")
 
-    async def _tell(self) -> None:
+    async def _write_changes(self) -> None:
         """Write what has changed."""
         now: Mapping[str, Any] = values_of(self._bench.state, self._bench.live, self._bench.head)
         for name, value in now.items():
             if name not in self._told or self._told[name] != value:
                 await self._nodes[name].write_value(ua.Variant(value, VARIABLES[name]))
                 self._told[name] = value
-        await self._system.tell(self._bench.state, self._bench.live)
+        await self._system.write_changes(self._bench.state, self._bench.live)
 
 
 async def _secure(options: Options, door: Door) -> Server:

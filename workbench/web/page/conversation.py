@@ -84,7 +84,7 @@ class Conversation:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
         if end.is_fault:
-            self._tell("connection", end.why)
+            self._log_refusal("connection", end.why)
         await close(self._browser, self._transport, end.code, end.why)
         await self._viser.close()
 
@@ -98,7 +98,7 @@ class Conversation:
             try:
                 message = read(frame.data, self._person.role)
             except ValueError as error:
-                self._tell("message", str(error))
+                self._log_refusal("message", str(error))
                 self._refused += 1
                 if self._refused >= MOST_REFUSED:
                     return End(WSCloseCode.POLICY_VIOLATION, "too much was refused", is_fault=True)
@@ -159,7 +159,7 @@ class Conversation:
         await self._seat.over.wait()
         return End(self._seat.code, "logged out" if self._seat.code == OVER else "")
 
-    def _tell(self, what: str, why: str) -> None:
+    def _log_refusal(self, what: str, why: str) -> None:
         refused(what, why=why, origin=self._origin, who=self._person.name)
 
 

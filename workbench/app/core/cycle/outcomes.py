@@ -186,8 +186,8 @@ def _goes_on(plan: Plan | None) -> bool:
 
 def _still_placed(state: State, ended: SendingEnd) -> tuple[Detection, ...]:
     """What was placed before, without what the plan has taken from a station."""
-    is_told = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
-    if state.plan is None or ended.fault or not is_told:
+    is_each_picked = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
+    if state.plan is None or ended.fault or not is_each_picked:
         return state.placed
     detections = (state.plan.detections[arm.detection] for arm in state.plan.arms)
     taken = [

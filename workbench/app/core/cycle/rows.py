@@ -67,7 +67,7 @@ def shortened(state: State, picks: int, actor: str) -> State:
         row=every[: picks - 1],
         left_out=every[picks - 1 :],
         watched=state.watched if is_shorter else (),
-        told=state.told if is_shorter else (),
+        watched_elsewhere=state.watched_elsewhere if is_shorter else (),
         message=StateText.ROW_LENGTH(person=actor, count=picks, total=1 + len(every)),
     )
 

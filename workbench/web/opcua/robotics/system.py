@@ -34,7 +34,7 @@ SYSTEM_TYPE: Ref = ("rob", 1002)
 class System:
     """A MotionDeviceSystem in the DeviceSet.
 
-    Lifetime: empty until `tell`, which makes the nodes anew where the arms are other ones.
+    Lifetime: empty until `write_changes`, which makes the nodes anew where the arms are other ones.
 
     Concurrency: used by the event loop of the server alone.
     """
@@ -50,7 +50,7 @@ class System:
         self._variables: set[Path] = set()
         self._told: dict[Path, Reading] = {}
 
-    async def tell(self, state: State, live: Live) -> None:
+    async def write_changes(self, state: State, live: Live) -> None:
         """Write what has changed."""
         shape, known = _shape(state.cell), readings(state, live)
         if shape != self._shape:
