@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import BSpline
 
 from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
-from workbench.devices.streamed_way import Ride, Way, timed_way
+from workbench.devices.streamed_way import Ride, StreamedWay, timed_way
 from workbench.model.plan import Leg
 from workbench.planning.kinematics.execution import timed
 
@@ -122,4 +122,4 @@ def test_a_leg_is_streamed_within_the_limits_of_its_cell(cell, plan):
     assert way.seconds == pytest.approx(t[-1], rel=1e-9)
     for found, most in zip(judged(ridden(Ride(way, 1.0, period)), period), limits, strict=True):
         assert (found <= most * (1 + 1e-4)).all()
-    assert isinstance(timed_way(cell, cell.arms[0], leg), Way)
+    assert isinstance(timed_way(cell, cell.arms[0], leg), StreamedWay)

@@ -148,7 +148,7 @@ class Robot(Shared):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class ScanPosture:
     """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order."""
 
     name: str
@@ -173,7 +173,7 @@ class ArmScanner:
     flange: str
     joints: tuple[str, ...]
     T_flange_scanner: pin.SE3
-    view: View
+    view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
 

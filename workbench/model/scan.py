@@ -320,7 +320,7 @@ class SearchOverrides:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Search:
+class SearchRecord:
     """A search in the current scan: seed, overrides, what was found, and how long it took [s].
 
     `number` is that of the entry that began it.

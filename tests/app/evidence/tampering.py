@@ -49,7 +49,7 @@ class Opened:
             self.files[verify.JOURNAL] = path.read_bytes()
 
     @property
-    def entries(self) -> list[verify.Entry]:
+    def entries(self) -> list[verify.JournalEntry]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "journal.sqlite"
             path.write_bytes(self.files[verify.JOURNAL])

@@ -10,7 +10,7 @@ from workbench.model.scan import Detection
 from workbench.perception.calibration.drift import DAY, courses, estimated, known
 from workbench.perception.calibration.refinement import drift_of, estimate_from_parts
 from workbench.perception.calibration.things import (
-    Sighting,
+    ThingSighting,
     motion_at,
     motion_of,
     sight_things,
@@ -25,7 +25,7 @@ def days(count, moved, *, noise=2e-5, seed=0, thing="table", information=FLAT):
     rng, kind = np.random.default_rng(seed), "bin" if thing == "bin" else "fixture"
     held = np.diag(information) > 0
     return [
-        Sighting(
+        ThingSighting(
             thing,
             kind,
             (day + 0.5) * DAY,
@@ -42,7 +42,9 @@ def exact(cell, parts, moved):
     for part, T_lies in parts:
         T_seen = motion_of(moved, middle).inverse() * T_lies
         off = motion_at(T_seen * part.detection.T_world_part.inverse(), middle)
-        yield Sighting("peg", "part", 0.5 * DAY, off, np.diag([1e8] * 3 + [1e6] * 3), part.slopes)
+        yield ThingSighting(
+            "peg", "part", 0.5 * DAY, off, np.diag([1e8] * 3 + [1e6] * 3), part.slopes
+        )
 
 
 def test_a_scan_tells_height_and_lean_by_the_table_and_the_rest_by_the_bin():

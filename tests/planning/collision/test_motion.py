@@ -17,7 +17,7 @@ from workbench.planning.collision.motion import (
     straight,
     walked,
 )
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.proof.claims.motion import sweep_path
@@ -98,7 +98,7 @@ def test_what_the_proof_checks_farthest_from_a_corner_is_walked(seed, zone):
 def test_a_rounding_that_the_proof_would_refuse_is_not_clear(cell):
     """The widest rounding passes the wall at 5.0 mm, the proof's chords of it at 4.9 mm."""
     empty = World(cell, ())
-    empty.enter(Phase(frozenset({"left"}), {"left": 0.04}))
+    empty.enter(LegPhase(frozenset({"left"}), {"left": 0.04}))
     path = np.deg2rad(
         [
             [0.0, -130.0, 135.0, 30.0, 0.0, 40.0, 0.0],
@@ -136,7 +136,7 @@ def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
     """From one side of the bin's wall to the other: both ends clear, the way not."""
     arm = cell.arm("right")
     chain, columns = world.chains["right"], world.kinematics.columns["right"]
-    world.enter(Phase(frozenset({"right"})))
+    world.enter(LegPhase(frozenset({"right"})))
     base = world.configuration({})
     rng = np.random.default_rng(0)
     blocked = 0
@@ -175,7 +175,7 @@ def test_compiled_and_measured_checks_agree(cell, detections):
         end = np.clip(start + rng.normal(0, 0.4, len(start)), chain.lower, chain.upper)
         found = []
         for world in (fast, measured):
-            world.enter(Phase(frozenset({name}), {name: 0.03}))
+            world.enter(LegPhase(frozenset({name}), {name: 0.03}))
             base = world.configuration({})
             found.append(chain_contact(world, columns, base, segment(start, end)))
         assert (found[0] is None) == (found[1] is None)

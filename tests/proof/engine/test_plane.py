@@ -7,7 +7,7 @@ import pytest
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere
 from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import steps_of
-from workbench.proof.claims.table import Situation, Table
+from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.batch import firsts, spread
 from workbench.proof.engine.frames import poses
 from workbench.proof.engine.robot import tree_of
@@ -21,7 +21,7 @@ from workbench.proof.engine.space import Space
 def space(cell, result):
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, result.plan.scene)
-    return Space(tree, bodies, Table(cell, tree, bodies))
+    return Space(tree, bodies, PairTable(cell, tree, bodies))
 
 
 def within(space, base, blocks, rows, commons):

@@ -16,7 +16,7 @@ from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
-from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchOverrides
+from workbench.model.scan import Detection, Obstacle, Remark, Scan, SearchOverrides, SearchRecord
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -185,7 +185,7 @@ class ScanState(SessionState):
     """What a new scan makes void: the scan and the searches in it, the latest last."""
 
     scan: Scan | None = None
-    searches: tuple[Search, ...] = ()
+    searches: tuple[SearchRecord, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -34,7 +34,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import FactsRepr, canonical, digest_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.model.messages.commands import NameText
-from workbench.model.scan import Detection, Scan, Search
+from workbench.model.scan import Detection, Scan, SearchRecord
 
 FORMAT = "workbench-case/1"
 
@@ -66,7 +66,7 @@ class Case(FactsRepr):
     is_complete: bool
     cell: Cell
     scan: Scan
-    search: Search
+    search: SearchRecord
     truth: tuple[Detection, ...]
     workbench: str = __version__
 

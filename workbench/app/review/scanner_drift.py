@@ -24,7 +24,7 @@ from workbench.model.scan import Detection
 from workbench.perception.calibration.refinement import Drift, drift_of
 from workbench.perception.calibration.things import (
     PutPart,
-    Sighting,
+    ThingSighting,
     motion_of,
     moved_to,
     put_slopes,
@@ -63,7 +63,7 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> Recor
         InputError: the scanner was never calibrated, or a folder holds no session.
     """
     record = _record(cell)
-    sightings: list[Sighting] = []
+    sightings: list[ThingSighting] = []
     problems: list[str] = []
     sessions = scans = 0
     for number, folder in enumerate(folders):
@@ -131,7 +131,7 @@ def _largest(covariance: Floats) -> float:
 
 def of_session(
     states: Iterator[tuple[Entry, State]], cell: Cell, since: float
-) -> Iterator[list[Sighting]]:
+) -> Iterator[list[ThingSighting]]:
     """What each scan that counts shows.
 
     Args:

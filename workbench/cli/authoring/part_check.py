@@ -12,7 +12,7 @@ from workbench.cli.arguments.part import PartCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.formats.meshes.repair import SurfaceReport, examined, joined_corners
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, finest
@@ -74,7 +74,7 @@ def check_part(typed: PartCheck) -> int:
 
 
 def _problems(
-    part: Part, cell: Cell, surface: Surface, checks: dict[str, list[GraspCheck]]
+    part: Part, cell: Cell, surface: SurfaceReport, checks: dict[str, list[GraspCheck]]
 ) -> Iterator[str]:
     """What speaks against a part, one line each."""
     off, allowed = deviation_of(part.mesh, part.symmetry), tolerance_of(part.mesh)
@@ -97,7 +97,7 @@ def _problems(
 
 def _form(
     part: Part,
-    surface: Surface,
+    surface: SurfaceReport,
     checks: dict[str, list[GraspCheck]],
     covered: Coverage,
     seen: Visibility,

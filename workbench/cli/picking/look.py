@@ -31,7 +31,7 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.progress import never
 
 
-def scan(typed: arguments.Scan) -> int:
+def scan(typed: arguments.ScanArguments) -> int:
     """Write a simulated scan and, when asked for, where the parts truly are."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)

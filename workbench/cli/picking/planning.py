@@ -44,7 +44,7 @@ from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
 
-def plan(typed: arguments.Plan) -> int:
+def plan(typed: arguments.PlanArguments) -> int:
     """Plan for poses from a file; write the plan only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if typed.threshold is not None:

@@ -16,7 +16,7 @@ from workbench.plugins.robot_link import Running, Simulation, link_named
 HIGHEST_PORT = 65535
 
 
-def controller(typed: arguments.Controller) -> int:
+def controller(typed: arguments.ControllerArguments) -> int:
     """Run the simulated controller until SIGINT, SIGTERM, or the end of standard input."""
     state_port = typed.state_port
     if state_port is None:

@@ -44,7 +44,7 @@ from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan
 
 
-def send(typed: arguments.Send) -> int:
+def send(typed: arguments.SendArguments) -> int:
     """Prove, approve and send plans; nothing is sent unless everything before it holds."""
     check_whole("--port", typed.port, 1, HIGHEST_PORT)
     if typed.state_port is not None:
@@ -121,7 +121,7 @@ def _read(files: Sequence[Path], name: str | None) -> tuple[Cell, tuple[Plan, ..
     return cell_of(plans[0], name), tuple(plans)
 
 
-def _controller(cell: Cell, typed: arguments.Send) -> Controller:
+def _controller(cell: Cell, typed: arguments.SendArguments) -> Controller:
     """The controller that is meant: that of the cell, at another address."""
     protocol, options = typed.protocol or cell.controller.link, cell.controller.options
     if protocol != cell.controller.link:
@@ -129,7 +129,7 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
     return controller_by(protocol, typed.host, typed.port, typed.state_port, options)
 
 
-def _describe(typed: arguments.Send) -> str:
+def _describe(typed: arguments.SendArguments) -> str:
     """What the proof knew of the bin."""
     sources = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
     return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
@@ -154,7 +154,7 @@ def _check_reports(cell: Cell) -> None:
 
 
 def _sent_in_turn(
-    typed: arguments.Send,
+    typed: arguments.SendArguments,
     plans: Sequence[Plan],
     approvals: Sequence[Approval],
     cell: Cell,
@@ -215,7 +215,11 @@ def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], pr
 
 
 def _send(
-    typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
+    typed: arguments.SendArguments,
+    plan: Plan,
+    approval: Approval,
+    cell: Cell,
+    record: ApprovalRecord,
 ) -> dict[str, Any]:
     """Send an approved plan, put on record what became of it, and tell it."""
     receipts: list[Receipt] = []

@@ -108,7 +108,7 @@ def _unlike(journal: Journal, path: Path) -> tuple[str, ...]:
     for remark in torn:
         print(remark)
     entries = [
-        verify.Entry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
+        verify.JournalEntry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
         for row in journal.entries()
     ]
     return tuple(verify.anchor_problems(entries, journal.folder.resolve().name, anchors))

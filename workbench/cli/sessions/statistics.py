@@ -20,7 +20,7 @@ from workbench.formats.files.whole_files import write_whole
 from workbench.model.errors import InputError
 
 
-def print_statistics(typed: arguments.Statistics) -> int:
+def print_statistics(typed: arguments.StatisticsArguments) -> int:
     """Count what the sessions tell."""
     folders = typed.sessions or sessions_below(Path("sessions"))
     counted = together(_count(folder) for folder in folders)

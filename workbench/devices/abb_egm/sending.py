@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
-from workbench.devices.abb_egm.orders import Order, Run, Score
+from workbench.devices.abb_egm.orders import LegRun, Order, Score
 from workbench.devices.streamed_way import Ride
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.geometry import Floats
@@ -50,7 +50,7 @@ SHOWN = 25
 """[reports] Between two looks for whoever watches."""
 
 
-class Sending:
+class EgmSending:
     """One conversation, by the channels of the arms that take part.
 
     `share` is that of the planned speed, and `silence` [s] is how old a report may be when it is
@@ -96,7 +96,7 @@ class Sending:
         has_ended = False
         try:
             for number, item in enumerate(self._score.items, start=1):
-                work = self._ride(item) if isinstance(item, Run) else self._order(item)
+                work = self._ride(item) if isinstance(item, LegRun) else self._order(item)
                 for _ in work:
                     if cancelled():
                         has_ended = True
@@ -113,7 +113,7 @@ class Sending:
 
     @property
     def _where(self) -> str:
-        legs = sum(isinstance(item, Run) for item in self._score.items)
+        legs = sum(isinstance(item, LegRun) for item in self._score.items)
         return f"leg {self._leg} of {legs}"
 
     def _look(self, cancelled: Cancelled) -> None:
@@ -202,7 +202,7 @@ class Sending:
             )
         self._done_by[name] = int(done)
 
-    def _ride(self, run: Run) -> Iterator[None]:
+    def _ride(self, run: LegRun) -> Iterator[None]:
         """One reference for each report, then wait until the arm stands there."""
         self._leg = run.number
         ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
@@ -366,13 +366,13 @@ class Sending:
         self, phase: str, stopped: float | None = None, stop: Message | None = None
     ) -> None:
         joints = {name: channel.q for name, channel in self._channels.items()}
-        legs, at = sum(isinstance(item, Run) for item in self._score.items), self._now()
+        legs, at = sum(isinstance(item, LegRun) for item in self._score.items), self._now()
         heard = f"leg {self._leg}"
         self._show(
             LinkStatus("abb-egm", phase, self._leg, legs, heard, at, at, stopped, stop, joints)
         )
 
-    def _receipt(self, item: Order | Run) -> Receipt:
+    def _receipt(self, item: Order | LegRun) -> Receipt:
         at, total = self._now(), self._score.total
         if isinstance(item, Order):
             words = item.words

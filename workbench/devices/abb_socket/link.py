@@ -7,7 +7,7 @@ from contextlib import suppress
 from workbench.devices.abb_socket.connecting import connected
 from workbench.devices.abb_socket.messages import Requests, messages
 from workbench.devices.abb_socket.program import program_of
-from workbench.devices.abb_socket.sending import Sending
+from workbench.devices.abb_socket.sending import SocketSending
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
 from workbench.model.messages.work import StopText
@@ -48,7 +48,9 @@ def send_program(
 
     check()
     program = program_of(cell, plan, approval)
-    talk = Sending(cell, plan, program, now=now, released=check, let=let, silence=patience.silence)
+    talk = SocketSending(
+        cell, plan, program, now=now, released=check, let=let, silence=patience.silence
+    )
     with connected(cell.controller.host, cell.controller.port, "answers") as link:
         yield from _converse(link, talk, cancelled, show, patience)
 
@@ -85,7 +87,7 @@ def send_messages(
 
 def _converse(
     link: socket.socket,
-    talk: Sending,
+    talk: SocketSending,
     cancelled: Cancelled,
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
@@ -117,7 +119,10 @@ def _converse(
 
 
 def _stop(
-    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None], patience: LinkPatience
+    link: socket.socket,
+    talk: SocketSending,
+    show: Callable[[LinkStatus], None],
+    patience: LinkPatience,
 ) -> Iterator[Receipt]:
     """Ask the controller to stop, and wait for its word.
 
@@ -140,7 +145,7 @@ def _stop(
     raise JobCancelled(StopText.AT(where=talk.where, how=talk.status.stop or missing))
 
 
-def _received(link: socket.socket, talk: Sending) -> bytes:
+def _received(link: socket.socket, talk: SocketSending) -> bytes:
     """All that has arrived; nothing when nothing does within a moment."""
     try:
         data = link.recv(MOST_HEARD)

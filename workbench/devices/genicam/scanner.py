@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from workbench.devices.genicam.camera import Camera, Frame, connected, one_frame
+from workbench.devices.genicam.camera import Camera, DepthFrame, connected, one_frame
 from workbench.devices.genicam.depth import DepthScale, organised
 from workbench.devices.scanners.organised import scan_of
 from workbench.model.cell import Cell
@@ -73,7 +73,7 @@ class GenicamScanner:
         except LinkError as error:
             raise LinkError(f"scanner {named}: {error}") from None
 
-    def _scan(self, frame: Frame, means: DepthScale, named: str) -> Scan:
+    def _scan(self, frame: DepthFrame, means: DepthScale, named: str) -> Scan:
         """The scan of a frame, if it lies where the scanner can measure."""
         return scan_of(
             organised(frame.counts, means),

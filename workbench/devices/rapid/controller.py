@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench.devices.rapid.kinematics import Axes
 from workbench.devices.rapid.motion import STEP, Mechanism, pair
-from workbench.devices.rapid.moving import Moving
+from workbench.devices.rapid.moving import MotionInstructions
 from workbench.devices.rapid.sockets import Device, Network
 from workbench.devices.rapid.sockets import natives as socket_natives
 from workbench.devices.rapid.tasks import Meetings, Task
@@ -68,7 +68,7 @@ class Operator:
         return self.answers.pop(0) if self.answers else self.usual or None
 
 
-class Controller:
+class RapidController:
     """Tasks in turns, and robots that move meanwhile.
 
     Lifetime: the port is open from construction until `run` ends; `stop` ends it, from anywhere.
@@ -123,7 +123,7 @@ class Controller:
             for name, task in setup.tasks.items()
             if task.arm
         }
-        self.moving: dict[str, Moving] = {}
+        self.moving: dict[str, MotionInstructions] = {}
         self.shared: dict[str, list[Any]] = {}
         self._meetings = Meetings(list(self.mechanisms))
         self.network = Network(host, port, peek_reports_end)
@@ -138,7 +138,7 @@ class Controller:
         task = self.tasks[name]
         task.mechanism = self.mechanisms.get(name)
         waiting = Waiting(task, self._meetings, self.signals, self.operator.press, self._write)
-        moving = Moving(
+        moving = MotionInstructions(
             task,
             self.mechanisms,
             lambda: self.time,

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.program import Program, program_of
+from workbench.devices.universal_robots.program import UrProgram, program_of
 from workbench.devices.universal_robots.rtde import RTDE_PORT
-from workbench.devices.universal_robots.sending import Sending
+from workbench.devices.universal_robots.sending import RtdeSending
 from workbench.devices.universal_robots.servo import PERIOD, Servo
 from workbench.devices.universal_robots.talking import Client
 from workbench.devices.universal_robots.told import States
@@ -79,7 +79,7 @@ class UrRtde:
         program = self._program(cell, plan, approval, patience.silence)
         ports = (cell.controller.port, RTDE_PORT)
         with Client(cell.controller.host, ports, sends=True) as client:
-            talk = Sending(
+            talk = RtdeSending(
                 client,
                 cell,
                 program,
@@ -90,7 +90,7 @@ class UrRtde:
             )
             yield from talk.run(released, cancelled)
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         """What goes out for a plan."""
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
@@ -163,7 +163,7 @@ class UrRtdeBlend(UrRtde):
 
     motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6, takes_loads=True)
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
         hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
         inertia = options.payload_inertia
@@ -192,7 +192,7 @@ class UrRtdeServo(UrRtde):
         takes_loads=True,
     )
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)

@@ -35,7 +35,7 @@ STANDING = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Program:
+class UrProgram:
     """The text, and the names of its legs in their order.
 
     `PROGRESS` holds `ticket` plus the number of the leg that runs, counted from 1: a controller
@@ -67,7 +67,7 @@ def program_of(
     blend: float = 0.0,
     servo: Servo | None = None,
     sends_inertia: bool = True,
-) -> Program:
+) -> UrProgram:
     """The program of a plan.
 
     Args:
@@ -132,7 +132,7 @@ def program_of(
     names = tuple(leg.name for leg in legs)
     ends = legs[0].q[0], legs[-1].q[-1]
     seconds = tuple(leg.seconds / approval.speed_share for leg in legs)
-    return Program("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
+    return UrProgram("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
 
 
 def _payload(load: Load, sends_inertia: bool) -> str:

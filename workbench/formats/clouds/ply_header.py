@@ -43,7 +43,7 @@ _COUNT = re.compile(r"[0-9]{1,18}")
 
 
 @dataclass(slots=True)
-class Element:
+class PlyElement:
     """This many rows with properties (name, NumPy kind without byte order, or `LIST`)."""
 
     name: str
@@ -64,7 +64,7 @@ class Element:
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class PlyHeader:
     """What a reader of the vertices needs.
 
     `count` vertices with scalar `properties` (name, NumPy kind without byte order) begin
@@ -79,11 +79,11 @@ class Header:
     end: int
     skip_bytes: int
     skip_lines: int
-    after: tuple[Element, ...]
+    after: tuple[PlyElement, ...]
 
     def size(self, path: Path) -> int:
         """How long [bytes] a vertex is."""
-        return Element("vertex", self.count, list(self.properties)).size(path)
+        return PlyElement("vertex", self.count, list(self.properties)).size(path)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -91,14 +91,14 @@ class Header:
         return tuple(name for name, _ in self.properties)
 
 
-def read_header(path: Path, content: bytes) -> Header:
+def read_header(path: Path, content: bytes) -> PlyHeader:
     """The header at the beginning of `content`.
 
     Raises:
         FileError: not that of a PLY file with vertices of scalar properties x, y, z.
     """
     lines, end = _split(path, content)
-    encoding, elements, notes = "", list[Element](), list[str]()
+    encoding, elements, notes = "", list[PlyElement](), list[str]()
     for number, line in enumerate(lines[1:], start=2):
         match line.split():
             case ["format", given, "1.0"] if given in ENCODINGS and not encoding:
@@ -108,7 +108,7 @@ def read_header(path: Path, content: bytes) -> Header:
             case ["obj_info", *words]:
                 notes.append(" ".join(words))
             case ["element", name, count] if _COUNT.fullmatch(count):
-                elements.append(Element(name, int(count)))
+                elements.append(PlyElement(name, int(count)))
             case ["property", "list", size, item, name] if {
                 size,
                 item,
@@ -126,7 +126,7 @@ def read_header(path: Path, content: bytes) -> Header:
     before = elements[: names.index("vertex")]
     vertex = elements[len(before)]
     _check_vertex(path, vertex)
-    return Header(
+    return PlyHeader(
         encoding=encoding,
         count=vertex.count,
         properties=tuple(vertex.properties),
@@ -152,7 +152,7 @@ def _split(path: Path, content: bytes) -> tuple[list[str], int]:
     return [line.strip() for line in lines], end.end()
 
 
-def _check_vertex(path: Path, vertex: Element) -> None:
+def _check_vertex(path: Path, vertex: PlyElement) -> None:
     names = [name for name, _ in vertex.properties]
     for name in ("x", "y", "z"):
         if name not in names:

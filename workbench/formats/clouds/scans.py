@@ -19,7 +19,7 @@ import pinocchio as pin
 from workbench.formats.clouds.colours import CHANNELS, of_channels, unless_all_alike
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.clouds.photoneo import camera_of
-from workbench.formats.clouds.ply_header import Header, read_header
+from workbench.formats.clouds.ply_header import PlyHeader, read_header
 from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import shown
 from workbench.formats.files.units import UNITS
@@ -268,7 +268,7 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
     write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
 
 
-def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+def _binary(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...]) -> Floats:
     order = "<" if header.encoding == "binary_little_endian" else ">"
     layout = np.dtype([(name, order + kind) for name, kind in header.properties])
     start = header.end + header.skip_bytes
@@ -280,7 +280,7 @@ def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) 
         return np.column_stack([rows[name].astype(np.float64) for name in names])
 
 
-def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+def _ascii(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...]) -> Floats:
     columns = [header.names.index(name) for name in names]
     skip, count = header.skip_lines, header.count
     return read_rows(path, content, header.end, columns=columns, count=count, skip=skip)

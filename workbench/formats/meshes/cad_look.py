@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.formats.meshes.cad_bodies import read_bodies
 from workbench.formats.meshes.cad_files import read_cad
-from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.formats.meshes.repair import SurfaceReport, examined, joined_corners
 from workbench.model.geometry import Floats
 
 
@@ -20,7 +20,7 @@ class CadLook:
     one of each shape.
     """
 
-    surface: Surface
+    surface: SurfaceReport
     low: Floats
     high: Floats
     unit: str

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.formats.meshes.junctions import split_at_junctions, welded
-from workbench.formats.meshes.shells import SAME, Edges, connected, inward, shell_of, shells_of
+from workbench.formats.meshes.shells import SAME, MeshEdges, connected, inward, shell_of, shells_of
 from workbench.formats.meshes.shells import volumes_of as volumes_of_shells
 from workbench.model.geometry import Bools, Floats, Ints, Mesh
 
@@ -17,7 +17,7 @@ LARGEST_HOLE = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class SurfaceReport:
     """What can be said about the surface of a part.
 
     `size` (3,) [m]; `volume` [m3], 0 when it is open; `components` pieces that do not hang
@@ -52,16 +52,16 @@ class Surface:
         return tuple(said)
 
 
-def examined(mesh: Mesh) -> Surface:
+def examined(mesh: Mesh) -> SurfaceReport:
     """Look at a surface whose corners are joined (`joined_corners`)."""
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     is_open, is_bad = edges.times == 1, (edges.times > 1) & (edges.runs != 0)
     is_closed = not is_open.any() and not is_bad.any()
     shells, outer = shells_of(mesh)
     volumes = volumes_of_shells(mesh, shells)
     is_own = outer == np.arange(len(outer))
-    return Surface(
+    return SurfaceReport(
         size=np.ptp(mesh.points[np.unique(triangles)], axis=0),
         triangles=len(triangles),
         volume=abs(float(volumes.sum())) if is_closed else 0.0,
@@ -182,7 +182,7 @@ def _single_sided(mesh: Mesh) -> tuple[Mesh, int]:
 def _without_sheets(mesh: Mesh) -> tuple[Mesh, int]:
     """Without pieces that have open edges, if what remains is closed and nearly all of it."""
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     two = np.argsort(edges.number, kind="stable")
     two = two[edges.times[edges.number[two]] == 2]
     pieces = connected(edges.owner[two[::2]], edges.owner[two[1::2]], len(triangles))

@@ -8,7 +8,7 @@ SAME = 1e-6
 """[m] Corners this close are one: files write each triangle with corners of its own."""
 
 
-class Edges:
+class MeshEdges:
     """The edges of triangles (m, 3), each side of a triangle once.
 
     `sides` (3m, 2) are corners as the triangles run, `owner` (3m,) the triangle, `number` (3m,) the
@@ -51,7 +51,7 @@ def shell_of(mesh: Mesh) -> Ints:
     body.
     """
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     order = np.argsort(edges.number, kind="stable")
     times = edges.times[edges.number[order]]
     two = order[times == 2]
@@ -71,7 +71,7 @@ def _row(owners: Ints) -> Ints:
     return np.column_stack([owners[:-1], owners[1:]])
 
 
-def _around(mesh: Mesh, edges: Edges, at: Ints) -> Ints:
+def _around(mesh: Mesh, edges: MeshEdges, at: Ints) -> Ints:
     """Pairs (k, 2) of triangles around an edge between which there is material."""
     ends = edges.sides[at].min(axis=0).min(), edges.sides[at].max()
     start, end = mesh.points[ends[0]], mesh.points[ends[1]]

@@ -16,7 +16,7 @@ from workbench.formats.files.whole_files import write_whole
 from workbench.formats.meshes.cad_files import PLASTIC, CadMesh, mass_words, read_cad
 from workbench.formats.meshes.reading import is_flat
 from workbench.formats.meshes.repair import (
-    Surface,
+    SurfaceReport,
     examined,
     joined_corners,
     outside_out,
@@ -59,7 +59,7 @@ class Imported:
     source: Path
     cad: CadMesh
     mesh: Mesh
-    surface: Surface
+    surface: SurfaceReport
     done: tuple[str, ...]
 
 
@@ -125,7 +125,7 @@ def import_mesh(
     return Imported(path, cad, mesh, surface, done)
 
 
-def _encloses_nothing(surface: Surface) -> bool:
+def _encloses_nothing(surface: SurfaceReport) -> bool:
     return surface.volume < THINNEST * float(np.prod(surface.size))
 
 

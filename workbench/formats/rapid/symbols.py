@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
-from workbench.formats.rapid.syntax.tokens import Token, Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token
 from workbench.formats.rapid.values import Kind, Place
 
-Node = Tree
+Node = SyntaxTree
 
 MARKS = frozenset({"local", "task", "const", "var", "pers", "inout"})
 """Words of the language that stay in the tree of a declaration."""
@@ -155,6 +155,6 @@ def words(node: Node) -> set[str]:
 def only(node: Node, data: str) -> Node | None:
     """The child of that kind, if there is one."""
     for child in node.children:
-        if type(child) is Tree and child.data == data:
+        if type(child) is SyntaxTree and child.data == data:
             return child
     return None

@@ -9,7 +9,7 @@ import viser
 
 from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
 from workbench.gui.dragging.verdicts import LiveVerdicts
-from workbench.gui.dragging.views import Room, dragged_html
+from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.look import Held, View
 from workbench.gui.shared.own import Carried
@@ -114,9 +114,9 @@ class PoseInputs:
 
     def _show_verdicts(self) -> None:
         """The text about the candidates; with a gizmo there is room for it before a drag."""
-        room = Room.NONE if self._gizmo is None else Room.EMPTY
+        room = VerdictRoom.NONE if self._gizmo is None else VerdictRoom.EMPTY
         if self._gizmo is not None and self._visitor.bench.state.detections:
-            room = Room.HINT
+            room = VerdictRoom.HINT
         content = dragged_html(self._visitor.own.now.dragged, room, self._visitor.words)
         if self._told.content != content:
             self._told.content = content

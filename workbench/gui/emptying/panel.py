@@ -18,7 +18,7 @@ from workbench.gui.emptying.views import (
     COLUMNS,
     NOTHING_YET,
     Column,
-    Order,
+    PileOrder,
     changes_html,
     left_html,
     ordered,
@@ -55,7 +55,7 @@ class EmptyingPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._order, self._pile = Order(), 0
+        self._order, self._pile = PileOrder(), 0
         self._drawn: tuple[Any, ...] = ()
         gui = visitor.gui
         with group(gui, "Piles to empty"):
@@ -185,7 +185,7 @@ class EmptyingPanel:
     def _sort(self, column: Column) -> None:
         order = self._order
         is_same = order.column == column
-        self._order = Order(column, not order.is_descending if is_same else column != "seed")
+        self._order = PileOrder(column, not order.is_descending if is_same else column != "seed")
         self._visitor.own.change()
 
     def _choose(self, place: int) -> None:

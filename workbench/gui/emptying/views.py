@@ -34,7 +34,7 @@ NOTHING_YET = (
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class PileOrder:
     """How one browser sorts the table of piles."""
 
     column: Column = "seed"
@@ -60,7 +60,7 @@ def sort_key(pile: EmptiedPile, column: Column) -> float:
             return pile.motion_seconds
 
 
-def ordered(piles: Sequence[EmptiedPile], order: Order) -> tuple[int, ...]:
+def ordered(piles: Sequence[EmptiedPile], order: PileOrder) -> tuple[int, ...]:
     """Indices of the piles in the order wanted; equal ones keep that of their seeds."""
     return tuple(
         sorted(
@@ -161,7 +161,7 @@ def _reasons(reasons: Mapping[str, int]) -> Message | str:
 def piles_html(
     piles: Sequence[EmptiedPile],
     shown: Sequence[int],
-    order: Order,
+    order: PileOrder,
     chosen: int | None,
     *,
     headings: Mapping[Column, str],

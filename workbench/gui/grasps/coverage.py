@@ -7,7 +7,7 @@ import numpy as np
 import viser
 
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.scene.stage import Stage
+from workbench.gui.scene.stage import GraspStage
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, rgb_of
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
@@ -31,7 +31,7 @@ class CoverageControls:
     Concurrency: callbacks of viser and the renderer's thread; one thread looks at a time.
     """
 
-    def __init__(self, visitor: Visitor, editing: Editing, stage: Stage):
+    def __init__(self, visitor: Visitor, editing: Editing, stage: GraspStage):
         """Add the controls."""
         self._visitor, self._editing, self._stage = visitor, editing, stage
         self._found: tuple[str, Coverage] | None = None

@@ -51,7 +51,7 @@ PICTURE = base64.b64decode(
 """A JPEG of one pixel: what viser reads instead of a picture that a browser sends."""
 
 
-class Gate:
+class MessageGate:
     """The gate of one server.
 
     Lifetime: that of the server.

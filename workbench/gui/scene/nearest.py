@@ -17,7 +17,7 @@ from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, short, table_html
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
@@ -112,7 +112,7 @@ def proof_html(state: State, links: "PlanLinks") -> str:
     """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
     for number, proven_plan in enumerate(state.whole_row):
         if not proven_plan.proof.holds:
-            fails = CycleText.PROOF_FAILS(violation=proven_plan.proof.violations[0].message)
+            fails = CyclePageText.PROOF_FAILS(violation=proven_plan.proof.violations[0].message)
             text = _of_plan(state.whole_row, number, fails)
             return line(links.render(text), kind="bad")
     name, certificates = certificates_of(state)

@@ -15,7 +15,7 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
-from workbench.gui.texts.cycle import CycleText, StatusText
+from workbench.gui.texts.cycle import CyclePageText, StatusText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Reason, Verdict
@@ -236,9 +236,9 @@ def scan_line(state: State, words: Words = IN_ENGLISH) -> str:
     if state.scan is None:
         return hint(state, TakeScan, purpose, 2, words)
     points, source = len(state.scan.points), as_message(state.scan.source)
-    scanned = CycleText.SCANNED(points=points, source=source)
+    scanned = CyclePageText.SCANNED(points=points, source=source)
     if state.scan.at:
-        scanned = CycleText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
+        scanned = CyclePageText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
     return line(words.render(scanned), span=2, tip=purpose)
 
 
@@ -259,7 +259,9 @@ def parts_line(
     parts = LabelText.PARTS(count=count)
     if check is not None:
         parts = as_message(parts_in_words(state.cell, check, state.detections))
-    found = (CycleText.FOUND_MORE if count > 4 else CycleText.FOUND)(parts=parts, scores=scores)
+    found = (CyclePageText.FOUND_MORE if count > 4 else CyclePageText.FOUND)(
+        parts=parts, scores=scores
+    )
     problems = (f"{sentence(words.render(size))}." for size in wrong_sizes)
     warnings = (line(problem, kind="bad", span=2) for problem in problems)
     return line(words.render(found), span=2, tip=purpose) + "".join(warnings)
@@ -274,15 +276,15 @@ def forecast_line(
         return ""
     facts: list[Message] = []
     if forecast.coordinated is not None:
-        facts.append(CycleText.FORECAST_APART(share=forecast.coordinated))
+        facts.append(CyclePageText.FORECAST_APART(share=forecast.coordinated))
     if forecast.success is not None:
-        facts.append(CycleText.FORECAST_PLANNED(share=forecast.success))
+        facts.append(CyclePageText.FORECAST_PLANNED(share=forecast.success))
     if forecast.planning is not None:
-        facts.append(CycleText.FORECAST_TIME(time=forecast.planning))
+        facts.append(CyclePageText.FORECAST_TIME(time=forecast.planning))
     if forecast.parts_per_hour is not None:
-        facts.append(CycleText.FORECAST_RATE(count=round(forecast.parts_per_hour)))
+        facts.append(CyclePageText.FORECAST_RATE(count=round(forecast.parts_per_hour)))
     is_same = predictions.cell_digest == cell.digest
-    of_pairs = CycleText.FORECAST if is_same else CycleText.FORECAST_OTHER_CELL
+    of_pairs = CyclePageText.FORECAST if is_same else CyclePageText.FORECAST_OTHER_CELL
     text = of_pairs(piles=predictions.piles, distance=forecast.threshold, facts=facts)
     return line(words.render(text), kind="hint")
 
@@ -291,11 +293,11 @@ def _takes(state: State) -> Message:
     plan = state.plan
     assert plan is not None
     cycle = cycle_words(plan.cycle_seconds, state.bound)
-    text = CycleText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
+    text = CyclePageText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
     if len(state.plans) < 2:
         return text
     number = len(state.sent_before) + 1
-    return CycleText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
+    return CyclePageText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
 
 
 def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
@@ -311,15 +313,15 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
         return hint(state, MakePlan, purpose, 3, words)
     plan, proof = state.plan, state.proof
     if proof is None or not proof.holds:
-        problem = CycleText.NO_PROOF()
+        problem = CyclePageText.NO_PROOF()
         if proof is not None:
-            problem = CycleText.PROOF_FAILS(violation=proof.violations[0].message)
+            problem = CyclePageText.PROOF_FAILS(violation=proof.violations[0].message)
         return line(words.render(problem), kind="bad", tip=purpose)
     takes, clearance = _takes(state), clearance_message(proof)
     unknown = sum(not obstacle.part for obstacle in plan.obstacles)
-    result = CycleText.RESULT(plan=takes, clearance=clearance)
+    result = CyclePageText.RESULT(plan=takes, clearance=clearance)
     if unknown:
-        result = CycleText.RESULT_UNKNOWN(plan=takes, clearance=clearance, count=unknown)
+        result = CyclePageText.RESULT_UNKNOWN(plan=takes, clearance=clearance, count=unknown)
     text = said(all_of((result, *plan.remarks)) or result, words)
     return line(text, kind="warn" if plan.goes_unseen else "result", tip=text)
 

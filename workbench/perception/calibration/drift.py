@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import stdtr
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
-from workbench.perception.calibration.things import Kind, Sighting
+from workbench.perception.calibration.things import Kind, ThingSighting
 
 DAY = 86400.0
 """[s] Days are those of UTC."""
@@ -104,7 +104,7 @@ def known(information: Floats) -> Bools:
     return np.asarray((lost**2).sum(axis=1) < LEAK**2)
 
 
-def estimated(sightings: Sequence[Sighting]) -> Estimate:
+def estimated(sightings: Sequence[ThingSighting]) -> Estimate:
     """The motion of the scanner that sightings tell by least squares, and how sure it is.
 
     Their own information says how directions compare; how large their errors are is taken from
@@ -129,13 +129,13 @@ def estimated(sightings: Sequence[Sighting]) -> Estimate:
     return Estimate(moved, (back * values[is_held]) @ back.T / spread, len(sightings))
 
 
-def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
+def courses(sightings: Sequence[ThingSighting]) -> tuple[Course, ...]:
     """Each thing day after day, what stands still first; parts are one thing, whichever they are.
 
     Args:
         sightings: since the calibration, of one place of bin and fixtures.
     """
-    by_thing: defaultdict[tuple[str, Kind], list[Sighting]] = defaultdict(list)
+    by_thing: defaultdict[tuple[str, Kind], list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
         by_thing[(PARTS if sighting.kind == "part" else sighting.thing, sighting.kind)].append(
             sighting
@@ -147,8 +147,8 @@ def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
     return tuple(_course(*key, by_thing[key], CHANCE / tests) for key in order)
 
 
-def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float) -> Course:
-    by_day: defaultdict[int, list[Sighting]] = defaultdict(list)
+def _course(thing: str, kind: Kind, sightings: Sequence[ThingSighting], chance: float) -> Course:
+    by_day: defaultdict[int, list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
         by_day[int(sighting.at // DAY)].append(sighting)
     days = np.array(sorted(by_day))

@@ -23,7 +23,7 @@ from workbench.perception.calibration.drift import (
     courses,
     estimated,
 )
-from workbench.perception.calibration.things import Sighting
+from workbench.perception.calibration.things import ThingSighting
 
 FEWEST_PARTS = 4
 """Parts put down by which a pose is refined."""
@@ -58,7 +58,7 @@ class Drift:
             put(self, moved=frozen(self.moved), covariance=frozen(self.covariance))
 
 
-def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> Drift:
+def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float) -> Drift:
     """What all sightings since the calibration say together.
 
     Args:
@@ -97,7 +97,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     return Drift(drifts, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
-def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
+def _recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSighting]:
     """Those of the last days, where what was before is of a scanner that hung elsewhere."""
     if not has_drifted or not put_down:
         return put_down
@@ -105,7 +105,7 @@ def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
     return [sighting for sighting in put_down if sighting.at // DAY >= days[0]]
 
 
-def estimate_from_parts(put_down: Sequence[Sighting]) -> Estimate:
+def estimate_from_parts(put_down: Sequence[ThingSighting]) -> Estimate:
     """The motion of the scanner that parts tell, as sure as they agree.
 
     A part that has slipped in the hand is seen as exactly as one that has not; some may be from

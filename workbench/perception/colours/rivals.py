@@ -30,7 +30,7 @@ class Guess:
 
 
 @dataclass(slots=True, eq=False)
-class Shape:
+class ShapeScores:
     """What shape says to guesses at a part that was found, each asked once.
 
     `found` (4, 4) [m] is its pose, `surfaces` are those of all kinds.

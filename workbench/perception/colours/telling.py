@@ -21,7 +21,7 @@ from workbench.perception.colours.painted import (
     painted,
     points_on,
 )
-from workbench.perception.colours.rivals import Guess, Shape
+from workbench.perception.colours.rivals import Guess, ShapeScores
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
 from workbench.perception.localization.judging import PartSearch, without
@@ -39,7 +39,7 @@ FEWEST, LEAST = 12, 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class SeenPart:
     """A part that was chosen, guesses at it by its shape, and how each fits under each light.
 
     `table` (g, n, l) are squared distances of n points as `light.distances` has them, None of a
@@ -48,7 +48,7 @@ class Seen:
 
     kind: int
     number: int
-    shape: Shape
+    shape: ShapeScores
     guesses: Sequence[Guess]
     paints: Floats
     table: Floats | None
@@ -125,25 +125,25 @@ def _look(
     i: int,
     on: np.ndarray,
     deviation: Floats,
-) -> Seen:
+) -> SeenPart:
     surfaces = [each.surface for each in brought]
-    shape = Shape(brought[k], surfaces, brought[k].choice.chosen[i].pose)
+    shape = ShapeScores(brought[k], surfaces, brought[k].choice.chosen[i].pose)
     points, some = scan.points[on], shape.guesses(kinds)
     each = [kinds[guess.kind].at(points, guess.pose) for guess in some]  # type: ignore[union-attr]
     paints = np.array(each)
     if scan.colours is None or not len(on):
-        return Seen(k, i, shape, some, paints, None)
+        return SeenPart(k, i, shape, some, paints, None)
     different, which = np.unique(paints.reshape(-1, 3), axis=0, return_inverse=True)
     table = distances(linear(scan.colours[on]), different, deviation)
     rows = np.arange(len(on))
     found = [table[rows, paint] for paint in which.reshape(len(some), len(on))]
-    return Seen(k, i, shape, some, paints, np.array(found))
+    return SeenPart(k, i, shape, some, paints, np.array(found))
 
 
 def _decide(
     brought: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
-    seen: Seen,
+    seen: SeenPart,
     lights: Bools,
     light: int,
     deviation: Floats,

@@ -58,7 +58,7 @@ FEW_KINDS = 5
 
 
 @dataclass(slots=True, eq=False)
-class Entry:
+class KindHypotheses:
     """The hypotheses of one kind that are left.
 
     `gains` (k,) [m^2] is the area that speaks for each of them; `largest` (pixels,) [m^2] that of
@@ -216,7 +216,7 @@ def compete(
         closely: see there.
     """
     entries = [
-        Entry(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
+        KindHypotheses(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
         for search, poses in zip(brought, found, strict=True)
         if poses
     ]
@@ -236,7 +236,9 @@ def compete(
                 _cover(other, entry.search, taken)
 
 
-def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
+def _try_to_take(
+    entry: KindHypotheses, hypothesis: Hypothesis, closely: Closely
+) -> Assessment | None:
     search = entry.search
     if _is_outdone(entry, hypothesis):
         search.choice.rejected.append(
@@ -253,7 +255,7 @@ def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Asse
     )
 
 
-def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:
+def _is_outdone(entry: KindHypotheses, hypothesis: Hypothesis) -> bool:
     """Whether much larger parts of other kinds leave too little of what it explains."""
     seen = hypothesis.sighting
     area = max(seen.gain, 0.0) * entry.search.depth_map.pitch**2
@@ -262,7 +264,7 @@ def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:
     return left < len(outdone) and left < enough(seen)
 
 
-def _cover(entry: Entry, kind: PartSearch, taken: Assessment) -> None:
+def _cover(entry: KindHypotheses, kind: PartSearch, taken: Assessment) -> None:
     """What a part of another kind that was taken explains in this kind's maps."""
     area = taken.sighting.gain * kind.depth_map.pitch**2
     explained = look(entry.search.depth_map, kind.surface, taken.pose, kind.tolerance).explained

@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.grasps import GripText
 from workbench.model.messages.message import Message
 from workbench.planning.grasps.cup import Cup
-from workbench.planning.grasps.grip_program import Contacts, Program, Touch
+from workbench.planning.grasps.grip_program import Contacts, GripProgram, Touch
 from workbench.planning.grasps.pads import Hold
 
 GRAVITY = 9.81
@@ -103,7 +103,7 @@ def firmness(contacts: Contacts, centre: Floats, mass: float, acceleration: floa
         Share 0 where the grip holds nothing at all.
     """
     load = RESERVE * mass * (GRAVITY + acceleration)
-    program = Program(contacts)
+    program = GripProgram(contacts)
     radius, worst = np.inf, np.zeros(3)
     ways = list(DIRECTIONS)
     for number in range(len(DIRECTIONS) + REFINED):

@@ -15,7 +15,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.collision.motion import segment
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import timed
 from workbench.planning.picking.in_step import columns_of, pace_in_step, way_in_step
@@ -78,7 +78,7 @@ class BothArms:
             OMPL: World(cell, (), policy=patient),
         }
         for world in self.worlds.values():
-            world.enter(Phase(frozenset(self.arms)))
+            world.enter(LegPhase(frozenset(self.arms)))
         self.columns = columns_of(self.worlds[OURS], self.arms)
 
     def ends(self, seed: int) -> Ends:

@@ -27,7 +27,7 @@ MOST_BROWSERS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Attempt:
+class LoginAttempt:
     """A login that is being tried; counts as failed so far."""
 
     numbers: tuple[int, ...]
@@ -54,7 +54,7 @@ class Lockout:
         self._store = store
         self._now = now
 
-    def begin(self, address: str, name: str, browser: str = "") -> Attempt | LockedOut:
+    def begin(self, address: str, name: str, browser: str = "") -> LoginAttempt | LockedOut:
         """Begin an attempt.
 
         Args:
@@ -86,9 +86,9 @@ class Lockout:
                     "INSERT INTO failures (subject, at) VALUES (?, ?)", (subject, now)
                 )
                 numbers.append(int(row.lastrowid or 0))
-        return Attempt(tuple(numbers))
+        return LoginAttempt(tuple(numbers))
 
-    def succeeded(self, attempt: Attempt) -> None:
+    def succeeded(self, attempt: LoginAttempt) -> None:
         """An attempt has not failed; earlier ones that did still count."""
         with self._store.change() as connection:
             for number in attempt.numbers:

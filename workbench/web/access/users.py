@@ -20,7 +20,7 @@ TOKEN_MARK = "wb_"
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
+class ProgramToken:
     """What is known of a program's token; the token itself was shown once."""
 
     name: str
@@ -34,7 +34,7 @@ class User:
     name: str
     role: Role
     is_disabled: bool
-    tokens: tuple[Token, ...]
+    tokens: tuple[ProgramToken, ...]
 
     @property
     def person(self) -> Person:
@@ -57,11 +57,11 @@ class Users:
 
     def all(self) -> tuple[User, ...]:
         """Everybody, by name."""
-        tokens: dict[str, list[Token]] = {}
+        tokens: dict[str, list[ProgramToken]] = {}
         for key, name, made_at in self._store.ask(
             "SELECT user, name, made_at FROM tokens ORDER BY name"
         ):
-            tokens.setdefault(key, []).append(Token(name, made_at))
+            tokens.setdefault(key, []).append(ProgramToken(name, made_at))
         return tuple(
             User(name, Role(role), bool(is_disabled), tuple(tokens.get(key, ())))
             for key, name, role, is_disabled in self._store.ask(

@@ -27,7 +27,7 @@ from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.web.api.fields import LARGEST_BODY, body_of
 from workbench.web.api.openapi import PREFIX, openapi
 from workbench.web.api.problems import problem, problem_of
-from workbench.web.api.reads import JSON, READS, Read, Source
+from workbench.web.api.reads import JSON, READS, AnswerSource, Read
 from workbench.web.api.reference import reference_html
 from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.refusals import refused
@@ -102,7 +102,7 @@ class Api:
         self._bench = bench
         self._identify = identify
         self._events = events
-        self._source = Source(bench)
+        self._source = AnswerSource(bench)
         self._stopping = ThreadPoolExecutor(1, thread_name_prefix="stop")
         self._giving = ThreadPoolExecutor(COMMANDERS, thread_name_prefix="commands")
         self._reading = ThreadPoolExecutor(READERS, thread_name_prefix="reads")

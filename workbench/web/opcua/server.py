@@ -22,7 +22,7 @@ from asyncua.ua.status_codes import StatusCodes
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.web.http.origins import is_loopback
-from workbench.web.opcua.admission import PERSON, Door, Options
+from workbench.web.opcua.admission import PERSON, Door, OpcUaOptions
 from workbench.web.opcua.bounds import LIMITS, bound, is_bound
 from workbench.web.opcua.certificates import CERTIFICATE, KEY, application_uri, read_certificate
 from workbench.web.opcua.methods import METHODS, Method
@@ -67,7 +67,7 @@ class OpcUa:
     Concurrency: an event loop in a thread of its own; commands are given from other threads.
     """
 
-    def __init__(self, bench: Bench, options: Options):
+    def __init__(self, bench: Bench, options: OpcUaOptions):
         """Listen.
 
         Args:
@@ -210,7 +210,7 @@ class OpcUa:
         await self._system.write_changes(self._bench.state, self._bench.live)
 
 
-async def _secure(options: Options, door: Door) -> Server:
+async def _secure(options: OpcUaOptions, door: Door) -> Server:
     """A server that offers the policies, with its certificate if there is one.
 
     Raises:
@@ -236,7 +236,7 @@ async def _secure(options: Options, door: Door) -> Server:
     return server
 
 
-def _check(options: Options) -> None:
+def _check(options: OpcUaOptions) -> None:
     is_guarded = bool(options.password) or not options.takes_plain
     if not is_guarded and not is_loopback(options.host):
         raise InputError(

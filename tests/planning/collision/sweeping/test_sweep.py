@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.planning.collision.motion import RESOLUTION, walked
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 
 ARM = "right"
 
@@ -14,7 +14,7 @@ ARM = "right"
 @pytest.fixture
 def moving(world):
     """The world with one arm on the move, its hand empty."""
-    world.enter(Phase(frozenset({ARM})))
+    world.enter(LegPhase(frozenset({ARM})))
     return world
 
 

@@ -21,7 +21,7 @@ from workbench.model.messages.commands import CommandText, EditText, NameText, S
 from workbench.model.messages.message import Message, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
-from workbench.model.scan import Detection, Remark, Search, SearchOverrides
+from workbench.model.scan import Detection, Remark, SearchOverrides, SearchRecord
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -113,14 +113,14 @@ def find_parts(
     )
 
 
-def compared(state: State, search: Search) -> State:
+def compared(state: State, search: SearchRecord) -> State:
     """The state after a search that takes nothing: it is listed with the earlier ones."""
     searches = (*state.searches, search)[-MOST_SEARCHES:]
     message = StateText.COMPARED(number=len(searches), count=len(search.detections))
     return replace(state, searches=searches, message=message)
 
 
-def with_detections(state: State, search: Search) -> State:
+def with_detections(state: State, search: SearchRecord) -> State:
     """The state with what a search has found."""
     detections = search.detections
     return begun(

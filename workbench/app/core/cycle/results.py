@@ -18,7 +18,7 @@ from workbench.model.messages.states import StateText, task_message
 from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
-from workbench.model.scan import Scan, Search
+from workbench.model.scan import Scan, SearchRecord
 
 FAILURES = (
     StateText.TASK_FAILED,
@@ -51,7 +51,9 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
-            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
+            search = SearchRecord(
+                job.number, job.seed, job.overrides, result, max(0.0, at - job.at)
+            )
             return (compared if job.is_compared else with_detections)(state, search)
         case ("sight", PlateObservation()):
             observations = (*state.observations, result)
