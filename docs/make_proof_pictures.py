@@ -26,7 +26,7 @@ from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.claims import prove as layer
 from workbench.proof.claims.motion import sweep_path
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, carried, situation_of, steps_of
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, find_carried, situation_of, steps_of
 from workbench.proof.claims.table import PairTable
 from workbench.proof.claims.timing.fastest import fastest
 from workbench.proof.claims.timing.pace import marks_of
@@ -330,7 +330,7 @@ def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list
         if any(one.leg.name in NEAR_MARGIN_LEGS for one in step.moving):
             continue
         places = [part.T_world_part for part in plan.detections]
-        space.put_parts(places, carried(cell, tree, plan, step))
+        space.put_parts(places, find_carried(cell, tree, plan, step))
         pairs = table.pairs(situation_of(tree, step, *step.moving), space.joints)
         rows = pairs.rows[pairs.shown & ~pairs.left]
         named = {(one.arm.name, one.leg) for one in step.moving}

@@ -19,7 +19,7 @@ from workbench.devices.abb_socket.frames import (
     TEXT,
     Frames,
     crc_of,
-    framed,
+    make_frame,
     number_after,
 )
 from workbench.devices.abb_socket.messages import in_degrees
@@ -68,7 +68,7 @@ class Talk:
     def say(self, text, **changes):
         """Say something; the answer to it, as word and rest."""
         self.number = number_after(self.number)
-        data = framed(changes.get("number", self.number), text)
+        data = make_frame(changes.get("number", self.number), text)
         if text.split()[0] not in ("hello", "end", "run", "abort"):
             self.crc = crc_of(data[:TEXT].decode(), self.crc)
         if "crc" in changes:

@@ -14,7 +14,7 @@ from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.load import Loads
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
@@ -135,7 +135,7 @@ class ArmPlan:
     loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_tcp_part=copied(self.T_tcp_part))
+        put(self, T_tcp_part=copy_pose(self.T_tcp_part))
 
     @property
     def seconds(self) -> float:
@@ -234,14 +234,14 @@ class Plan(FactsRepr):
         )
 
 
-def floored(bound: float) -> float:
+def floor_distance(bound: float) -> float:
     """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
     return math.floor(bound * 1e4 + 1e-6) / 1e4
 
 
 def at_least(bound: float) -> str:
-    """A distance [m] from below, for people; see `floored`."""
-    return f"at least {floored(bound) * 1e3:.1f} mm"
+    """A distance [m] from below, for people; see `floor_distance`."""
+    return f"at least {floor_distance(bound) * 1e3:.1f} mm"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 
@@ -59,7 +59,7 @@ class Scan(FactsRepr):
         put(
             self,
             points=points,
-            T_world_scanner=copied(self.T_world_scanner),
+            T_world_scanner=copy_pose(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
             colours=None if self.colours is None else frozen(self.colours, np.uint8),
             joints=None if self.joints is None else dict(self.joints),
@@ -123,7 +123,7 @@ class Detection(FactsRepr):
                 raise InputError(ScanText.ROLL_POINT())
         put(
             self,
-            T_world_part=copied(self.T_world_part),
+            T_world_part=copy_pose(self.T_world_part),
             score=float(self.score),
             visible=float(self.visible),
             gap=None if self.gap is None else float(self.gap),
@@ -131,7 +131,7 @@ class Detection(FactsRepr):
             covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
-            T_world_found=None if self.T_world_found is None else copied(self.T_world_found),
+            T_world_found=None if self.T_world_found is None else copy_pose(self.T_world_found),
         )
 
     @property
@@ -185,7 +185,7 @@ class RejectedHypothesis:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copied(self.T_world_part), score=float(self.score))
+        put(self, T_world_part=copy_pose(self.T_world_part), score=float(self.score))
 
     @property
     def words(self) -> Message:
@@ -270,9 +270,9 @@ class Obstacle:
             raise InputError(ScanText.PALLET_PART())
         put(
             self,
-            T_world_box=copied(self.T_world_box),
+            T_world_box=copy_pose(self.T_world_box),
             size=size,
-            T_world_put=None if self.T_world_put is None else copied(self.T_world_put),
+            T_world_put=None if self.T_world_put is None else copy_pose(self.T_world_put),
         )
 
 

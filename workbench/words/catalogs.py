@@ -82,11 +82,11 @@ class Catalog:
     def write(self, path: Path) -> None:
         """Write it as `read` reads it."""
         entries = [
-            f"msgctxt {_quoted(id)}\nmsgid {_quoted(english)}\nmsgstr {_quoted(said)}"
+            f"msgctxt {_quote(id)}\nmsgid {_quote(english)}\nmsgstr {_quote(said)}"
             for id, (english, said) in self.by_id.items()
         ]
         entries += [
-            f"#: {' '.join(self.places[key])}\nmsgid {_quoted(key)}\nmsgstr {_quoted(said)}"
+            f"#: {' '.join(self.places[key])}\nmsgid {_quote(key)}\nmsgstr {_quote(said)}"
             for key, said in self.messages.items()
         ]
         path.write_text("\n\n".join([self.head.rstrip("\n"), *entries]) + "\n", encoding="utf-8")
@@ -113,6 +113,6 @@ def _entry(path: Path, entry: str) -> tuple[dict[str, str], tuple[str, ...]]:
     return texts, tuple(where)
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     said = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     return f'"{said}"'

@@ -27,6 +27,6 @@ def first_guess(accepted: str) -> str:
     return ENGLISH
 
 
-def known(language: str) -> str:
+def find_language(language: str) -> str:
     """A language by its code, or an empty text for one that there is not."""
     return language if language in LANGUAGES else ""

@@ -201,7 +201,7 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
             skipped.update(map(id, ast.walk(node)))
     for node in ast.walk(tree):
         if id(node) not in skipped and isinstance(node, ast.Constant | ast.JoinedStr):
-            text = _written(node)
+            text = _read_literal(node)
             yield text, isinstance(node, ast.Constant) and " " not in text
 
 
@@ -212,7 +212,7 @@ def _is_silent(called: ast.expr) -> bool:
     return (called.value.id == "log" and called.attr in _LOGS) or called.value.id == "re"
 
 
-def _written(node: ast.Constant | ast.JoinedStr) -> str:
+def _read_literal(node: ast.Constant | ast.JoinedStr) -> str:
     """What a literal reads, `{}` for each value in it; empty where it is no text."""
     if isinstance(node, ast.Constant):
         return node.value if isinstance(node.value, str) else ""

@@ -76,7 +76,7 @@ class Opened:
     def made_good(self, key=None) -> None:
         """Have everything but the signature agree with the journal; `key` signs anew."""
         entries = self.entries
-        self.files |= verify.derived(entries)
+        self.files |= verify.derive_files(entries)
         files = {
             name: {"size": len(content), "sha256": hashlib.sha256(content).hexdigest()}
             for name, content in self._content().items()

@@ -6,7 +6,7 @@ import re
 import pytest
 from waiting import PATIENCE
 
-from workbench.cli.measuring.page.served import NAME, served
+from workbench.cli.measuring.page.served import NAME, serve_page
 from workbench.studies.stalls.doings import chosen, has_ended, let_out, opened, planned
 from workbench.studies.stalls.large_files import CAD, cad_file
 from workbench.studies.stalls.visit import visit
@@ -26,7 +26,7 @@ def files():
 
 @pytest.fixture
 def page(tmp_path):
-    with served(tmp_path, "yumi", PASSWORD, "--stalls", STALLS) as page:
+    with serve_page(tmp_path, "yumi", PASSWORD, "--stalls", STALLS) as page:
         yield page
     # Whatever a busy machine makes of times: no line that reads meshes has run in that process.
     stalls = (tmp_path / STALLS).read_text().splitlines()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from twins import PATIENT, approved_for, legs_of, twin_of
 
-from workbench.devices.universal_robots.blends import LEAST, blended, seconds_of_all
+from workbench.devices.universal_robots.blends import LEAST, blend_lines, seconds_of_all
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.link import UrRtdeBlend
 from workbench.devices.universal_robots.program import program_of
@@ -92,7 +92,7 @@ def test_a_right_angle_is_cut_no_farther_than_was_proven(planned):
     start = np.array([0.0, 0.5, 1.0, 0.0, 1.0, 0.0])
     corners = np.cumsum([start, [0.8, 0, 0, 0, 0, 0], [0, 0.6, 0, 0, 0, 0]], axis=0)
     lines = [Line("movej", (), tuple(q.tolist()), 20.0, 1.0) for q in corners[1:]]
-    moves = blended(start.tolist(), lines, flange, np.full(6, 20.0), 0.2, 0.5)
+    moves = blend_lines(start.tolist(), lines, flange, np.full(6, 20.0), 0.2, 0.5)
     way = UrWay(start.tolist(), moves, flange.at)
     ways = [np.array(way.at(t)) for t in np.linspace(0.0, way.seconds, 500)]
     assert max(off_what_is_proven(q, corners, 0.2) for q in ways) < 1e-6
@@ -182,7 +182,7 @@ def test_where_the_flange_stays_a_corner_is_not_blended(planned):
     start = [0.3] * 6
     q = [[0.3] * 5 + [0.9], [0.3] * 5 + [1.5], [0.3] * 4 + [0.9, 1.5]]
     lines = [Line("movej", (), tuple(one), 2.0, 1.0) for one in q]
-    moved = blended(start, lines, flange, np.full(6, 2.0), 0.2, 0.05)
+    moved = blend_lines(start, lines, flange, np.full(6, 2.0), 0.2, 0.05)
     assert [line.r for line in moved] == [0.0, 0.0, 0.0]
     assert moved == tuple(lines)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.gui.emptying.curves import MOST_CURVES, end_of, taken_plot
 from workbench.gui.emptying.views import (
     COLUMNS,
@@ -120,7 +120,7 @@ def test_every_verdict_has_its_colour_in_the_bin_too():
 def test_changes_are_told_with_what_they_gain_and_lose():
     more = pile(8, ("", "", ""), (), ChangeText.FINGERS_THINNER(by=0.001))
     less = pile(8, (), (*STAYS, STAYS[0]), plain("in words, as older records have it"))
-    html = changes_html(ranked((PILES[1], more, less), **TAKES))
+    html = changes_html(rank_changes((PILES[1], more, less), **TAKES))
     first, second = html.split("<tbody>")[1].split("<tr")[1:]
     assert "in words, as older records" in second
     assert "fingers 1 mm thinner" in first and "33%" in first and "100%" in first

@@ -294,8 +294,8 @@ class State(RunState):
     """All that an auditor would ask for.
 
     Its stages are the classes above, in the order in which one is made from the other: what a
-    stage holds stays until one before it, or the same, begins anew (`begun`), so that what is here
-    always belongs together.  A field belongs to the stage whose class it stands in.
+    stage holds stays until one before it, or the same, begins anew (`begin_stage`), so that what is
+    here always belongs together.  A field belongs to the stage whose class it stands in.
 
     What stands here is of this moment: `fault` is set exactly in phase fault; `message` tells a
     person what happened last.
@@ -307,7 +307,7 @@ class State(RunState):
     message: Message | str = ""
 
 
-def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
+def begin_stage(state: State, stage: type[SessionState], **fields: Any) -> State:
     """The state as a stage begins anew: it and all after it are void, but for `fields`."""
     earlier = cast(type[SessionState], stage.__base__)
     kept = {
@@ -322,7 +322,7 @@ def stale_by(state: State, why: Message) -> Message | None:
     return None if state.plan is None else StaleText.PLAN(plan=state.plan.digest[:12], why=why)
 
 
-def counted(number: int, noun: str) -> str:
+def format_count(number: int, noun: str) -> str:
     """So many of something, as sentences have it."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 

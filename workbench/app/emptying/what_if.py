@@ -29,7 +29,7 @@ def tasks_with_changes(
     ]
 
 
-def ranked(
+def rank_changes(
     scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
 ) -> list[dict[str, Any]]:
     """What each change brought, the most first, as it is printed as JSON.

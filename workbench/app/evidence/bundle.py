@@ -80,7 +80,7 @@ def write_bundle(
         journal.save_copy(copy)
         try:
             entries = verify.entries_of(copy)
-            derived = verify.derived(entries)
+            derived = verify.derive_files(entries)
         except verify.VerificationError as problem:
             raise JournalError(f"{journal.folder}: {problem}") from problem
         _check_session(journal, entries)

@@ -20,7 +20,7 @@ from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import MACHINES
 from workbench.app.core.session import AcknowledgeChanges, Started
-from workbench.app.core.state import Phase, State, counted
+from workbench.app.core.state import Phase, State, format_count
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words
 from workbench.model.scan import Scan
@@ -155,7 +155,7 @@ def _in_row(state: State) -> Iterator[tuple[str, str]]:
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
-    of = counted(len(plan.arms), "part")
+    of = format_count(len(plan.arms), "part")
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
@@ -217,7 +217,7 @@ def _list_reports(after: list[Moment]) -> Iterator[tuple[str, str]]:
                 yield "stop", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"
             case LinkEnded(fault=fault, parts_placed=placed, parts=parts):
                 said = f"fault: {fault}" if fault else str(state.message)
-                put = counted(placed, "part")
+                put = format_count(placed, "part")
                 yield "the robot said", f"{clock(entry.at)} {said}; {put} placed"
                 for part in parts:
                     became = {True: "picked", False: "failed", None: "not known"}[part.is_picked]

@@ -114,7 +114,7 @@ def entries_of(database: Path) -> list[JournalEntry]:
         raise VerificationError(f"the journal cannot be read: {error}") from None
 
 
-def _rehashed(entry: JournalEntry) -> str:
+def _rehash(entry: JournalEntry) -> str:
     return hash_of(entry.previous, entry.number, entry.kind, entry.body, entry.files)
 
 
@@ -128,7 +128,7 @@ def chain_problems(entries: list[JournalEntry]) -> Iterator[str]:
             yield f"entry {entry.number} stands where entry {expected} should"
         if entry.previous != previous:
             yield f"entry {entry.number} does not follow from the one before it"
-        if _rehashed(entry) != entry.hash:
+        if _rehash(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
         expected, previous = entry.number + 1, entry.hash
     bodies = [(member.number, member.kind, body_of(member)) for member in entries]
@@ -196,7 +196,7 @@ def body_of(entry: JournalEntry) -> dict[str, Any]:
     return body
 
 
-def derived(entries: list[JournalEntry]) -> dict[str, bytes]:
+def derive_files(entries: list[JournalEntry]) -> dict[str, bytes]:
     """The files that are made from the journal alone, by name."""
     log: list[Any] = []
     approvals: list[Any] = []
@@ -238,7 +238,7 @@ def journal_problems(
             name = f"{FILES}/{digest[:2]}/{digest}"
             if manifest["files"].get(name, {}).get("sha256") != digest:
                 yield f"the file {digest[:12]} of entry {entry.number} is missing or another one"
-    for name, content in derived(entries).items():
+    for name, content in derive_files(entries).items():
         if name not in manifest["files"] or bundle.read(name, len(content)) != content:
             yield f"{name} does not tell what the journal tells"
 

@@ -23,7 +23,7 @@ from workbench.app.core.value_checks import (
     check_number,
     check_text,
 )
-from workbench.app.records.forms import large_arrays, restored
+from workbench.app.records.forms import large_arrays, restore_value
 from workbench.formats.files.archives import unpack, write_archive
 from workbench.formats.files.whole_files import (
     MB,
@@ -153,7 +153,7 @@ def _read(path: Path, place: Path) -> Case:
         raise InputError(f"its format is {head.get('format')!r:.60}, not {FORMAT!r}")
     known = {field.name for field in fields(Case)}
     values = {name: value for name, value in head.items() if name in known}
-    case: Case = restored(
+    case: Case = restore_value(
         Case, {**values, "cell": form("cell.json"), "scan": form("scan.json")}, array
     )
     _check(case, head)

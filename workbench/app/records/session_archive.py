@@ -39,7 +39,7 @@ class SessionListing:
     entries: tuple[Mapping[str, Any], ...]
 
 
-def opened(folder: Path) -> Journal:
+def open_journal(folder: Path) -> Journal:
     """The journal of a session's folder.
 
     Raises:

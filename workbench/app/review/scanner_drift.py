@@ -13,7 +13,7 @@ from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import State
 from workbench.app.picking.pallets import at_rest
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell
@@ -69,7 +69,7 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> Recor
     for number, folder in enumerate(folders):
         report(number / len(folders), folder.name)
         try:
-            with closing(opened(folder)) as journal:
+            with closing(open_journal(folder)) as journal:
                 began_with = cell_of(journal)
                 if began_with.name != cell.name:
                     continue

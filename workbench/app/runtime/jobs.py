@@ -29,7 +29,7 @@ from workbench.app.runtime.worker import (
     Success,
     Unable,
     in_parts,
-    packed,
+    pack_cell,
     receive,
     run_worker,
     send,
@@ -103,7 +103,7 @@ class Jobs:
         self._ended = ended
         self._progressed = progressed
         self._prepared = prepared
-        self._cell = packed(cell)
+        self._cell = pack_cell(cell)
         self._make_worker = lambda: _Worker(module)
         self._lock = threading.Lock()
         self._waiting: deque[Request] = deque()
@@ -140,7 +140,7 @@ class Jobs:
     def use(self, cell: Cell) -> None:
         """Have all jobs that start from now on work on another cell."""
         with self._lock:
-            self._cell = packed(cell)
+            self._cell = pack_cell(cell)
 
     def cancel(self, number: int) -> None:
         """End that job: by its own will within `GRACE`, else by killing the worker."""
@@ -224,7 +224,7 @@ class Jobs:
             for request in dropped:
                 self._waiting.remove(request)
         for request in dropped:
-            self._notify_end(request, _cancelled(request.name))
+            self._notify_end(request, _make_cancelled(request.name))
         if self._running is not None and self._running.number in numbers and self._worker:
             self._worker.to_cancel.value = self._running.number
             self._kill_at = time.monotonic() + GRACE
@@ -306,7 +306,7 @@ class Jobs:
         if self._running is not None:
             name = self._running.name
             self._running_ended(
-                _cancelled(name)
+                _make_cancelled(name)
                 if was_cancelled
                 else WorkbenchError(JobText.ENDED(how=how, task=task_message(name)))
             )
@@ -351,7 +351,7 @@ def internal_error(error: Exception) -> MessageText:
     return JobText.INTERNAL(kind=type(error).__name__, error=str(error))
 
 
-def _cancelled(task: str) -> JobCancelled:
+def _make_cancelled(task: str) -> JobCancelled:
     return JobCancelled(JobText.CANCELLED(task=task_message(task)))
 
 

@@ -25,7 +25,7 @@ from workbench.formats.klampt.world_reader import (
 )
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
-from workbench.formats.robots.urdf_package import simplified
+from workbench.formats.robots.urdf_package import simplify_robot
 from workbench.model.cell import POLICIES, Arm, Cell, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -68,7 +68,7 @@ def new_cell(typed: CellNew) -> int:
         report(0.0, "reading the robot")
         world, description = _read(typed)
         arms = _arms(typed, description)
-        robot, excess = simplified(
+        robot, excess = simplify_robot(
             arms.robot,
             tolerance=typed.tolerance_mm / 1000,
             most=typed.pieces,

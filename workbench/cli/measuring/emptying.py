@@ -5,7 +5,7 @@ from typing import Any
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked, tasks_with_changes
+from workbench.app.emptying.what_if import rank_changes, tasks_with_changes
 from workbench.app.picking.pipeline import check_strategy
 from workbench.app.picking.row import check_picks
 from workbench.app.runtime.readiness import make_ready
@@ -81,7 +81,7 @@ def emptying(typed: StudyEmptying) -> int:
         found["one_pick"] = {key: single[key] for key in COMPARED}
     if kinds:
         changed = [scene for scene in scenes if scene.task.picks == typed.picks]
-        found["what_if"] = ranked(changed, **seconds)
+        found["what_if"] = rank_changes(changed, **seconds)
     title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
     if typed.plot is not None:
         draw_emptying(typed.plot, found, title)

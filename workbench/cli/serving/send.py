@@ -10,7 +10,7 @@ from typing import Any
 
 from workbench.app.core.cycle.approval import approve, check_approvable
 from workbench.app.core.cycle.standing import left_on_station, moved_away
-from workbench.app.picking.proving import adopted
+from workbench.app.picking.proving import adopt_plan
 from workbench.app.picking.row import prove_row
 from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
@@ -117,7 +117,7 @@ def _read(files: Sequence[Path], name: str | None) -> tuple[Cell, tuple[Plan, ..
                 f"was changed after the plan was made: it states digest {stated[:12]}, its content "
                 f"has {plan.digest[:12]}; make a new plan",
             )
-        plans.append(plan if stated else adopted(cell_of(plan, name), plan))
+        plans.append(plan if stated else adopt_plan(cell_of(plan, name), plan))
     return cell_of(plans[0], name), tuple(plans)
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from workbench.devices.abb_simulated.loading import Loading
-from workbench.devices.abb_socket.frames import Frames, MessageFrame, framed, number_after
+from workbench.devices.abb_socket.frames import Frames, MessageFrame, make_frame, number_after
 from workbench.devices.abb_socket.program import SocketProgram
 from workbench.devices.abb_socket.sending import VERSION, arms_of
 from workbench.devices.abb_socket.states import NEXT, ControllerPhase
@@ -69,7 +69,7 @@ class Serving:
     def say(self, text: str) -> bytes:
         """A message of ours as a frame."""
         self._number = number_after(self._number)
-        return framed(self._number, text)
+        return make_frame(self._number, text)
 
     def refusal(self, error: LinkError) -> str:
         """What is said before the link is closed; nothing is in order after it."""

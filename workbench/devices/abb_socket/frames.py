@@ -61,7 +61,7 @@ def number_after(number: int) -> int:
     return number % LAST_NUMBER + 1
 
 
-def framed(number: int, text: str) -> bytes:
+def make_frame(number: int, text: str) -> bytes:
     """A frame, ready to be sent.
 
     Raises:

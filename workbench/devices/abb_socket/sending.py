@@ -23,7 +23,7 @@ from workbench.devices.abb_socket.frames import (
     Frames,
     MessageFrame,
     crc_of,
-    framed,
+    make_frame,
     number_after,
 )
 from workbench.devices.abb_socket.messages import REQUEST
@@ -129,7 +129,7 @@ class SocketSending:
 
     def _frame(self, word: str, rest: str, line: ProgramLine | None, at: float) -> bytes:
         self._number = number_after(self._number)
-        data = framed(self._number, f"{word} {rest}".rstrip())
+        data = make_frame(self._number, f"{word} {rest}".rstrip())
         text = data[:TEXT].decode("ascii")
         frame = MessageFrame(self._number, word, rest, data[TEXT:-1].decode("ascii"))
         if word not in ("hello", "end", "run"):

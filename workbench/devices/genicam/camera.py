@@ -100,7 +100,7 @@ class Camera:
 
 
 @contextmanager
-def connected(address: str, serial: str) -> Generator[Camera]:
+def open_camera(address: str, serial: str) -> Generator[Camera]:
     """The camera at an address, or of a serial number, or the only one there is.
 
     Args:

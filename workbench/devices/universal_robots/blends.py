@@ -64,7 +64,7 @@ class Corner:
     out: float
 
 
-def blended(
+def blend_lines(
     start: Sequence[float],
     lines: Sequence[Line],
     flange: Flange,

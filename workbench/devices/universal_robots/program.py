@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.devices.universal_robots.blends import blended
+from workbench.devices.universal_robots.blends import blend_lines
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS, REFUSED, TICKETS
 from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
@@ -116,15 +116,15 @@ def program_of(
             if servo is not None:
                 references.append(references_of(cell, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]
-                lines += [_said(line) for line in stream_of(axes, servo)]
+                lines += [_write_line(line) for line in stream_of(axes, servo)]
                 lines.append(f"  stopj({STANDING:.1f})")
                 continue
             moves = _moves(arm, leg, velocity * cell.policy.speed)
             if flange is not None and len(moves) > 1:
                 start = arm.to_axes(leg.q[0]).tolist()
                 acceleration = np.abs(arm.to_axes(arm.acceleration))
-                moves = blended(start, moves, flange, acceleration, cell.zone, blend)
-            lines += [_said(line) for line in moves]
+                moves = blend_lines(start, moves, flange, acceleration, cell.zone, blend)
+            lines += [_write_line(line) for line in moves]
     if len(legs) + 1 >= REFUSED:
         raise InputError(f"{len(legs)} legs are more than one program has; plan fewer parts")
     lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs) + 1})")
@@ -189,7 +189,7 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
     return tuple(moves)
 
 
-def _said(line: Line) -> str:
+def _write_line(line: Line) -> str:
     axes = ", ".join(f"{value + 0.0:.{DIGITS}f}" for value in line.q)
     if line.name == "servoj":
         how = f"lookahead_time={line.lookahead:.3f}, gain={line.gain:.0f}"

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from workbench.formats.files.units import UNITS
-from workbench.formats.files.whole_files import LONGEST_NAME, MB, uploaded
+from workbench.formats.files.whole_files import LONGEST_NAME, MB, write_upload
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
 from workbench.formats.meshes.pieces.convex_pieces import hull_of, pieces_of
 from workbench.formats.parts.new_part import check_name, import_mesh
@@ -22,7 +22,7 @@ from workbench.model.geometry import (
     Mesh,
     Shape,
     Solid,
-    copied,
+    copy_pose,
     frozen,
     pose_from_rpy,
     put,
@@ -113,7 +113,7 @@ class DrawnTool:
     is_mended: bool = False
 
     def __post_init__(self) -> None:
-        put(self, T_flange_drawing=copied(self.T_flange_drawing))
+        put(self, T_flange_drawing=copy_pose(self.T_flange_drawing))
 
 
 def check_drawn(drawn: DrawnTool) -> None:
@@ -233,7 +233,7 @@ def _finger(two: TwoFingers, begins: float, is_mended: bool) -> tuple[Shape, pin
 
 
 def _mesh_of(drawing: CadDrawing, is_mended: bool) -> Mesh:
-    with uploaded(drawing.file, drawing.content.data) as file:
+    with write_upload(drawing.file, drawing.content.data) as file:
         return import_mesh(file, drawing.unit or None, repair=is_mended).mesh
 
 

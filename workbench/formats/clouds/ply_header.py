@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import FileError
 
 LONGEST_HEADER = 64 * 1024
@@ -58,7 +58,8 @@ class PlyElement:
         """
         if any(kind == LIST for _, kind in self.properties):
             raise FileError(
-                path, f"element {shown(self.name)}: lists ahead of what is read are not supported"
+                path,
+                f"element {quote(self.name)}: lists ahead of what is read are not supported",
             )
         return sum(np.dtype(kind).itemsize for _, kind in self.properties)
 
@@ -117,7 +118,7 @@ def read_header(path: Path, content: bytes) -> PlyHeader:
             case ["property", kind, name] if kind in KINDS and elements:
                 elements[-1].properties.append((name, KINDS[kind]))
             case _:
-                raise FileError(path, f"line {number}: {shown(line)} has no place in a PLY header")
+                raise FileError(path, f"line {number}: {quote(line)} has no place in a PLY header")
     if not encoding:
         raise FileError(path, f"the PLY header names no format ({', '.join(ENCODINGS)})")
     names = [element.name for element in elements]
@@ -159,6 +160,6 @@ def _check_vertex(path: Path, vertex: PlyElement) -> None:
             raise FileError(path, f"its vertices have no property {name}")
     for name, kind in vertex.properties:
         if kind == LIST:
-            raise FileError(path, f"property {shown(name)}: vertices with lists are not supported")
+            raise FileError(path, f"property {quote(name)}: vertices with lists are not supported")
         if names.count(name) > 1:
-            raise FileError(path, f"property {shown(name)} is declared twice")
+            raise FileError(path, f"property {quote(name)} is declared twice")

@@ -21,7 +21,7 @@ from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.clouds.photoneo import camera_of
 from workbench.formats.clouds.ply_header import PlyHeader, read_header
 from workbench.formats.files.text_rows import read_rows
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.cell import Z_FORWARD, ScannerMount
@@ -302,7 +302,7 @@ def _resolution(path: Path, notes: tuple[str, ...]) -> tuple[int, int] | None:
         if note.startswith("resolution"):
             found = _RESOLUTION.fullmatch(note)
             if found is None:
-                raise FileError(path, f"obj_info {shown(note)}: expected `resolution columns rows`")
+                raise FileError(path, f"obj_info {quote(note)}: expected `resolution columns rows`")
             columns, rows = int(found[1]), int(found[2])
             if not 0 < columns * rows <= MOST_PIXELS:
                 raise FileError(path, f"obj_info {note}: this is no size of an image")

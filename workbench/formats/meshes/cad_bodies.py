@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from workbench.formats.files.apart import Answer, apart
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh
 from workbench.formats.meshes.repair import joined_corners, shells_of
@@ -182,7 +182,7 @@ def _scene(path: Path, scale: float | None) -> tuple[list[CadBody], float]:
     except zipfile.BadZipFile:
         raise FileError(path, f"is cut off, or no {kind.upper()} file") from None
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        problem = f"is cut off, or no {kind.upper()} file: {shown(str(error))}"
+        problem = f"is cut off, or no {kind.upper()} file: {quote(str(error))}"
         raise FileError(path, problem) from None
     if not bodies:
         raise FileError(path, "holds no triangles")

@@ -103,7 +103,7 @@ def read_cad(
     if unit is not None and unit not in UNITS:
         raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
     found = read(path)
-    raw, taken = _chosen(path, found, solid)
+    raw, taken = _choose_bodies(path, found, solid)
     is_assumed = unit is None and found.scale is None
     if is_assumed:
         unit = _likely_unit(path, raw, density)
@@ -119,7 +119,7 @@ def read_cad(
     return CadMesh(mesh, unit or "", is_assumed, taken, solids)
 
 
-def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
+def _choose_bodies(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
     """The triangles in the file's unit, and what was taken of several solids."""
     bodies = found.bodies
     if solid:

@@ -35,7 +35,7 @@ class MeshEdges:
         return np.flatnonzero(self.times[self.number] == 1)
 
 
-def connected(rows: Ints, columns: Ints, count: int) -> Ints:
+def label_components(rows: Ints, columns: Ints, count: int) -> Ints:
     """Labels (n,), no unit, of nodes that hang together by edges (m,) from `rows` to `columns`."""
     from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
     from scipy.sparse.csgraph import connected_components
@@ -63,7 +63,7 @@ def shell_of(mesh: Mesh) -> Ints:
         pairs = _around(mesh, edges, at) if edges.runs[edge] == 0 else _row(edges.owner[at])
         rows.append(pairs[:, 0])
         columns.append(pairs[:, 1])
-    labels = connected(np.concatenate(rows), np.concatenate(columns), len(triangles))
+    labels = label_components(np.concatenate(rows), np.concatenate(columns), len(triangles))
     return np.unique(labels, return_inverse=True)[1].ravel()
 
 

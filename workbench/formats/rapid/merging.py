@@ -5,7 +5,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workbench.formats.files.whole_files import is_file
-from workbench.formats.rapid.backups.folders import ControllerTasks, TaskFiles, declared, find_tasks
+from workbench.formats.rapid.backups.folders import (
+    ControllerTasks,
+    TaskFiles,
+    find_declared,
+    find_tasks,
+)
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import Problem
 from workbench.formats.rapid.setup import FILE, Setup, TaskSetup, read_setup
@@ -68,7 +73,9 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
     merged.steps.append(f"Load the modules {modules} into the task {name}.")
     entry = theirs.entry or ENTRY
     taken = {
-        declared_name: source for source in theirs.sources for declared_name in declared(source)
+        declared_name: source
+        for source in theirs.sources
+        for declared_name in find_declared(source)
     }
     for source in task.modules:
         main = _routine(source, ENTRY)
@@ -78,7 +85,7 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
             if ENTRY in taken:
                 merged.steps.append(f"Leave PROC {ENTRY} out of {source.name}.")
             merged.steps.append(f"Call {calls} from PROC {entry}{where} in the task {name}.")
-        for clash in sorted(declared(source) & set(taken) - {ENTRY}):
+        for clash in sorted(find_declared(source) & set(taken) - {ENTRY}):
             at = source.tree
             what = f"{clash} is declared in {taken[clash].path}, too"
             merged.clashes.append(Problem(source.path, at.line, at.column, what))

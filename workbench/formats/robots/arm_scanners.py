@@ -91,7 +91,7 @@ def _read_view(
                 )
         return ScanPosture(name, q)
     T_robot_flange = T_world_robot.actInv(T_world_scanner) * T_flange_scanner.inverse()
-    q, away = _solved(robot, arm, T_robot_flange)
+    q, away = _find_posture(robot, arm, T_robot_flange)
     if q is None:
         raise table.error(
             "position_mm",
@@ -100,7 +100,7 @@ def _read_view(
     return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)))
 
 
-def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:
+def _find_posture(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:
     """Of the postures (n,) found that bring the flange there, the one nearest to home.
 
     None where no search comes there, with how far [m] the best one stays away.
@@ -110,7 +110,7 @@ def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | N
     found: list[Floats] = []
     best = np.inf
     for start in (np.clip(arm.home, lower, upper), *random):
-        q, away = _searched(robot, arm, T_robot_flange, np.array(start))
+        q, away = _search_posture(robot, arm, T_robot_flange, np.array(start))
         best = min(best, away)
         if away == 0.0:
             found.append(q)
@@ -118,7 +118,9 @@ def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | N
     return (found[int(np.argmin(turns))] if found else None), best
 
 
-def _searched(robot: Robot, arm: Arm, T_robot_flange: pin.SE3, q: Floats) -> tuple[Floats, float]:
+def _search_posture(
+    robot: Robot, arm: Arm, T_robot_flange: pin.SE3, q: Floats
+) -> tuple[Floats, float]:
     """Where a search from one posture ends, and how far [m] from there; 0.0 where it arrives."""
     lower, upper, _ = robot.limits(arm.joints)
     for _ in range(STEPS):

@@ -11,7 +11,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES, SEED_LIMIT
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.gui.emptying.curves import end_of, taken_plot
 from workbench.gui.emptying.film_controls import FilmControls
 from workbench.gui.emptying.views import (
@@ -172,7 +172,7 @@ class EmptyingPanel:
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
         self._film.show_left(left_html(plain[pile], chosen, self._left_rows, words))
         if self._brought.visible:
-            self._ranked.content = changes_html(ranked(found.piles, **takes), words)
+            self._ranked.content = changes_html(rank_changes(found.piles, **takes), words)
 
     def _seconds(self) -> tuple[float, float]:
         """What a scan and an approval take; a browser may send any number."""

@@ -34,7 +34,7 @@ from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.incoming.gate import MessageGate
 from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
-from workbench.words.choosing import first_guess, known
+from workbench.words.choosing import find_language, first_guess
 from workbench.words.words import ENGLISH
 
 POLICY_VIOLATION = 1008
@@ -127,7 +127,7 @@ def language_of(client: viser.ClientHandle) -> str:
     if connection is None or connection.request is None:
         return ENGLISH
     headers = connection.request.headers
-    language = known(headers.get(LANGUAGE, ""))
+    language = find_language(headers.get(LANGUAGE, ""))
     return language or first_guess(", ".join(headers.get_all("Accept-Language")))
 
 

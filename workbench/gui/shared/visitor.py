@@ -13,7 +13,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.decide import NOT_REPORTED, allowed
+from workbench.app.core.decide import NOT_REPORTED, check_allowed
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.core.rights import lacks_right, obstacle
 from workbench.app.core.state import Phase, State
@@ -197,7 +197,7 @@ class Visitor:
         if isinstance(command, Approve) and name == NOBODY:
             name = SOMEBODY
         try:
-            allowed(state, command, name, now, joints, self.person.role)
+            check_allowed(state, command, name, now, joints, self.person.role)
         except CommandRefused as error:
             return error.message
         return None

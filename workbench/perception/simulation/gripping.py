@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, finest, put
+from workbench.model.geometry import Box, Floats, Mesh, Solid, copy_pose, finest, put
 from workbench.model.part import Part
 from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
@@ -73,7 +73,7 @@ class HeldPart:
     def __post_init__(self) -> None:
         for name in ("T_tcp_closed", "T_tcp_part"):
             T = getattr(self, name)
-            put(self, **{name: None if T is None else copied(T)})
+            put(self, **{name: None if T is None else copy_pose(T)})
 
     @property
     def slip(self) -> tuple[float, float] | None:

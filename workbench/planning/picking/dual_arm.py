@@ -27,7 +27,7 @@ from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Pl
 from workbench.planning.collision.arm_sweeps import ArmContact, ArmSweep, first_contact, standing
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, phase_of
-from workbench.planning.collision.motion import Curves, chain_contact, walked
+from workbench.planning.collision.motion import Curves, bound_curves, chain_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.in_step import in_step
@@ -196,7 +196,7 @@ def _enter(world: World, pair: Pair) -> None:
 
 
 def _sweep_of(world: World, task: ArmTask) -> ArmSweep:
-    curves = walked(np.asarray(task.leg.q), world.motion, world.policy.zone)
+    curves = bound_curves(np.asarray(task.leg.q), world.motion, world.policy.zone)
     return ArmSweep(task.plan.arm, curves.points)
 
 
@@ -227,7 +227,9 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = ArmSweep(task.plan.arm, walked(lead, world.motion, world.policy.zone).points)
+            begin = ArmSweep(
+                task.plan.arm, bound_curves(lead, world.motion, world.policy.zone).points
+            )
         ends = (begin, standing(task.plan.arm, goal))
         if any(first_contact(world, base, end, way) is not None for end in ends):
             continue

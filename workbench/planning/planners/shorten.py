@@ -99,7 +99,7 @@ def _skip(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
     return kept[:count].copy()
 
 
-def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
+def merge_corners(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], corners less than `TINY` apart made one where that is clear.
 
     A tiny segment between long ones is a sharp corner twice: it slows the arm down to a crawl.

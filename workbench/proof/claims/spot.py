@@ -11,7 +11,13 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape
 from workbench.model.plan import Plan, Violation
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.stages import MovingArm, MovingStep, carried, steps_of, waiting_fingers
+from workbench.proof.claims.stages import (
+    MovingArm,
+    MovingStep,
+    find_carried,
+    steps_of,
+    waiting_fingers,
+)
 from workbench.proof.claims.table import PairTable
 from workbench.proof.engine.robot import Tree, tree_of
 from workbench.proof.engine.space import Space
@@ -57,7 +63,7 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
         for arm_motion in step.moving:
             if (arm_motion.arm.name, arm_motion.leg.name) == (place.arm, place.leg) and rows:
                 found = [detection.T_world_part for detection in plan.detections]
-                space.put_parts(found, carried(cell, tree, plan, step))
+                space.put_parts(found, find_carried(cell, tree, plan, step))
                 return _locate(tree, space, step, arm_motion, place, rows)
     return None
 

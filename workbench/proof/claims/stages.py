@@ -88,7 +88,9 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[MovingStep]:
                 placed[number] = held.pop(number)
 
 
-def carried(cell: Cell, tree: Tree, plan: Plan, step: MovingStep) -> dict[int, tuple[int, pin.SE3]]:
+def find_carried(
+    cell: Cell, tree: Tree, plan: Plan, step: MovingStep
+) -> dict[int, tuple[int, pin.SE3]]:
     """Parts in a hand or put down during a step: detection -> joint, and `T_joint_part`."""
     where: dict[int, tuple[int, pin.SE3]] = {}
     for number, arm_plan in step.held.items():

@@ -20,8 +20,8 @@ from workbench.proof.claims.stages import (
     LegStage,
     MovingArm,
     MovingStep,
-    carried,
     course_of,
+    find_carried,
     fingers_of,
     situation_of,
     stages_of,
@@ -120,7 +120,7 @@ class Walk:
     def _put(self, step: MovingStep) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
         found = [detection.T_world_part for detection in self._plan.detections]
-        self._space.put_parts(found, carried(self._cell, self._tree, self._plan, step))
+        self._space.put_parts(found, find_carried(self._cell, self._tree, self._plan, step))
         self._known.clear()
 
     # -- one arm, all others standing -----------------------------------------------------

@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats
 from workbench.planning.collision.motion import segment
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.picking.in_step import columns_of, pace_in_step, way_in_step
 from workbench.planning.picking.search import curve_check
 from workbench.planning.planners.clock import processor_time
@@ -131,7 +131,7 @@ class BothArms:
         if isinstance(found, Verdict):
             return Attempt(planner, ends, used, None, None)
         pace = pace_in_step(world, self.arms)
-        times = timed(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
+        times = compute_times(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
         return Attempt(planner, ends, used, found, float(times[-1]))
 
 

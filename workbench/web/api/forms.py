@@ -7,7 +7,7 @@ from typing import Any
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
@@ -178,7 +178,7 @@ def emptying_form(found: Emptying) -> Form:
     return {
         "cell_digest": found.cell_digest,
         **summary(found.plain, **takes),
-        "what_if": ranked(found.piles, **takes) if is_tried else [],
+        "what_if": rank_changes(found.piles, **takes) if is_tried else [],
     }
 
 

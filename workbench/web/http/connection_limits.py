@@ -16,7 +16,7 @@ from aiohttp.typedefs import Handler
 from workbench.model.errors import FileError
 from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.origins import network_of
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 
 MOST_STRANGERS = 160
 """Connections without a login at the same time; beyond them the one that waits longest goes."""
@@ -153,7 +153,7 @@ class ConnectionLimits:
             return await handler(request)
         is_known = await self._is_known(request, visitor)
         if is_known and not visitor.is_known and not self._has_room_for_known():
-            refused("connection", why="too many with a login", origin=request.remote)
+            log_refusal("connection", why="too many with a login", origin=request.remote)
             raise web.HTTPServiceUnavailable(text="Too many connections.\n")
         visitor.is_known = is_known
         visitor.since, visitor.request = self._clock(), request
@@ -211,7 +211,7 @@ class ConnectionLimits:
     def _drop(self, visitor: OpenConnection, why: str | None) -> None:
         del self._visitors[visitor.key]
         if why is not None:
-            refused("connection", why=why, origin=visitor.network)
+            log_refusal("connection", why=why, origin=visitor.network)
         visitor.drop()
 
     def _forget(self) -> None:

@@ -23,7 +23,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.web.http.origins import is_loopback
 from workbench.web.opcua.admission import PERSON, Door, OpcUaOptions
-from workbench.web.opcua.bounds import LIMITS, bound, is_bound
+from workbench.web.opcua.bounds import LIMITS, is_bound, limit_messages
 from workbench.web.opcua.certificates import CERTIFICATE, KEY, application_uri, read_certificate
 from workbench.web.opcua.methods import METHODS, Method
 from workbench.web.opcua.robotics.space import standard_space
@@ -131,7 +131,7 @@ class OpcUa:
 
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
-        bound()
+        limit_messages()
         server = await _secure(options, self._door)
         server.iserver.max_connections = MOST_CLIENTS
         server.iserver.max_pending_activation_seconds = LOGIN_SECONDS

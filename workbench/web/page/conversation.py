@@ -8,14 +8,14 @@ from typing import Any
 
 from aiohttp import ClientWebSocketResponse, WebSocketError, WSCloseCode, WSMsgType, web
 
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 from workbench.web.page.connections import OVER, Seat
 from workbench.web.page.messages import (
     FileTransferPart,
     FileTransferStartUpload,
     Working,
     read,
-    written,
+    write_frame,
 )
 from workbench.web.page.rate_limit import RateLimit
 from workbench.web.page.uploads import Broken, Uploads
@@ -131,7 +131,7 @@ class Conversation:
             message = self._rate.ready(time.monotonic())
             if message is not None:
                 try:
-                    await self._viser.send_bytes(written(message))
+                    await self._viser.send_bytes(write_frame(message))
                 except ConnectionError:
                     return End(WSCloseCode.GOING_AWAY, "the page has gone")
             elif len(self._rate):
@@ -160,7 +160,7 @@ class Conversation:
         return End(self._seat.code, "logged out" if self._seat.code == OVER else "")
 
     def _log_refusal(self, what: str, why: str) -> None:
-        refused(what, why=why, origin=self._origin, who=self._person.name)
+        log_refusal(what, why=why, origin=self._origin, who=self._person.name)
 
 
 async def close(

@@ -184,7 +184,7 @@ def read(frame: bytes, role: Role) -> Working:
         raise ValueError("the message is nested too deeply") from error
 
 
-def written(message: BrowserMessage) -> bytes:
+def write_frame(message: BrowserMessage) -> bytes:
     """The frame for viser."""
     return _ENCODER.encode(message)
 

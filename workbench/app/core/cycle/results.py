@@ -6,7 +6,7 @@ from typing import Any
 from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
-from workbench.app.core.cycle.parts import compared, find_parts, with_detections
+from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import with_scan
 from workbench.app.core.state import Job, Phase, State
@@ -54,7 +54,7 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             search = SearchRecord(
                 job.number, job.seed, job.overrides, result, max(0.0, at - job.at)
             )
-            return (compared if job.is_compared else with_detections)(state, search)
+            return (add_search if job.is_compared else with_detections)(state, search)
         case ("sight", PlateObservation()):
             observations = (*state.observations, result)
             message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))

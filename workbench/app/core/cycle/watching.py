@@ -52,7 +52,7 @@ def with_watched(state: State, actor: str, *, is_reported: bool) -> State:
     return replace(state, watched=watched, watched_elsewhere=reported, message=message)
 
 
-def unwatched(state: State, actor: str) -> Message | None:
+def explain_unwatched(state: State, actor: str) -> Message | None:
     """Why a person has to see the plan before approving it; None when that has happened.
 
     What was played in a browser without a login was played before whoever was there.

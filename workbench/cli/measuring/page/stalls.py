@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchStalls
 from workbench.cli.exits import SUCCESS
-from workbench.cli.measuring.page.served import NAME, Served, served, workplace
+from workbench.cli.measuring.page.served import NAME, Served, serve_page, workplace
 from workbench.cli.terminal import check_whole, milliseconds, print_json, print_table, progress
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.model.cell import Cell
@@ -42,7 +42,7 @@ def stalls(typed: BenchStalls) -> int:
         own = _own_cell(cell_path(typed.cell), cell, place)
         report(0.0, "large files")
         files = files_for(cell, typed.triangles, typed.points)
-        with served(place, str(own), password, "--stalls", FILE) as page:
+        with serve_page(place, str(own), password, "--stalls", FILE) as page:
             rows = asyncio.run(_measure(page, password, files, report))
     form = [_form(row) for row in rows]
     if typed.json:

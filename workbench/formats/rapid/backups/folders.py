@@ -216,9 +216,9 @@ def _together(sources: Sequence[Source], found: FolderContents) -> list[list[Sou
     """Modules that can be in one task; one with many names of another is told, and set apart."""
     tasks: list[list[Source]] = [[]]
     for source in sources:
-        mine = declared(source)
+        mine = find_declared(source)
         for other in tasks[0]:
-            both = sorted(mine & declared(other))
+            both = sorted(mine & find_declared(other))
             if len(both) > FEW:
                 some = ", ".join(both[:3])
                 what = f"{len(both)} names are declared in {other.path}, too ({some}, ...)"
@@ -324,15 +324,15 @@ def _remark(source: Source, what: str) -> Problem:
 
 
 def _add(task: TaskFiles, sources: Sequence[Source]) -> None:
-    names = {name for source in task.sources for name in declared(source)}
+    names = {name for source in task.sources for name in find_declared(source)}
     for source in sources:
-        mine = declared(source)
+        mine = find_declared(source)
         if not mine & names:
             task.sources.append(source)
             names |= mine
 
 
-def declared(source: Source) -> set[str]:
+def find_declared(source: Source) -> set[str]:
     """Names that a module declares for all others, in small letters, and its own."""
     names = {f"module {source.name.lower()}"}
     for node in source.tree.children:
