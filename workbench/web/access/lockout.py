@@ -120,7 +120,7 @@ class Lockout:
             connection.execute(
                 "DELETE FROM browsers WHERE user = ? AND digest NOT IN (SELECT digest FROM browsers"
                 " WHERE user = ? ORDER BY expires_at DESC LIMIT ?)",
-                (fold_name(name), folded(name), MOST_BROWSERS),
+                (fold_name(name), fold_name(name), MOST_BROWSERS),
             )
         return cookie
 
