@@ -252,6 +252,7 @@ def _try_to_take(
         partial(closely, search),
         search.spread,
         search.tolerance,
+        search.are_possible,
     )
 
 
