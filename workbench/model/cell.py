@@ -8,15 +8,15 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import LATER, Told, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copied, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe
-from workbench.model.robot import ArmScanner, Robot
+from workbench.model.robot import ArmScanner, AxisMapping, Robot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -62,7 +62,7 @@ class Tool:
     inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_flange_tcp=copied(self.T_flange_tcp))
+        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
         if self.centre_of_gravity is not None:
             put(self, centre_of_gravity=frozen(self.centre_of_gravity))
         if self.inertia is not None:
@@ -86,17 +86,16 @@ ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 class Arm:
     """One kinematic chain with a tool.
 
-    `name` is like `ARM_NAME`, and no word of a strategy: it stands where one is asked for.
-    `joints` are the movable joints from base to flange, chain order; `axis_order[k]` is the
-    place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
-    [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
-    order, those of one position that follow each other by time, after `part_places`, which say how
-    the part has to lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
-    where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
+    `name` is like `ARM_NAME`, and no word of a strategy.  `joints` are the movable joints from base
+    to flange, chain order; `axis_order[k]` is the place in the chain of the controller's k-th axis
+    and `axis_signs` its sense.  `home` (n,) [rad], chain order.  `Ts_world_place` are TCP poses
+    where a part may be released, tried in order, those of one position that follow each other by
+    time, after `part_places`, which say how the part has to lie; where it `keeps_parts` they stay,
+    and the next goes elsewhere; where it `passes_parts_on` each is gone before the next comes.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
-    `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
-    that it can carry.  `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most that its
-    joints may have; without `jerk` acceleration may jump.  `place_names`: of `Ts_world_place`.
+    `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
+    `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
+    acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
     """
 
     name: str
@@ -116,6 +115,7 @@ class Arm:
     passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
     jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -123,7 +123,7 @@ class Arm:
             home=frozen(self.home),
             acceleration=frozen(self.acceleration),
             jerk=None if self.jerk is None else frozen(self.jerk),
-            Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
+            Ts_world_place=tuple(copy_pose(T) for T in self.Ts_world_place),
             part_places=tuple(self.part_places),
         )
 
@@ -151,7 +151,7 @@ class Fixture:
     solids: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, T_world_fixture=copied(self.T_world_fixture))
+        put(self, T_world_fixture=copy_pose(self.T_world_fixture))
 
 
 Z_FORWARD = "z_forward"
@@ -191,7 +191,7 @@ class ScannerMount:
     on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
+        put(self, T_world_scanner=copy_pose(self.T_world_scanner), options=dict(self.options))
 
     def housing_of(self, arm: str) -> tuple[Solid, ...]:
         """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
@@ -308,7 +308,7 @@ class PlanOverrides:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Cell(Told):
+class Cell(FactsRepr):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
@@ -335,7 +335,7 @@ class Cell(Told):
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        put(self, T_world_robot=copied(self.T_world_robot))
+        put(self, T_world_robot=copy_pose(self.T_world_robot))
         if (carrier := self.scanner.on_arm) is not None:
             T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
             put(self, scanner=replace(self.scanner, T_world_scanner=T))

@@ -1,6 +1,6 @@
 """A robot as a tree of links and joints, whatever file it came from, and a scanner on its arm."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,9 +9,12 @@ import pinocchio as pin
 
 from workbench.model.digest import Shared
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copied, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
+
+MOST_TURNS = 9
+"""How often an axis may count in another one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +36,7 @@ class Joint:
     velocity: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, T_parent_joint=copied(self.T_parent_joint), axis=frozen(self.axis))
+        put(self, T_parent_joint=copy_pose(self.T_parent_joint), axis=frozen(self.axis))
 
     def at(self, value: float) -> "Joint":
         """The joint fixed at a value [rad or m]; as it is when it cannot move."""
@@ -148,7 +151,41 @@ class Robot(Shared):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class AxisMapping:
+    """How a controller's numbers follow from an arm's axes: `coupling @ axes + offsets`.
+
+    Axes are in the controller's order and sense already (`Arm.to_axes`).  `coupling` (n, n) holds
+    whole numbers, so that whole steps of an axis stay whole; `offsets` (n,) [rad, m].
+    """
+
+    coupling: Floats
+    offsets: Floats
+
+    def __post_init__(self) -> None:
+        put(self, coupling=frozen(self.coupling), offsets=frozen(self.offsets))
+
+    def to_controller(self, axes: Floats) -> Floats:
+        """What the controller shows (n,) [rad, m] where its axes are at `axes` (n,) [rad, m]."""
+        return np.asarray(self.coupling) @ axes + self.offsets
+
+    def from_controller(self, values: Floats) -> Floats:
+        """The axes (n,) [rad, m] where the controller shows `values` (n,) [rad, m]."""
+        turns = np.linalg.inv(self.coupling).astype(np.float64)
+        return turns @ (np.asarray(values) - self.offsets)
+
+    def problem(self, slides: Sequence[bool]) -> str:
+        """Why no controller counts so, with the axes that slide; empty when one may."""
+        coupling = np.asarray(self.coupling)
+        if not np.array_equal(coupling, np.round(coupling)) or np.abs(coupling).max() > MOST_TURNS:
+            return f"whole numbers from -{MOST_TURNS} to {MOST_TURNS} are expected"
+        if abs(np.linalg.det(coupling)) < 0.5:
+            return "the rows depend on each other: an axis cannot be read back"
+        mixed = coupling[np.not_equal.outer(slides, slides)]
+        return "a turning axis and a sliding one are added" if np.any(mixed) else ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanPosture:
     """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order."""
 
     name: str
@@ -173,12 +210,12 @@ class ArmScanner:
     flange: str
     joints: tuple[str, ...]
     T_flange_scanner: pin.SE3
-    view: View
+    view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
 
     def __post_init__(self) -> None:
-        put(self, T_flange_scanner=copied(self.T_flange_scanner), home=frozen(self.home))
+        put(self, T_flange_scanner=copy_pose(self.T_flange_scanner), home=frozen(self.home))
 
     @property
     def label(self) -> str:

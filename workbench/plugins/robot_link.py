@@ -280,12 +280,23 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
 
 
+def mapping_problem(cell: Cell) -> str:
+    """Why the link of a cell does not speak in its controller's numbers; else empty."""
+    motion = cell.controller.motion
+    mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
+    if not mapped or motion.maps_axes:
+        return ""
+    return f"the robot link {motion.link} does not know the axis_coupling of arm {mapped[0]}"
+
+
 def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> str:
     """Why the controller of a cell cannot run a plan as it was proven, in this manner; else empty.
 
     The controller is not in the cell's digest: a plan may have been made for another one.
     """
     motion = cell.controller.motion
+    if problem := mapping_problem(cell):
+        return problem
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
         return (
             f"the robot link {motion.link} moves one arm at a time, this plan moves both; "

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from workbench.devices.abb_socket.connecting import connected
+from workbench.devices.abb_socket.connecting import connect
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.release import RobotState
 from workbench.plugins.progress import Cancelled, never
@@ -26,7 +26,7 @@ def watch_state(host: str, port: int, cancelled: Cancelled = never) -> Iterator[
         LinkError: nobody answers, or the report broke off.
         ProtocolError: a line is not a state.
     """
-    with connected(host, port, "reports its state") as link:
+    with connect(host, port, "reports its state") as link:
         heard = b""
         while not cancelled():
             try:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
@@ -61,7 +61,7 @@ def converted_step(path: Path, target: Path) -> Path:
         raise FileError(path, "is cut off: END-ISO-10303-21 is missing at its end")
     others = list(dict.fromkeys(DOCUMENT.findall(content)))
     if others and not SHAPE.search(content):
-        names = ", ".join(shown(name.decode(errors="replace")) for name in others[:MOST_NAMED])
+        names = ", ".join(quote(name.decode(errors="replace")) for name in others[:MOST_NAMED])
         raise FileError(path, f"holds no shape: its parts are in other files, import {names}")
     import cascadio  # OpenCASCADE: large, and seldom needed
 
@@ -74,7 +74,7 @@ def converted_step(path: Path, target: Path) -> Path:
             use_parallel=False,
         )
     except RuntimeError as error:
-        raise FileError(path, f"cannot be read as STEP: {shown(str(error))}") from None
+        raise FileError(path, f"cannot be read as STEP: {quote(str(error))}") from None
     if not target.is_file() or target.stat().st_size == 0:
         raise FileError(path, "cannot be read as STEP, or holds no solid")
     if target.stat().st_size > 4 * LARGEST_MESH:

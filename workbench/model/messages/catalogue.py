@@ -69,6 +69,7 @@ from workbench.model.messages.verdicts import (
     VerdictText,
 )
 from workbench.model.messages.work import (
+    AskText,
     CancelText,
     CaseRefusal,
     JobText,
@@ -140,6 +141,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     AheadText,
     JobText,
     LinkText,
+    AskText,
     StopText,
     LinkPhase,
     CaseRefusal,
