@@ -28,6 +28,8 @@ from workbench.model.messages.commands import (
     RoleText,
     StaleText,
 )
+from workbench.model.messages.devices import DeviceText, ScannerText
+from workbench.model.messages.files import FileProblem, FileText
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
 from workbench.model.messages.parts import DrawnText, PileText
@@ -46,7 +48,6 @@ from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
-    FileText,
     Refusal,
     ValueRefusal,
 )
@@ -145,6 +146,9 @@ SUBJECTS: tuple[type[Text], ...] = (
     CaseRefusal,
     ProgressText,
     CancelText,
+    DeviceText,
+    ScannerText,
+    FileProblem,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(
