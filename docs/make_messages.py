@@ -1,15 +1,9 @@
-"""The list of messages in `messages.md`, made from the texts of the code.
-
-`python docs/make_messages.py` writes it anew; a test says when that is due.
-"""
+"""The list of all messages, a page of the site, made from the texts of the code."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from workbench.model.messages.catalogue import SUBJECTS
 from workbench.model.messages.message import Others, Text
-
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "messages.md"
 
 HEAD = """# Messages
 
@@ -31,7 +25,7 @@ and one for several.
 """
 
 
-def page() -> str:
+def messages() -> str:
     """The whole page: a line for each message, a blank line between subjects."""
     blocks = ["\n".join(_lines(subject)) for subject in SUBJECTS if subject is not Others]
     return f"{HEAD}```text\n" + "\n\n".join(blocks) + "\n```\n"
@@ -39,7 +33,3 @@ def page() -> str:
 
 def _lines(subject: type[Text]) -> Iterator[str]:
     return (f"{text.id}: {text.template}" for text in subject)
-
-
-if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")

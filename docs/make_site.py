@@ -1,8 +1,8 @@
 """The documents as a site to be read in a browser: `make docs`, or `python docs/make_site.py`.
 
 The documents are gathered in the same folders as in the repository, so that a link between two of
-them leads to the same place here and there, and nothing has to be rewritten.  Two pages are made:
-what the public interface says of itself, and the examples with what they print.
+them leads to the same place here and there, and nothing has to be rewritten.  Three pages are made:
+the public interface, the examples with what they print, and the list of messages.
 """
 
 import ast
@@ -18,6 +18,8 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+
+from make_messages import messages
 
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
@@ -46,7 +48,7 @@ SECTIONS: Mapping[str, Callable[[str], bool]] = {
 
 
 def build(site: Path, sources: Path, outputs: Mapping[str, str]) -> None:
-    """Gather the documents, make the two pages, and the site from all of them.
+    """Gather the documents, make the three pages, and the site from all of them.
 
     Args:
         site: the folder of the site, replaced.
@@ -61,6 +63,7 @@ def build(site: Path, sources: Path, outputs: Mapping[str, str]) -> None:
             shutil.copyfile(file, copy)
     (sources / "reference.md").write_text(reference(), encoding="utf-8")
     (sources / "gallery.md").write_text(gallery(outputs), encoding="utf-8")
+    (sources / "messages.md").write_text(messages(), encoding="utf-8")
     config = sources.with_suffix(".yml")
     config.write_text(
         (ROOT / "docs" / "mkdocs.yml").read_text(encoding="utf-8")

@@ -61,6 +61,7 @@ def test_every_document_is_a_page(site):
         assert page.with_stem(page.stem.replace("README", "index")).is_file(), document
     assert "judge every grasp" in (site / "reference.html").read_text().lower()
     assert "output of why_not" in (site / "gallery.html").read_text()
+    assert "note.lifts-tried" in (site / "messages.html").read_text()
 
 
 def test_every_picture_is_where_the_pages_look_for_it(site):
@@ -99,7 +100,7 @@ def test_a_browser_asks_nobody_else(site):
         page.on("request", lambda request: asked.append(request.url))
         page.on("requestfailed", lambda request: problems.append(request.url))
         page.on("pageerror", lambda error: problems.append(str(error)))
-        for name in ("index", "docs/architecture", "reference", "gallery"):
+        for name in ("index", "docs/architecture", "reference", "gallery", "messages"):
             page.goto((site / f"{name}.html").as_uri(), wait_until="networkidle")
         browser.close()
     assert problems == []

@@ -61,13 +61,6 @@ def test_the_tree_in_the_documents_is_that_of_the_code(monkeypatch):
     assert whole(page) == page, "python docs/make_tree.py makes it anew"
 
 
-def test_the_table_of_messages_is_that_of_the_code(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "docs"))
-    from make_messages import PAGE, page
-
-    assert PAGE.read_text("utf-8") == page(), "python docs/make_messages.py makes it anew"
-
-
 def test_the_picture_of_the_layers_is_that_of_the_code(monkeypatch):
     monkeypatch.setattr(sys, "path", [*sys.path, str(ROOT / "docs")])
     from make_layers import PICTURE, drawing

@@ -57,7 +57,7 @@ POSE: Schema = {
 POINT: Schema = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
 
 SAID = record(id=TEXT, args={"type": "object"}, text=TEXT)
-"""A message: its id and arguments, see docs/messages.md, and its English text."""
+"""A message: its id and arguments, see messages.html of the site, and its English text."""
 
 VERDICT = record(
     reason={"type": "string", "enum": [reason.name for reason in Reason]},
