@@ -109,7 +109,7 @@ class ScannerText(Text, subject="scanner"):
     NO_DEPTH = "it has no depth images"
     NO_DEPTH_SIZE = "it has no depth images of {columns} x {rows} pixels"
 
-    TOO_SLOW = "too slow: {size} MB and no end within {patience:s} (patience_s)"
+    TOO_SLOW = "it is too slow: {size} MB and no end within {patience:s} (patience_s)"
     TOO_LARGE = "it sends more than a scan can hold"
     OTHER_CERTIFICATE = (
         "its certificate is {found}, not that of certificate_sha256; nothing was asked"
