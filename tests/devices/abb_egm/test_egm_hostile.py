@@ -115,7 +115,7 @@ def telling(**changes):
     [
         ({"ticket": lambda v: v + 1}, "has begun another plan"),
         ({"ticket": lambda v: 1e308}, "has begun another plan"),
-        ({"version": lambda v: 2.0}, "has gone silent"),
+        ({"version": lambda v: 2.0}, "does not answer"),
         ({"done": lambda v: v + 1}, "reports order 3, where 2 was done and 2 was given"),
         ({"done": lambda v: v - 1}, "reports order 1, where 2"),
         ({"done": lambda v: v + 0.5}, r"reports order 2\.5, where 2"),

@@ -286,7 +286,7 @@ def test_a_port_that_is_taken_and_one_where_nobody_reports_are_told_in_one_sente
     with twin_of(cell, speed=1.0) as (_, there):
         first = AbbEgm().states(there, lambda: False)
         next(first)
-        with pytest.raises(LinkError, match="cannot be listened to"):
+        with pytest.raises(LinkError, match="at UDP port"):
             next(AbbEgm().states(there, lambda: False))
         first.close()
         empty = replace(there.controller, port=there.controller.port + 40)

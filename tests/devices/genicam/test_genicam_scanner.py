@@ -110,8 +110,8 @@ def test_a_camera_is_found_by_its_serial_number(pair):
     assert pair["found"]
     unknown, either, other = pair["refusals"]
     assert re.search(r"GV03 answers \(found: GV0[12], GV0[12]\)", unknown)
-    assert re.search(r"2 cameras answer \(.*\); say which by `serial`", either)
-    assert "the camera at 127.0.0.1 has the serial number GV01, not GV02" in other
+    assert re.search(r"2 cameras answer \(.*\); choose one by serial", either)
+    assert "has the serial number GV01, not GV02" in other
 
 
 def test_a_frame_that_has_lost_packets_is_refused_and_never_a_scan():

@@ -273,7 +273,7 @@ def test_a_program_that_comes_once_more_after_its_end_moves_nothing(planned):
             come_again(twin, text)
             assert twin.q == stood and twin.outputs == {}
             twin.outputs.update(outputs)
-        with pytest.raises(LinkError, match="has run this program already; nothing runs twice"):
+        with pytest.raises(LinkError, match="has begun this plan already; nothing runs twice"):
             list(send(plan, approval, there, patience=PATIENT))
         assert len(plans(twin)) == 4 + 3
 
