@@ -13,7 +13,9 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import Phase
 from workbench.app.filling import fill_apart
 from workbench.app.filling.for_remaining import families_for
+from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part_edits import grasp_of, with_grasp
 from workbench.model.scan import Detection
 
@@ -38,9 +40,20 @@ def here(monkeypatch):
     monkeypatch.setattr(fill_apart, "propose_apart", propose)
 
 
-def test_parts_left_along_a_wall_get_grasps_by_a_button_and_undo_takes_them_back(
-    screen, bench, wait, here
-):
+@pytest.fixture
+def endless(monkeypatch):
+    """Grasps are looked for until somebody stops that."""
+
+    def propose(cell, name, left, report, given_up):
+        report(0.5, ProgressText.GRIPS())
+        assert given_up.wait(60)
+        raise JobCancelled(CancelText.FILLING())
+
+    monkeypatch.setattr(fill_apart, "propose_apart", propose)
+
+
+def leave_a_part(screen, bench, wait):
+    """Have a planning leave a part along a wall; the library's one grasp cannot take it."""
     part = bench.state.cell.parts[0]
     first = part.library.entries[0]
     shut = with_grasp(first, replace(grasp_of(first), is_enabled=False))
@@ -56,6 +69,26 @@ def test_parts_left_along_a_wall_get_grasps_by_a_button_and_undo_takes_them_back
     assert bench.state.plan is None
     screen.tab("Statistics")
     screen.wait_for("Parts left when no plan was found")
+
+
+def test_a_search_for_grasps_of_parts_left_can_be_stopped_and_begun_again(
+    screen, bench, wait, endless
+):
+    leave_a_part(screen, bench, wait)
+    before = bench.state.cell.parts[0].library.entries
+    for _ in range(2):
+        screen.press("Add grasps for the parts left")
+        screen.wait_for("50%")
+        screen.shoot("learning_3_under_way")
+        screen.press("Stop")
+        screen.wait_for("Stopped: nothing was added.")
+    assert bench.state.cell.parts[0].library.entries == before
+
+
+def test_parts_left_along_a_wall_get_grasps_by_a_button_and_undo_takes_them_back(
+    screen, bench, wait, here
+):
+    leave_a_part(screen, bench, wait)
     screen.shoot("learning_1_left")
     screen.press("Add grasps for the parts left")
 

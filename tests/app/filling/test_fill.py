@@ -115,7 +115,10 @@ def test_filling_ends_when_it_is_cancelled(yumi, rod):
 
 
 def test_a_part_larger_than_the_bin_is_refused_in_one_sentence(yumi):
-    with pytest.raises(InputError, match="part made is too large for the bin"):
+    with pytest.raises(
+        InputError,
+        match="part made of 500 x 20 x 20 mm is too large for the bin of 200 x 300 x 50 mm",
+    ):
         filled(yumi, part_of(trimesh.creation.box((500, 20, 20))))
 
 

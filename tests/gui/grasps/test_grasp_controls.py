@@ -157,24 +157,26 @@ def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor,
     new = (replace(HAND, name="across"), replace(HAND, name="end"))
     monkeypatch.setattr(fill_apart, "fill_apart", lambda *_: found_by_filling(*new))
     controls = FillControls(visitor, Editing(visitor))
-    controls._work()
+    controls._search._work()
     names = [entry.name for entry in bench.state.cell.part(PART).library.entries]
-    assert names[-2:] == ["across", "end"] and "6 of 8 parts" in controls._line.content
+    assert names[-2:] == ["across", "end"] and "6 of 8 parts" in controls._search._line.content
     bench.do(UndoCell(), "Ada", Role.ENGINEER)
     assert digest_of(bench.state.cell.part(PART).library) == digest_of(before)
 
 
 def test_a_filling_that_is_stopped_adds_nothing(bench, visitor, monkeypatch):
     def stopped(cell, part, report, given_up):
-        controls._cancelled.set()
+        controls._search._cancelled.set()
         assert given_up.is_set()
         raise JobCancelled("it was cancelled")
 
     before = bench.state.cell.digest
     monkeypatch.setattr(fill_apart, "fill_apart", stopped)
     controls = FillControls(visitor, Editing(visitor))
-    controls._work()
-    assert bench.state.cell.digest == before and "nothing was added" in controls._line.content
+    controls._search._work()
+    assert (
+        bench.state.cell.digest == before and "nothing was added" in controls._search._line.content
+    )
 
 
 def test_what_cannot_be_filled_is_said_in_a_sentence(visitor, monkeypatch):
@@ -183,8 +185,8 @@ def test_what_cannot_be_filled_is_said_in_a_sentence(visitor, monkeypatch):
 
     monkeypatch.setattr(fill_apart, "fill_apart", refused)
     controls = FillControls(visitor, Editing(visitor))
-    controls._work()
-    assert "part plate is too large for the bin" in controls._line.content
+    controls._search._work()
+    assert "part plate is too large for the bin" in controls._search._line.content
 
 
 def test_nobody_goes_on_looking_for_who_has_gone(visitor):

@@ -5,15 +5,19 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import open3d as o3d
+import pinocchio as pin
 import pytest
 
 from workbench.formats.parts.reading import read_part
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
+from workbench.model.geometry import Mesh
+from workbench.model.part import GraspLibrary
+from workbench.model.symmetry import Symmetry
 from workbench.perception.simulation.physics import LONGEST, LOST, come_to_rest, model_of
 from workbench.perception.simulation.piles import OUTSIDE, drop_parts
 from workbench.perception.simulation.room import radius_of
-from workbench.perception.simulation.unloading import is_in_bin
+from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.perception.views.surfaces import add_surface, triangles_of
 
 
@@ -93,3 +97,33 @@ def test_what_falls_off_does_not_hold_up_what_lies_still(cell, part):
     come_to_rest(model, data, radius_of(part))
     assert data.time < LONGEST - 1.0
     assert data.qpos[9] < LOST < 0.0 < data.qpos[2]
+
+
+def far_off(part, shift):
+    """The same part, drawn about an origin that is this far off [m]."""
+    away = pin.SE3(np.eye(3), np.asarray(shift, float))
+    return replace(
+        part,
+        mesh=Mesh(part.mesh.points + away.translation, part.mesh.triangles),
+        pieces=tuple(replace(s, T_owner_shape=away * s.T_owner_shape) for s in part.pieces),
+        symmetry=Symmetry(),
+        library=GraspLibrary(),
+    )
+
+
+def test_a_part_whose_origin_is_far_off_falls_like_others_and_is_unloaded_like_others(cell):
+    part = far_off(cell.parts[0], (0.4, 0.3, -0.5))
+    pile = drop_parts((part,) * 5, cell.bin, seed=3)
+    assert len(pile) == 5
+    floor = cell.bin.T_world_bin.translation[2]
+    for lying in pile:
+        points = part.mesh.points @ lying.T_world_part.rotation.T + lying.T_world_part.translation
+        assert abs(points[:, 2].min() - floor) < 0.06 and points[:, 2].max() - floor < 0.15
+    T = pile[0].T_world_part
+    way = [T, pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, 0.1]))]
+    rest = unloaded(replace(cell, parts=(part,)), pile, 0, way)
+    moved = [
+        float(np.linalg.norm(a.T_world_part.act(part.middle) - b.T_world_part.act(part.middle)))
+        for a, b in zip(rest, pile[1:], strict=True)
+    ]
+    assert np.median(moved) < 0.005

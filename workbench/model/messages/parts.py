@@ -7,7 +7,7 @@ class PileText(Text, subject="pile"):
     """Why a pile cannot be made or emptied, and what any grasp could take of it."""
 
     NO_PART = "cell {cell} has no part, so there is nothing to drop into its bin"
-    TOO_LARGE = "part {part} is too large for the bin"
+    TOO_LARGE = "part {part} of {size} mm is too large for the bin of {room} mm"
     TOO_MANY = "{count} parts {parts} do not fit into the bin; take {most} or fewer"
     FALLEN_OUT = "{count} parts {parts} did not stay in the bin in {attempts} attempts; take fewer"
     NO_GRASP = "part {part} has no grasp, so nothing can take it; create one first"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import cycle, islice
+from operator import mul
 
 import mujoco
 import numpy as np
@@ -19,7 +20,12 @@ from workbench.perception.simulation.physics import (
     model_of,
     poses_of,
 )
-from workbench.perception.simulation.room import check_room, kinds_of, radius_of
+from workbench.perception.simulation.room import (
+    around_frame,
+    check_room,
+    kinds_of,
+    radius_of,
+)
 from workbench.perception.simulation.unloading import is_in_bin
 
 BETWEEN_DROPS = 0.35
@@ -68,12 +74,16 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     if not parts:
         return ()
     check_room(parts, bin)
-    count, radius = len(parts), max(map(radius_of, parts))
-    model = model_of(parts, bin)
+    kinds = {id(part): around_frame(part) for part in parts}
+    falling = [kinds[id(part)][0] for part in parts]
+    Ts_falling_part = [kinds[id(part)][1].inverse() for part in parts]
+    count, radius = len(parts), max(map(radius_of, falling))
+    model = model_of(falling, bin)
     most: tuple[Detection, ...] = ()
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng([seed, attempt])
-        Ts_bin_part = _settle(model, _starts(bin, count, radius, generator), radius)
+        Ts_bin_falling = _settle(model, _starts(bin, count, radius, generator), radius)
+        Ts_bin_part = map(mul, Ts_bin_falling, Ts_falling_part)
         fallen = zip(parts, Ts_bin_part, strict=True)
         stay = tuple(
             Detection(part.name, bin.T_world_bin * T) for part, T in fallen if _stays(bin, part, T)

@@ -11,7 +11,7 @@ from workbench.model.cell import Cell
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
 from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
-from workbench.perception.simulation.room import radius_of
+from workbench.perception.simulation.room import around_frame, radius_of
 
 LIFT_SPEED = 0.25
 """[m/s] At which a part is lifted; pushed parts move more at higher speeds."""
@@ -46,20 +46,22 @@ def unloaded(
     others = [number for number in range(len(pile)) if number != taken]
     if not others:
         return ()
+    kinds = {id(part): around_frame(part) for part in parts}
+    parts, Ts_part_frame = zip(*(kinds[id(part)] for part in parts), strict=True)
     model = model_of(parts, cell.bin, carried=taken, no_slip=NO_SLIP)
     model.body_gravcomp[1:] = 0.0
     data = mujoco.MjData(model)
     state = data.qpos.reshape(-1, 7)
     for row, number in enumerate(others):
-        state[row] = _numbers(T_bin_world * pile[number].T_world_part)
-    for T in _evenly(way):
+        state[row] = _numbers(T_bin_world * pile[number].T_world_part * Ts_part_frame[number])
+    for T in _evenly([T * Ts_part_frame[taken] for T in way]):
         data.mocap_pos[0], data.mocap_quat[0] = np.split(_numbers(T_bin_world * T), [3])
         mujoco.mj_step(model, data)
     # What is out of the bin for good must not hold up those that fall.
     data.mocap_pos[0] = (0.0, 0.0, 10.0)
     come_to_rest(model, data, max(map(radius_of, parts)))
     return tuple(
-        Detection(pile[number].part, cell.bin.T_world_bin * T)
+        Detection(pile[number].part, cell.bin.T_world_bin * T * Ts_part_frame[number].inverse())
         for number, T in zip(others, poses_of(data), strict=True)
     )
 

@@ -1,0 +1,1 @@
+"""Searches for grasps behind a button, which a button stops."""
