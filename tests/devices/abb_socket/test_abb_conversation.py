@@ -112,7 +112,7 @@ def test_we_say_something_while_the_robot_moves_and_notice_silence(talk):
     assert talk.ours.say(PING / 2) == b""
     assert b"ping" in talk.ours.say(PING * 1.1)
     talk.ours.check(PING + USUAL.silence / 2)
-    with pytest.raises(LinkError, match=r"did not acknowledge '\d{4} ping' within 2.0 s"):
+    with pytest.raises(LinkError, match=r"did not acknowledge '\d{4} ping' within 2\.0 s"):
         talk.ours.check(PING * 1.1 + USUAL.silence + 0.1)
 
 

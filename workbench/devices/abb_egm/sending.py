@@ -128,7 +128,7 @@ class Sending:
                 raise JobCancelled(LinkText.NOTHING_SENT())
             if self._patience.clock() > until:
                 arm = min(heard, key=lambda name: heard[name])
-                raise LinkError(trouble or DeviceText.NO_EGM(arm=arm))
+                raise LinkError(trouble or DeviceText.NO_REPORTS(arm=arm))
             select.select(list(self._channels.values()), [], [], POLL)
             for name, channel in self._channels.items():
                 try:

@@ -15,7 +15,9 @@ class DeviceText(Text, subject="device"):
     NOTHING_NEW = "the controller has reported nothing new for {seconds:s}"
     BROKEN = "the link broke at {where}: {reason}"
     CLOSED = "the controller closed the link at {where}"
-    CLOSED_OLD = "the controller closed the link at {where}; perhaps it speaks abb-socket alone"
+    CLOSED_OLD = (
+        "the controller closed the link at {where}; perhaps it speaks an older protocol only"
+    )
     NOT_ACKNOWLEDGED = "the controller did not acknowledge {frame} within {seconds:s}, at {where}"
     REFUSES = "the controller refuses {where}: {why}"
     FAULT = "the controller reports a fault at {where}: {fault}"
@@ -70,8 +72,8 @@ class DeviceText(Text, subject="device"):
     ENDED_EARLY = "the controller ended the program at {where}"
     CLIENT_ENDED = "the client of the controller has ended"
     CLIENT = "the client of the controller reports: {problem}"
-    NO_EGM = "no EGM of a controller reports {arm} at its UDP port"
-    MODULE_SILENT = "{arm}: the module in RAPID does not answer; is it loaded?"
+    NO_REPORTS = "no controller reports {arm} at its UDP port"
+    MODULE_SILENT = "{arm}: the program on the controller does not answer; is it loaded?"
     LATE = "a report came {late:ms} late in {where}"
     LOST = "reports were lost: {where}"
     LIBRARY_VERSION = "the library {library} has another version: {reason}"

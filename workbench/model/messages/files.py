@@ -87,8 +87,8 @@ class FileProblem(Text, subject="file-problem"):
     EMPTY = "is an empty cloud: none of its {count} points was measured"
     POINTS = "declares {count} points, at most {most} are read"
     OUT_OF_RANGE = (
-        "its points are {nearest} to {farthest} m from the scanner when read in {unit} ({key}), "
-        "and the scanner measures from {near} to {far} m (near_mm, far_mm). Is the file in another "
+        "its points are {nearest} to {farthest} m from the scanner when read in {unit} ({key}). "
+        "The scanner measures from {near} to {far} m (near_mm, far_mm). Is the file in another "
         "unit ({units})?"
     )
     FAR = (
@@ -96,6 +96,6 @@ class FileProblem(Text, subject="file-problem"):
         "{far} m. Is the file in another unit ({units})?"
     )
     BEHIND = (
-        "nearly all of its points lie behind the scanner when its axes are taken for {axes} "
-        "(cloud_axes in [scanner] of the cell file, one of {known})"
+        "nearly all of its points lie behind the scanner when its axes are taken for {axes}: see "
+        "cloud_axes in [scanner] of the cell file, one of {known}"
     )
