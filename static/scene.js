@@ -14,7 +14,7 @@ const ICONS = {
 const LISTS = [
   { list: "tbody", item: "tr[role=button]", back: "ArrowUp", on: "ArrowDown" },
   { list: ".wb-funnel", item: ".wb-filter", back: "ArrowLeft", on: "ArrowRight" },
-  { list: "[role=tablist]", item: "[role=tab]", back: "ArrowLeft", on: "ArrowRight" },
+  { list: "[role=tablist]", item: "[role=tab]", back: "ArrowUp", on: "ArrowDown" },
 ];
 
 const FIELDS = "input:not([type=hidden]), textarea, [role=slider]";

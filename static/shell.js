@@ -9,6 +9,8 @@ const OVER = 4401;  // close code: the login has ended
 const SILENT_MS = 6000;  // the server says something every 2 s: after this it is out of reach
 
 const LOOK_MS = 200;  // between two looks at what the scene says of itself
+const SCHEME = "workbench-scheme";  // cookie: the page is light or dark
+
 const LOOKS = 4;      // in a row: what comes with the next message is not gone yet
 const AWAY = word("No connection: Stop may not reach the robot. Trying again.");
 
@@ -189,16 +191,21 @@ function follow() {
   root.lang = document.documentElement.lang;
   const take = () => {
     const scheme = root.getAttribute("data-mantine-color-scheme");
-    if (scheme) document.documentElement.dataset.scheme = scheme;
+    if (!scheme) return;
+    document.documentElement.dataset.scheme = scheme;
+    // The server makes the next page of this browser alike.
+    document.cookie = `${SCHEME}=${scheme}; path=/; max-age=31536000; samesite=strict`;
   };
   new MutationObserver(take).observe(root, { attributes: true });
   take();
   scene.contentWindow.focus();
 }
 
-// Until the scene says how it looks, as the system wants it.
-if (matchMedia("(prefers-color-scheme: dark)").matches) {
+// Until the scene says how it looks: as it was last, or as the system wants it.
+const chosen = document.cookie.split("; ").find((one) => one.startsWith(`${SCHEME}=`))?.split("=")[1];
+if (chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches) {
   document.documentElement.dataset.scheme = "dark";
+  document.cookie = `${SCHEME}=dark; path=/; samesite=strict`;
 }
 stop.addEventListener("click", halt);
 setInterval(look, LOOK_MS);

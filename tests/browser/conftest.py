@@ -234,12 +234,12 @@ def sharpness() -> float:
 @pytest.fixture
 def new_context(
     browser: Browser, are_filled: bool, sharpness: float
-) -> Iterator[Callable[[], BrowserContext]]:
+) -> Iterator[Callable[..., BrowserContext]]:
     """Makes windows of their own, patient and without haste."""
     contexts: list[BrowserContext] = []
 
-    def make() -> BrowserContext:
-        context = browser.new_context(**WINDOW, device_scale_factor=sharpness)
+    def make(**wishes: str) -> BrowserContext:
+        context = browser.new_context(**WINDOW, **wishes, device_scale_factor=sharpness)
         empty_for = 0 if are_filled else EMPTY_FOR
         context.add_init_script(f"const EMPTY_FOR = {empty_for};{FEWER_PICTURES}")
         context.set_default_timeout(PATIENCE * 1000)

@@ -167,6 +167,24 @@ def test_the_frame_is_dark_when_the_scene_is(users, start, window):
     window.page.keyboard.press("l")
     expect(root).to_have_attribute("data-scheme", "dark")
 
+    window.page.reload()
+    window.sees_the_scene()
+    expect(root).to_have_attribute("data-scheme", "dark")
+
+
+def test_a_system_that_is_dark_gets_a_dark_page(users, start, new_context):
+    front = start[0]()
+    window = Window(new_context(color_scheme="dark"))
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    root = window.scene.locator("html")
+    expect(root).to_have_attribute("data-mantine-color-scheme", "dark")
+    window.page.keyboard.press("l")
+    expect(root).to_have_attribute("data-mantine-color-scheme", "light")
+    window.page.reload()
+    window.sees_the_scene()
+    expect(root).to_have_attribute("data-mantine-color-scheme", "light")
+
 
 TABS = ("Cycle", "Candidates", "Plan", "Robot")
 SIZES = ((1280, 720), (1920, 1080), (1024, 700))

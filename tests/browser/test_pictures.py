@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from readable import unreadable
 
 from workbench.app.records.sessions import cell_of
 from workbench.app.runtime.bench import Bench
@@ -108,6 +109,19 @@ def test_every_tab_looks_as_it_did(screen, shots):
         if kept is None:
             keep(seen, theme, width)
     assert not differing
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_every_text_is_large_and_dark_enough_to_be_read(screen, theme):
+    page = screen.page
+    if theme == "dark":
+        page.mouse.move(200, 400)
+        page.keyboard.press("l")
+        page.locator(':root[data-mantine-color-scheme="dark"]').wait_for()
+    for tab in TABS:
+        screen.tab(tab)
+        page.wait_for_timeout(500)
+        assert unreadable(page) == [], tab
 
 
 def test_no_two_tabs_look_alike():

@@ -9,7 +9,12 @@ from playwright.sync_api import expect
 
 STATIC = Path(__file__).resolve().parents[2] / "static"
 
-KINDS = {".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
+KINDS = {
+    ".css": "text/css",
+    ".js": "text/javascript",
+    ".svg": "image/svg+xml",
+    ".woff2": "font/woff2",
+}
 
 STANDS = {"robot": "Robot: stands", "kind": "good", "fault": "", "has_robot": True}
 SENDING = {**STANDS, "robot": "Sending: robot moving, step 1 of 9", "can_stop": True, "why": ""}
@@ -34,7 +39,7 @@ class Shell:
             self._stops.append(route)
         elif path.parent.name == "static":
             kind = KINDS[path.suffix]
-            route.fulfill(body=(STATIC / path.name).read_text(encoding="utf-8"), content_type=kind)
+            route.fulfill(body=(STATIC / path.name).read_bytes(), content_type=kind)
         elif path.name == "":
             shell = (STATIC / "shell.html").read_text(encoding="utf-8").replace("{{words}}", "{}")
             route.fulfill(body=shell, content_type="text/html")

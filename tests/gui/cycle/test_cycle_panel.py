@@ -24,7 +24,7 @@ def layout(panel, view):
     """What takes room below Scan, with what can be pressed; by the order on the page."""
     panel.state = view.state
     panel.show(None, view)
-    controls = [panel._scan, panel._go_on._button, panel._play._button, panel._approve]
+    controls = [panel._scan, panel._go_on.button, panel._play.button, panel._approve]
     controls += [panel._stop, panel._send]
     return [(one.visible, one.order) for one in controls]
 
@@ -38,7 +38,7 @@ def test_no_button_comes_or_goes_when_a_plan_is_sent_and_when_it_has_ended(panel
 
 
 def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel, states, view_of):
-    button = panel._go_on._button
+    button = panel._go_on.button
     assert panel._scan.order < button.order < panel._find.order
     for state, is_open in (
         (states.idle, False),
@@ -57,8 +57,8 @@ def test_going_on_stands_beside_the_scan_and_says_why_it_cannot_be_pressed(panel
 
 def test_play_stands_before_the_approval_that_asks_for_it(panel, states, view_of):
     layout(panel, view_of(states.planned))
-    assert panel._find.order < panel._play._button.order < panel._approve.order
-    assert not panel._play._button.disabled and panel._approve.disabled
+    assert panel._find.order < panel._play.button.order < panel._approve.order
+    assert not panel._play.button.disabled and panel._approve.disabled
     assert "Not played yet." in panel._watched_line.content
 
 

@@ -17,22 +17,22 @@ def button(visitor):
 
 def test_it_plays_and_pauses_for_the_browser_that_pressed_it(button, visitor, states, view_of):
     button.show(None, view_of(states.planned))
-    assert button._button.label == "Play" and not button._button.disabled
+    assert button.button.label == "Play" and not button.button.disabled
     visitor.look._may = lambda fields: True
     button.press()
     look = visitor.look.now
     assert look.is_playing and look.browser == visitor.number
     button.show(view_of(states.planned), view_of(states.planned, look))
-    assert button._button.label == "Pause"
+    assert button.button.label == "Pause"
     button.press()
     assert not visitor.look.now.is_playing
 
 
 def test_without_a_plan_and_while_one_is_sent_nothing_is_played(button, states, view_of):
     button.show(None, view_of(states.localized))
-    assert button._button.disabled and button._button.hint == "Make a plan first"
+    assert button.button.disabled and button.button.hint == "Make a plan first"
     button.show(None, view_of(states.sending))
-    assert button._button.disabled and "follows the robot" in button._button.hint
+    assert button.button.disabled and "follows the robot" in button.button.hint
 
 
 def test_how_far_the_plan_was_watched_is_told_where_it_is_asked_for(states, view_of):

@@ -11,6 +11,7 @@ from workbench.app.core.state import Avoided, Job, Outcome, Phase
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.worker import GettingReady
 from workbench.gui.cycle.approval_views import approval_line, facts_html
+from workbench.gui.cycle.plan_views import plan_line
 from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.parts.views import avoided_html, rejected_html
 from workbench.gui.plan.curves import lanes_html, now_html
@@ -137,8 +138,8 @@ def test_a_cycle_with_a_part_that_was_lost_does_not_look_well_done(states, view_
 
 
 def test_steps_that_have_to_wait_say_for_what(states):
-    assert "Take a scan first." in views.parts_line(states.idle)
-    assert "Find the parts first." in views.plan_line(states.scanned)
+    assert 'title="take a scan first"></div>' in views.parts_line(states.idle)
+    assert 'title="find the parts first"></div>' in plan_line(states.scanned)
 
 
 def test_results_of_the_steps_carry_units(states):
@@ -152,14 +153,14 @@ def test_results_of_the_steps_carry_units(states):
 def test_a_plan_whose_proof_does_not_hold_says_what_was_found(states):
     nearest = states.planned.proof.nearest
     proof = replace(states.planned.proof, violations=(replace(nearest, problem="too close"),))
-    line = views.plan_line(replace(states.planned, proof=proof))
+    line = plan_line(replace(states.planned, proof=proof))
     assert "wb-bad" in line
     assert "too close" in line
 
 
 def test_without_a_plan_the_verdict_stands_in_its_place(states):
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, ("left_link_5", "bin_wall_left"), 0.0011)
-    line = Reader(views.plan_line(replace(states.localized, verdict=verdict)))
+    line = Reader(plan_line(replace(states.localized, verdict=verdict)))
     assert "No plan: no path: left_link_5 and bin_wall_left, 1.1 mm" in line.text
 
 
@@ -200,7 +201,7 @@ def test_an_approved_plan_that_is_stale_says_so(states):
     text = approval_line(states.approved, states.approved.approval.at, "the robot has moved: ...")
     assert "wb-bad" in text and "The robot has moved" in text
     gone = replace(states.scanned, stale="plan a1 is stale: the bin was moved by 5.0 mm")
-    assert "Plan a1 is stale: the bin was moved by 5.0 mm." in views.plan_line(gone)
+    assert "Plan a1 is stale: the bin was moved by 5.0 mm." in plan_line(gone)
 
 
 def test_where_the_robot_stands_is_among_the_facts(cell, states):
@@ -301,8 +302,8 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         views.status_html(replace(view, state=replace(states.planning, message=EVIL))),
         views.scan_line(state),
         views.parts_line(state),
-        views.plan_line(state),
-        views.plan_line(replace(state, plan=None)),
+        plan_line(state),
+        plan_line(replace(state, plan=None)),
         approval_line(state, view.at, ""),
         send_line(state),
         facts_html(state, {}, view.at),

@@ -45,16 +45,30 @@ def table(cell):
     return replace(cell, bin=bin, scanner=scanner)
 
 
-@pytest.mark.parametrize("yaw", [0.0, 20.0, -35.0])
-def test_the_smaller_of_two_alike_kinds_is_reported_where_it_stands(table, yaw):
-    small, large = carton("small", 0.211, 0.134, 0.044), carton("large", 0.225, 0.150, 0.064)
+SMALL, LARGE = carton("small", 0.211, 0.134, 0.044), carton("large", 0.225, 0.150, 0.064)
+
+
+def scan_of_small(table, yaw):
+    """A scan of the small carton, upright on the table, turned by `yaw` degrees."""
     upright = pose_from_rpy((0, 0, 0.1055), (0, -np.pi / 2, 0))
     turned = pose_from_rpy((0, 0, 0), (0, 0, np.deg2rad(yaw))) * upright
-    there = replace(table, parts=(small,))
     truth = Detection("small", table.bin.T_world_bin * turned)
-    seen = synthesize(there, (truth,), seed=1)
+    return synthesize(replace(table, parts=(SMALL,)), (truth,), seed=1)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 20.0, -35.0])
+def test_the_smaller_of_two_alike_kinds_is_reported_where_it_stands(table, yaw):
+    seen = scan_of_small(table, yaw)
     result = find_parts(
-        replace(table, parts=(small, large)), {"scan": seen, "seed": 0}, silent, never
+        replace(table, parts=(SMALL, LARGE)), {"scan": seen, "seed": 0}, silent, never
     )
     assert [detection.part for detection in result.detections] == ["small"]
-    assert Objection.OUTDONE in {rejection.reason for rejection in result.rejected}
+
+
+@pytest.mark.parametrize("yaw", [20.0, 40.0])
+def test_a_larger_kind_alone_is_not_reported_where_it_would_stand_in_the_table(table, yaw):
+    """The close look lays its faces on those of the small carton, and so its foot below."""
+    seen = scan_of_small(table, yaw)
+    result = find_parts(replace(table, parts=(LARGE,)), {"scan": seen, "seed": 0}, silent, never)
+    assert not result.detections
+    assert Objection.OUTSIDE in {rejection.reason for rejection in result.rejected}

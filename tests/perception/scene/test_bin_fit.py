@@ -139,3 +139,27 @@ def test_the_floor_under_a_heap_is_found(name, raised, tilted):
 def test_the_same_points_give_the_same_bin():
     points, _ = box()
     assert fitted(points).floor.tolist() == fitted(points).floor.tolist()
+
+
+def tops(count, seed=0):
+    """Points on flat parts, 6 mm above the floor, and where they are seen on the floor, (n, 2)."""
+    generator = np.random.default_rng(seed)
+    middles = np.array([(-0.14, -0.09), (-0.05, 0.06), (0.06, -0.04), (0.13, 0.09)])
+    places = (middles[:, None] + generator.uniform(-0.025, 0.025, (4, count, 2))).reshape(-1, 2)
+    heights = 0.006 + 0.0002 * generator.standard_normal(len(places))
+    return np.column_stack([places, heights])
+
+
+def test_flat_tops_of_parts_are_no_floor_in_a_cloud_cropped_to_the_parts():
+    seen = fitted(tops(4000))
+    assert not seen.is_floor_seen
+    np.testing.assert_array_equal(seen.floor, np.zeros(6))
+
+
+def test_a_raised_floor_is_believed_where_something_is_measured_nearly_everywhere():
+    points, count = box()
+    low = points[:count] + (0, 0, 0.006)
+    # Parts hide all but some patches: what lies on them is measured, far above the floor.
+    is_hidden = (np.abs(low[:, 0]) > 0.06) | (np.abs(low[:, 1]) > 0.06)
+    low[is_hidden, 2] += 0.05
+    assert fitted(low).floor[0] == pytest.approx(0.006, abs=0.0005)

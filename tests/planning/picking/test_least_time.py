@@ -112,5 +112,5 @@ def test_other_ways_to_take_a_part_can_only_lower_it(cell, detections, result):
 
 
 def test_it_is_said_beside_the_time():
-    assert str(cycle_words(6.74, 5.0)) == "6.7 s, 1.3 times the bound"
+    assert str(cycle_words(6.74, 5.0)) == "6.7 s, 1.3 × the theoretical minimum"
     assert str(cycle_words(6.74, 0.0)) == "6.7 s"

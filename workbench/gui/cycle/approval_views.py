@@ -40,7 +40,7 @@ def approval_line(
     if state.approval is None:
         if state.phase is Phase.PLANNED:
             return line(words.render(_missing(state, now)), tip=purpose)
-        return line(purpose, kind="hint", tip=purpose)
+        return line("", kind="hint", tip=purpose)
     approval = state.approval
     by = ApprovalText.APPROVED_BY(people=approval.people)
     if state.phase is Phase.APPROVED:

@@ -50,9 +50,9 @@ class GoOnButton:
         """
         self._visitor, self._seed, self._wanted = visitor, seed, wanted
         gui = visitor.gui
-        self._button = gui.add_button("Go on", icon=viser.Icon.REPEAT, hint=SAYS)
+        self.button = gui.add_button("Go on", icon=viser.Icon.REPEAT, hint=SAYS)
         self._line = gui.add_html("", visible=False)
-        self._button.on_click(lambda _: self._on_pressed())
+        self.button.on_click(lambda _: self._on_pressed())
 
     def _on_pressed(self) -> None:
         # The same seed would let the same simulated pile fall again.
@@ -71,9 +71,9 @@ class GoOnButton:
                 visitor.words.render(_progress(state, state.ahead)), kind="hint"
             )
         problem = visitor.refusal(state, GoOn(), new.at)
-        visitor.allow(self._button, visitor.words.render(problem))
+        visitor.allow(self.button, visitor.words.render(problem))
         if state.phase is Phase.SENDING and not problem:
-            visitor.explain(self._button, f"{SAYS} {BESIDE}")
+            visitor.explain(self.button, f"{SAYS} {BESIDE}")
 
 
 def _progress(state: State, ahead: Ahead) -> Message | str:

@@ -22,6 +22,7 @@ from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
+from workbench.gui.cycle.plan_views import plan_line
 from workbench.gui.cycle.recipe import RecipeInput
 from workbench.gui.cycle.row import RowInputs
 from workbench.gui.cycle.sending_views import send_line
@@ -39,7 +40,6 @@ from workbench.gui.shared.things import BIN, moved
 from workbench.gui.shared.views import (
     line,
     parts_line,
-    plan_line,
     scan_line,
     sentence,
 )
@@ -193,6 +193,15 @@ class CyclePanel:
             problem = visitor.words.render(visitor.refusal(state, command, new.at, joints))
             button.disabled = bool(problem)
             visitor.explain(button, problem)
+        next_step = {
+            Phase.IDLE: self._scan,
+            Phase.SCANNED: self._find,
+            Phase.LOCALIZED: self._plan,
+            Phase.PLANNED: self._play.button if is_next else self._approve,
+            Phase.APPROVED: self._send,
+            Phase.DONE: self._go_on.button,
+        }
+        visitor.emphasise(next_step.get(state.phase))
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
         for field in (self._parts, self._seed, self._strategy):
             field.disabled = follows

@@ -28,7 +28,8 @@ def send_line(state: State, words: Words = IN_ENGLISH) -> str:
     """How far the plan has gone out, and the robot with it."""
     purpose = "Sends the approved plan to the robot controller."
     if not state.receipts:
-        return line("Nothing sent.", kind="hint", span=1, tip=purpose)
+        text = "Nothing sent." if state.phase is Phase.APPROVED else ""
+        return line(text, kind="hint", span=1, tip=purpose)
     last, step = state.receipts[-1], step_reported(state)
     sent = CycleText.MESSAGES_SENT(count=last.done, total=last.total)
     if step and state.plan is not None:

@@ -106,7 +106,9 @@ class ThresholdInput:
             state, self._strategy(), threshold, at, self._visitor.words
         )
         if self._forecast is not None:
-            known = self._visitor.predictions
+            # Of use between the parts and the plan.
+            is_next = state.detections is not None and state.plan is None
+            known = self._visitor.predictions if is_next else None
             self._forecast.content = forecast_line(
                 state.cell, known, threshold, self._visitor.words
             )

@@ -20,12 +20,12 @@ class PlayButton:
     def __init__(self, visitor: Visitor):
         """Add the button."""
         self._visitor = visitor
-        self._button = visitor.gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
-        self._button.on_click(lambda _: self.press())
+        self.button = visitor.gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY)
+        self.button.on_click(lambda _: self.press())
 
     def show(self, old: View | None, new: View) -> None:
         """Bring it from `old` to `new`."""
-        button, is_playing = self._button, new.look.is_playing
+        button, is_playing = self.button, new.look.is_playing
         if old is None or old.state is not new.state:
             self._visitor.allow(button, play_problem(self._visitor, new.state))
         if old is None or old.look.is_playing != is_playing:
@@ -35,7 +35,7 @@ class PlayButton:
     def press(self) -> None:
         """Play, or pause, where that is possible."""
         visitor, look = self._visitor, self._visitor.look
-        if not self._button.disabled:
+        if not self.button.disabled:
             visitor.own.end()
             look.change(is_playing=not look.now.is_playing, by=None, browser=visitor.number)
 

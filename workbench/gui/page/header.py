@@ -16,6 +16,12 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.views import changes_html, status_html, strip_html
 from workbench.gui.shared.visitor import Visitor
 
+FRAMED = (
+    ".wb-mode b{display:none}"
+    "@font-face{font-family:Inter;font-weight:100 900;src:url(/static/inter.woff2)}"
+)
+"""The page around the scene shows the mode, and its server has the font."""
+
 
 class Header:
     """Steps, status, progress, control; Cancel while a task runs, Acknowledge after a fault.
@@ -33,7 +39,7 @@ class Header:
         """
         self._visitor, gui = visitor, visitor.gui
         # viser's own title bar, where there is no page around the scene.
-        top = ".wb-mode b{display:none}" if theme.is_framed else ":root{--wb-mode-top:3.75rem}"
+        top = FRAMED if theme.is_framed else ":root{--wb-mode-top:3.75rem}"
         gui.add_html(f'<style class="wb-style">{style}{top}</style>')
         gui.add_html('<div class="wb-head"></div>')
         self._mode = gui.add_html("")
@@ -45,10 +51,16 @@ class Header:
         )
         self._changes = gui.add_html("", visible=False)
         self._seen = gui.add_button(
-            "Changes seen", color="red", visible=False, hint="Acknowledge what has changed"
+            "Changes seen",
+            icon=viser.Icon.CHECK,
+            color="red",
+            visible=False,
+            hint="Acknowledge what has changed",
         )
         self._progress = gui.add_progress_bar(0.0)
         self._theme, self._gui = theme, gui
+        if visitor.is_dark:
+            theme.apply(gui, is_dark=True)
         self._control = ControlStrip(visitor)
         self._looks = Looks(visitor)
         self._ends_comparing = visitor.unseen(lambda: visitor.look.change(search=None))

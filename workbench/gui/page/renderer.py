@@ -34,7 +34,7 @@ from workbench.gui.scene.picture import Scene
 from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
-from workbench.gui.shared.viser_server import language_of, person_of
+from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import Counted
 from workbench.gui.texts.page import PageText
@@ -181,7 +181,7 @@ class Renderer:
         for client, is_here in waiting:
             if is_here:
                 _run_shielded(partial(speak, client, words_of(language_of(client))))
-                _run_shielded(partial(self._welcome, client, new))
+                _run_shielded(partial(self._welcome, client, new, is_dark=wants_dark(client)))
             else:
                 self._bid_farewell(client)
         if old is not None and _needs_other_controls(old.state.cell, new.state.cell):
@@ -304,7 +304,7 @@ class Renderer:
             found.append(self._arrivals.get())
         return found
 
-    def _welcome(self, client: viser.ClientHandle, view: View, *, is_dark: bool = False) -> None:
+    def _welcome(self, client: viser.ClientHandle, view: View, *, is_dark: bool) -> None:
         visitor = Visitor(client, self._bench, self._look, self._predictions, self._folders)
         visitor.is_dark = is_dark
         self._visitors[client.client_id] = visitor

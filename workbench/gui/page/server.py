@@ -14,8 +14,10 @@ from workbench.gui.page.theme import Theme
 from workbench.gui.shared.viser_server import close_viser, open_viser
 from workbench.model.prediction import Predictions
 
-PANEL_WIDTH = 460
+PANEL_WIDTH = 500
 """Of the controls beside the scene, in pixels."""
+
+STYLES = ("page.css", "panel.css")
 
 MOST_POINTS = 60_000
 """Of a scan on screen."""
@@ -68,7 +70,7 @@ def serve(
         InputError: the address cannot be had.
         FileError: the style sheet or the logo is missing.
     """
-    style = find("static", "page.css").read_text(encoding="utf-8")
+    style = "".join(find("static", name).read_text(encoding="utf-8") for name in STYLES)
     theme = Theme(is_framed=secret is not None)
     server = open_viser(host, port, secret)
     try:

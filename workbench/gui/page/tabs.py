@@ -1,8 +1,10 @@
 """The tabs of a browser, from left to right: the only place that knows all panels."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+
+import viser
 
 from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.cycle.scanning import SightPlate
@@ -27,6 +29,21 @@ from workbench.plugins.tab import GROUP as TABS
 from workbench.plugins.tab import tab_names
 
 log = logging.getLogger(__name__)
+
+ICONS: Mapping[str, viser.IconName] = {
+    "Recorded": viser.Icon.HISTORY,
+    "Cycle": viser.Icon.ROTATE_CLOCKWISE,
+    "Parts": viser.Icon.PACKAGES,
+    "Candidates": viser.Icon.LIST_CHECK,
+    "Plan": viser.Icon.ROUTE,
+    "Robot": viser.Icon.ROBOT,
+    "Grasps": viser.Icon.HAND_GRAB,
+    "Cell": viser.Icon.BUILDING_FACTORY_2,
+    "Emptying": viser.Icon.BUCKET,
+    "Calibration": viser.Icon.FOCUS_CENTERED,
+    "Statistics": viser.Icon.CHART_BAR,
+}
+"""By the title of a tab; tabs of plug-ins have `PUZZLE`."""
 
 
 def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
@@ -58,7 +75,7 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
     tabs = visitor.gui.add_tab_group()
     panels: list[Panel] = []
     for title, make in made:
-        with tabs.add_tab(title):
+        with tabs.add_tab(title, ICONS.get(title, viser.Icon.PUZZLE)):
             panels.append(make())
     return tuple(panels)
 

@@ -139,6 +139,11 @@ def told_css(words: Mapping[str, str]) -> str:
     )
 
 
+def primary_css(button: str) -> str:
+    """The rule that fills the button with this id: of all on the page it comes next."""
+    return f'[id="{button}"]:not(:disabled){{--wb-fill:var(--wb-primary);--wb-on-fill:#fff}}'
+
+
 def named_css(named: Mapping[str, tuple[str, str, str]]) -> str:
     """Rules that name three numbers in a row otherwise than x, y and z.
 

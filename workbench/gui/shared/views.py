@@ -12,7 +12,6 @@ from html import escape
 from itertools import accumulate
 
 from workbench.app.core.cycle.parts import FindParts
-from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.results import is_failure
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
@@ -21,12 +20,12 @@ from workbench.gui.shared.look import View
 from workbench.gui.texts.cycle import CycleText, StatusText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.calibration import BinCheck
-from workbench.model.candidate import Candidate, Reason, Verdict
+from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
-from workbench.model.messages.message import Message, all_of, as_message
-from workbench.model.messages.plans import cycle_words, strategy_message
+from workbench.model.messages.message import Message, as_message
+from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.states import StateText
-from workbench.model.plan import Proof
+from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
 from workbench.proof.claims.clearance import clearance_message
@@ -167,10 +166,8 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
             is_ready = isinstance(state.message, Message) and state.message.mentions(
                 StateText.PLAN_READY
             )
-            if state.proof is not None and is_ready:
-                clearance = clearance_message(state.proof)
-                ready = StatusText.PLAN_READY(plan=_takes(state), clearance=clearance)
-                text = words.render(ready)
+            if state.plan is not None and is_ready:
+                text = words.render(_ready_message(state, state.plan))
             return _box("fault" if is_failure(state.message) else "plain", text)
 
 
@@ -226,10 +223,9 @@ def line(text: str, *, kind: str = "result", span: int = 3, tip: str = "") -> st
 
 
 def hint(state: State, command: type, purpose: str, span: int, words: Words = IN_ENGLISH) -> str:
-    """What a step is for, or what has to be done before."""
-    missing = what_is_missing(state, command)
-    text = f"{sentence(words.render(missing))}." if missing else purpose
-    return line(text, kind="hint", span=span, tip=purpose)
+    """What a step is for; nothing while another one has to come before, as its button says."""
+    missing = words.render(what_is_missing(state, command))
+    return line("" if missing else purpose, kind="hint", span=span, tip=missing or purpose)
 
 
 def not_saved(state: State) -> str:
@@ -313,41 +309,14 @@ def forecast_line(
     return line(words.render(text), kind="hint")
 
 
-def _takes(state: State) -> Message:
-    plan = state.plan
-    assert plan is not None
-    cycle = cycle_words(plan.cycle_seconds, state.bound)
-    text = CycleText.PLAN(strategy=strategy_message(plan.strategy), cycle=cycle)
-    if len(state.plans) < 2:
-        return text
-    number = len(state.sent_before) + 1
-    return CycleText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
-
-
-def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
-    """What planning has brought."""
-    purpose = "Judges every grasp with every arm, plans the motion and proves it again."
-    if state.plan is None:
-        if state.verdict is not None:
-            kind = "warn" if state.verdict.kind is Reason.WITHIN_MARGIN else "bad"
-            no_plan = StateText.NO_PLAN(verdict=state.verdict.message)
-            return line(sentence(words.render(no_plan)), kind=kind, tip=purpose)
-        if state.stale:
-            return line(f"{sentence(words.render(state.stale))}.", kind="bad", tip=purpose)
-        return hint(state, MakePlan, purpose, 3, words)
-    plan, proof = state.plan, state.proof
-    if proof is None or not proof.holds:
-        problem = CycleText.NO_PROOF()
-        if proof is not None:
-            problem = CycleText.PROOF_FAILS(violation=proof.violations[0].message)
-        return line(words.render(problem), kind="bad", tip=purpose)
-    takes, clearance = _takes(state), clearance_message(proof)
-    unknown = sum(not obstacle.part for obstacle in plan.obstacles)
-    result = CycleText.RESULT(plan=takes, clearance=clearance)
-    if unknown:
-        result = CycleText.RESULT_UNKNOWN(plan=takes, clearance=clearance, count=unknown)
-    text = said(all_of((result, *plan.remarks)) or result, words)
-    return line(text, kind="warn" if plan.goes_unseen else "result", tip=text)
+def _ready_message(state: State, plan: Plan) -> Message:
+    text = CycleText.PLAN(
+        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.arms)
+    )
+    if len(state.plans) > 1:
+        number = len(state.sent_before) + 1
+        text = CycleText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
+    return StatusText.PLAN_READY(plan=text)
 
 
 def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:

@@ -40,7 +40,8 @@ from workbench.words.words import ENGLISH
 POLICY_VIOLATION = 1008
 """Close code of RFC 6455, section 7.4.1."""
 
-KEY, USER, ROLE, LANGUAGE = "X-WB-Key", "X-WB-User", "X-WB-Role", "X-WB-Language"
+KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
+LANGUAGE, SCHEME = "X-WB-Language", "X-WB-Scheme"
 """Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
 WAITING = 32 * 1024
@@ -129,6 +130,14 @@ def language_of(client: viser.ClientHandle) -> str:
     headers = connection.request.headers
     language = known(headers.get(LANGUAGE, ""))
     return language or first_guess(", ".join(headers.get_all("Accept-Language")))
+
+
+def wants_dark(client: viser.ClientHandle) -> bool:
+    """Whether a browser wants a dark page, as the front says."""
+    connection = client._viser_server._websock_server._live_connections.get(client.client_id)
+    if connection is None or connection.request is None:
+        return False
+    return connection.request.headers.get(SCHEME) == "dark"
 
 
 def person_of(client: viser.ClientHandle) -> Person:
@@ -235,7 +244,7 @@ def _look_at(request: Request, secret: str | None) -> Response | None:
     """The answer to a request without the key, or None; a server without one believes no names."""
     headers = request.headers
     if secret is None:
-        for name in (KEY, USER, ROLE, LANGUAGE):
+        for name in (KEY, USER, ROLE, LANGUAGE, SCHEME):
             if name in headers:
                 del headers[name]
         return None

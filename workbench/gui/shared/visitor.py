@@ -21,7 +21,7 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.shared.look import CLOCK, PLAYBACK, SharedLook, SteeredLook, View
 from workbench.gui.shared.own import OwnLook
-from workbench.gui.shared.tables import named_css, told_css
+from workbench.gui.shared.tables import named_css, primary_css, told_css
 from workbench.gui.shared.views import sentence
 from workbench.gui.shared.viser_server import buttons_of, element_id, language_of, person_of
 from workbench.model.cell import Cell
@@ -71,6 +71,7 @@ class Visitor:
         self._hints: dict[int, str | None] = {}
         self._told: dict[str, str] = {}
         self._named: dict[str, tuple[str, str, str]] = {}
+        self._primary = ""
         self._style: viser.GuiHtmlHandle | None = None
         self._endings: list[tuple[Callable[[], None], bool]] = []
 
@@ -226,6 +227,10 @@ class Visitor:
             control.hint = wanted
         self._told[element_id(control)] = wanted or ""
 
+    def emphasise(self, button: viser.GuiButtonHandle | None) -> None:
+        """Have the button of the next step filled, and no other one; None: none is."""
+        self._primary = "" if button is None else element_id(button)
+
     def name(self, three: viser.GuiVector3Handle, names: tuple[str, str, str]) -> None:
         """Have three numbers in a row say what each is; otherwise they are x, y and z."""
         self._named[element_id(three)] = names
@@ -240,6 +245,7 @@ class Visitor:
         say = self.words.say
         named = {key: (say(x), say(y), say(z)) for key, (x, y, z) in self._named.items()}
         rules = named_css(named) + told_css({key: say(text) for key, text in self._told.items()})
+        rules += primary_css(self._primary) if self._primary else ""
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
             self._style = self.gui.add_html(content)

@@ -15,9 +15,7 @@ class DeviceText(Text, subject="device"):
     NOTHING_NEW = "the controller has reported nothing new for {seconds:s}"
     BROKEN = "the link broke at {where}: {reason}"
     CLOSED = "the controller closed the link at {where}"
-    CLOSED_OLD = (
-        "the controller closed the link at {where}; perhaps it speaks an older protocol only"
-    )
+    CLOSED_OLD = "the controller closed the link at {where}; perhaps it speaks an older protocol"
     NOT_ACKNOWLEDGED = "the controller did not acknowledge {frame} within {seconds:s}, at {where}"
     REFUSES = "the controller refuses {where}: {why}"
     FAULT = "the controller reports a fault at {where}: {fault}"

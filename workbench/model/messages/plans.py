@@ -25,7 +25,7 @@ class CycleText(Text, subject="cycle"):
     """How long a plan takes."""
 
     TIME = "{seconds:s}"
-    BOUND = "{seconds:s}, {times:1} times the bound"
+    BOUND = "{seconds:s}, {times:1} × the theoretical minimum"
 
 
 class StrategyText(Text, subject="strategy"):

@@ -120,10 +120,12 @@ def take(
     assess: Callable[[Hypothesis], Assessment],
     spread: float,
     tolerance: float,
+    are_possible: Callable[[Floats], Bools],
 ) -> Assessment | None:
     """Take a hypothesis if it holds after a close look beside those that were taken before.
 
-    It must explain enough of what it shows, and not reach into a chosen one.
+    It must explain enough of what it shows, and reach neither into a chosen one nor out of the
+    bin.  The close look may have moved it there.
 
     Args:
         choice: what was taken before; the hypothesis is added to it, or to what was rejected.
@@ -132,6 +134,7 @@ def take(
         assess: looks closely at a hypothesis and returns a better one.
         spread: [m] deviation of a part's points from its surface.
         tolerance: [m] see `sightings.look`.
+        are_possible: which of poses (k, 4, 4) may be at all, (k,).
 
     Returns:
         What was taken, None if it was not.
@@ -140,6 +143,8 @@ def take(
     if rejected is None:
         assessment = assess(hypothesis)
         rejected = _objection(choice, surface, assessment) or _overlap(choice, surface, assessment)
+        if rejected is None and not are_possible(assessment.pose[None])[0]:
+            rejected = Rejection(assessment.pose, assessment.sighting, Objection.OUTSIDE)
         if rejected is None and not assessment.is_constrained:
             rejected = Rejection(assessment.pose, assessment.sighting, Objection.NOT_HELD)
         if (

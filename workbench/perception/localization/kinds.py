@@ -250,6 +250,7 @@ def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Asse
         partial(closely, search),
         search.spread,
         search.tolerance,
+        search.are_possible,
     )
 
 

@@ -47,6 +47,13 @@ FEWEST = 4
 SEEN_FLOOR, SEEN_WALL = 0.04, 0.15
 """Shares of its pieces in which floor or wall must be seen to be believed."""
 
+RAISED, MEASURED = 0.004, 0.5
+"""[m] A floor that seems higher than in the cell by more is believed where anything is measured in
+this share of its pieces: in a cloud cropped to the parts, their flat tops seem to be a floor."""
+
+SEEN_RAISED = 0.25
+"""Or where it is seen in this share of them."""
+
 OPEN = 1e3
 """[m] So far out are the walls of a bin that has none."""
 
@@ -157,8 +164,10 @@ def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Float
     off = points[:, 2] - rows @ found
     on = np.abs(off) < gate
     share = _share(u, v, on)
-    if share < SEEN_FLOOR:
-        return np.zeros(6), share, 0.0
+    if share < SEEN_FLOOR or (
+        found[0] > RAISED and share < SEEN_RAISED and _share_measured(near, size) < MEASURED
+    ):
+        return np.zeros(6), 0.0, 0.0
     return _round(found), share, float(1.4826 * np.median(np.abs(off[on])))
 
 
@@ -208,6 +217,14 @@ def _share(u: Floats, v: Floats, on: np.ndarray) -> float:
     total = np.bincount(tile, minlength=TILES**2)
     there = np.bincount(tile[on], minlength=TILES**2)
     return float(np.mean((there >= FEWEST) & (2 * there >= total)))
+
+
+def _share_measured(near: Floats, size: Floats) -> float:
+    """The share of the floor's tiles over which anything is measured."""
+    u, v = (2 * near[:, :2] / size[:2]).T
+    is_inside = (np.abs(u) < 1.0) & (np.abs(v) < 1.0)
+    u, v = u[is_inside], v[is_inside]
+    return _share(u, v, np.ones(len(u), np.bool_))
 
 
 def _fit(rows: Floats, values: Floats, tilts: Floats, gate: float, linear: int) -> Floats | None:

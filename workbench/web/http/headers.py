@@ -23,7 +23,7 @@ def page_policy(sockets: str) -> Mapping[str, str]:
         sockets: where websockets may be opened to, as `ws://127.0.0.1:8080`.
     """
     policy = (
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; font-src 'self'; "
         f"connect-src 'self' {sockets}; frame-src 'self'; form-action 'self'; "
         "base-uri 'none'; frame-ancestors 'none'"
     )
@@ -42,7 +42,7 @@ def scene_policy(sockets: str, pieces: str) -> Mapping[str, str]:
     """
     policy = (
         "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; worker-src blob:; "
-        "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
+        "style-src 'unsafe-inline'; img-src data: blob:; font-src 'self' data:; "
         f"connect-src {sockets} {pieces} data: blob:; "
         "form-action 'none'; base-uri 'none'; frame-ancestors 'self'"
     )

@@ -29,6 +29,7 @@ TYPES: Mapping[str, str] = {
     "words.js": "text/javascript",
     "logo.svg": "image/svg+xml",
     "logo-dark.svg": "image/svg+xml",
+    "inter.woff2": "font/woff2",
 }
 """Files under `static/` that anybody may have, and what they are."""
 

@@ -57,6 +57,9 @@ AHEAD_SECONDS = 1.0
 PROTOCOL = "viser-v"
 """Begins the name of the websocket protocol; viser compares the version behind it."""
 
+SCHEME_COOKIE = "workbench-scheme"
+"""Whether a browser wants the page light or dark; `static/shell.js` sets it."""
+
 
 @dataclass(frozen=True, slots=True)
 class Upstream:
@@ -165,7 +168,7 @@ class Relay:
             if seat is None:
                 refused("websocket", why="too many", origin=request.remote, who=person.name)
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
-            async with await self._connect(person, protocol, language_of(request)) as viser:
+            async with await self._connect(person, protocol, request) as viser:
                 browser = web.WebSocketResponse(
                     protocols=(protocol,),
                     timeout=CLOSE_SECONDS,
@@ -181,15 +184,19 @@ class Relay:
         return browser
 
     async def _connect(
-        self, person: Person, protocol: str, language: str
+        self, person: Person, protocol: str, request: web.Request
     ) -> ClientWebSocketResponse:
-        """A websocket to viser for somebody."""
+        """A websocket to viser for somebody, in the language and the colours of the browser."""
+        wishes = {
+            "X-WB-Language": language_of(request),
+            "X-WB-Scheme": "dark" if request.cookies.get(SCHEME_COOKIE) == "dark" else "light",
+        }
         try:
             async with asyncio.timeout(ANSWER_SECONDS):
                 return await self._ready().ws_connect(
                     "/",
                     protocols=(protocol,),
-                    headers={**self._credentials(person), "X-WB-Language": language},
+                    headers={**self._credentials(person), **wishes},
                     max_msg_size=MOST_FROM_VISER,
                     timeout=ClientWSTimeout(ws_close=1.0),  # pyright: ignore[reportCallIssue]
                 )

@@ -1,0 +1,64 @@
+"""What planning has brought: a card of four numbers and one line, or why there is no plan."""
+
+from html import escape
+
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.state import State
+from workbench.gui.shared.views import hint, line, mm, said, sentence
+from workbench.gui.texts.cycle import CycleText
+from workbench.model.candidate import Reason
+from workbench.model.messages.message import all_of
+from workbench.model.messages.plans import cycle_words, strategy_message
+from workbench.model.messages.states import StateText
+from workbench.model.plan import Plan, Proof, floored
+from workbench.proof.claims.clearance import clearance_message, linear_clearance
+from workbench.words.words import IN_ENGLISH, Words
+
+PURPOSE = "Judges every grasp with every arm, plans the motion and proves it again."
+
+
+def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
+    """What planning has brought, as HTML."""
+    plan, proof = state.plan, state.proof
+    if plan is None:
+        return _no_plan_line(state, words)
+    if proof is None or not proof.holds:
+        problem = CycleText.NO_PROOF()
+        if proof is not None:
+            problem = CycleText.PROOF_FAILS(violation=proof.violations[0].message)
+        return line(words.render(problem), kind="bad", tip=PURPOSE)
+    result = strategy_message(plan.strategy)
+    if unknown := sum(not obstacle.part for obstacle in plan.obstacles):
+        result = CycleText.UNKNOWN_CLEAR(strategy=result, count=unknown)
+    text = said(all_of((result, *plan.remarks)) or result, words)
+    kind = "warn" if plan.goes_unseen else "result"
+    return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
+
+
+def _no_plan_line(state: State, words: Words) -> str:
+    if state.verdict is not None:
+        kind = "warn" if state.verdict.kind is Reason.WITHIN_MARGIN else "bad"
+        no_plan = StateText.NO_PLAN(verdict=state.verdict.message)
+        return line(sentence(words.render(no_plan)), kind=kind, tip=PURPOSE)
+    if state.stale:
+        return line(f"{sentence(words.render(state.stale))}.", kind="bad", tip=PURPOSE)
+    return hint(state, MakePlan, PURPOSE, 3, words)
+
+
+def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
+    """Four numbers of a proven plan: cycle, parts, and both clearances, from below."""
+    linear = linear_clearance(proof)
+    cycle = words.render(cycle_words(plan.cycle_seconds, state.bound))
+    clearance = words.render(clearance_message(proof))
+    cells = (
+        (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
+        (str(len(plan.arms)), "Parts", ""),
+        (mm(floored(proof.clearance)), "Free motion", clearance),
+        ("" if linear is None else mm(floored(max(linear, 0.0))), "Linear motion", clearance),
+    )
+    shown = "".join(
+        f'<div title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'
+        for value, name, tip in cells
+        if value
+    )
+    return f'<div class="wb-card wb-span3">{shown}</div>'
