@@ -29,7 +29,8 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	browser/test_watching.py cells/test_full_bin.py cells/test_table.py \
 	cli/calibrating/test_calibrate.py cli/measuring cli/picking/test_hostile_plans.py \
 	cli/picking/test_scan_units.py cli/serving/test_files_in_motion.py \
-	devices/abb_egm/test_egm_rapid.py devices/rapid/test_modules.py \
+	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
+	devices/rapid/test_modules.py \
 	devices/rapid/test_wires.py examples foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py \
 	gui/drawing/test_watching.py gui/scene/test_measure.py packaging/test_bundle.py \

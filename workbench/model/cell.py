@@ -16,7 +16,7 @@ from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.part import Bin, Part, PartPlace, Station
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe
-from workbench.model.robot import ArmScanner, Robot
+from workbench.model.robot import ArmScanner, AxisMapping, Robot
 from workbench.model.scan import LocalizerChoice, Option, PosesFolder
 
 OrderName = Literal["travel", "highest", "score", "nearest", "walls", "thesis"]
@@ -86,17 +86,16 @@ ARM_NAME = r"[A-Za-z0-9_][A-Za-z0-9_-]{0,39}"
 class Arm:
     """One kinematic chain with a tool.
 
-    `name` is like `ARM_NAME`, and no word of a strategy: it stands where one is asked for.
-    `joints` are the movable joints from base to flange, chain order; `axis_order[k]` is the
-    place in the chain of the controller's k-th axis and `axis_signs` its sense.  `home` (n,)
-    [rad], chain order.  `Ts_world_place` are TCP poses where a part may be released, tried in
-    order, those of one position that follow each other by time, after `part_places`, which say how
-    the part has to lie; where the arm `keeps_parts` they stay, and the next one goes elsewhere;
-    where it `passes_parts_on` the machine behind has taken each away before the arm brings another.
+    `name` is like `ARM_NAME`, and no word of a strategy.  `joints` are the movable joints from base
+    to flange, chain order; `axis_order[k]` is the place in the chain of the controller's k-th axis
+    and `axis_signs` its sense.  `home` (n,) [rad], chain order.  `Ts_world_place` are TCP poses
+    where a part may be released, tried in order, those of one position that follow each other by
+    time, after `part_places`, which say how the part has to lie; where it `keeps_parts` they stay,
+    and the next goes elsewhere; where it `passes_parts_on` each is gone before the next comes.
     Where it `needs_roll`, no part is put there whose roll about its axis the scan does not show.
-    `controller_id` is what the controller calls the arm.  `tool` is what it carries, `tools` all
-    that it can carry.  `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most that its
-    joints may have; without `jerk` acceleration may jump.  `place_names`: of `Ts_world_place`.
+    `controller_id`: what the controller calls the arm.  `tool`: what it carries, of all `tools`.
+    `acceleration` (n,) [rad/s2] and `jerk` (n,) [rad/s3] are the most of its joints; without `jerk`
+    acceleration may jump.  `place_names`: of `Ts_world_place`.  `mapping`: see `AxisMapping`.
     """
 
     name: str
@@ -116,6 +115,7 @@ class Arm:
     passes_parts_on: bool = field(default_factory=bool, metadata=LATER)
     jerk: Floats | None = field(default_factory=lambda: None, metadata=LATER)
     place_names: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    mapping: AxisMapping | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(

@@ -29,7 +29,8 @@ class MotionModel:
 
     `takes_share`: it can be told to move slower than was planned, along the same way; at most
     `longest` [s] from one waypoint to the next.  `takes_steps`: it can wait for a word before each
-    step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.
+    step (`plugins.robot_link.SteppedLink`).  `takes_loads`: it gets the plan's loads.  `maps_axes`:
+    it speaks in the numbers that a controller with an `AxisMapping` shows.
     """
 
     link: str
@@ -43,6 +44,7 @@ class MotionModel:
     takes_steps: bool = field(default_factory=bool, metadata=LATER)
     takes_loads: bool = field(default_factory=bool, metadata=LATER)
     longest: float = field(default_factory=lambda: math.inf, metadata=LATER)
+    maps_axes: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         if self.corners == "streamed" and not self.period > 0:

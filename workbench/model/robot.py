@@ -1,6 +1,6 @@
 """A robot as a tree of links and joints, whatever file it came from, and a scanner on its arm."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +12,9 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Solid, copied, frozen, put
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
+
+MOST_TURNS = 9
+"""How often an axis may count in another one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,6 +148,40 @@ class Robot(Shared):
             np.array([joint.upper for joint in found]),
             np.array([joint.velocity for joint in found]),
         )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AxisMapping:
+    """How a controller's numbers follow from an arm's axes: `coupling @ axes + offsets`.
+
+    Axes are in the controller's order and sense already (`Arm.to_axes`).  `coupling` (n, n) holds
+    whole numbers, so that whole steps of an axis stay whole; `offsets` (n,) [rad, m].
+    """
+
+    coupling: Floats
+    offsets: Floats
+
+    def __post_init__(self) -> None:
+        put(self, coupling=frozen(self.coupling), offsets=frozen(self.offsets))
+
+    def to_controller(self, axes: Floats) -> Floats:
+        """What the controller shows (n,) [rad, m] where its axes are at `axes` (n,) [rad, m]."""
+        return np.asarray(self.coupling) @ axes + self.offsets
+
+    def from_controller(self, values: Floats) -> Floats:
+        """The axes (n,) [rad, m] where the controller shows `values` (n,) [rad, m]."""
+        turns = np.linalg.inv(self.coupling).astype(np.float64)
+        return turns @ (np.asarray(values) - self.offsets)
+
+    def problem(self, slides: Sequence[bool]) -> str:
+        """Why no controller counts so, with the axes that slide; empty when one may."""
+        coupling = np.asarray(self.coupling)
+        if not np.array_equal(coupling, np.round(coupling)) or np.abs(coupling).max() > MOST_TURNS:
+            return f"whole numbers from -{MOST_TURNS} to {MOST_TURNS} are expected"
+        if abs(np.linalg.det(coupling)) < 0.5:
+            return "the rows depend on each other: an axis cannot be read back"
+        mixed = coupling[np.not_equal.outer(slides, slides)]
+        return "a turning axis and a sliding one are added" if np.any(mixed) else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

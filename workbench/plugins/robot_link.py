@@ -280,12 +280,23 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         raise CommandRefused(DeviceText.APPROVAL_OVER(seconds=now - approval.until))
 
 
+def mapping_problem(cell: Cell) -> Message | None:
+    """Why the link of a cell does not speak in its controller's numbers; else None."""
+    motion = cell.controller.motion
+    mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
+    if not mapped or motion.maps_axes:
+        return None
+    return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
+
+
 def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | None:
     """Why the controller of a cell cannot run a plan as it was proven, in this manner; else None.
 
     The controller is not in the cell's digest: a plan may have been made for another one.
     """
     motion = cell.controller.motion
+    if problem := mapping_problem(cell):
+        return problem
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
         return DeviceText.ONE_ARM(link=motion.link)
     if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):

@@ -1,11 +1,13 @@
 """Arms of a cell file: any name, any number, and every mistake named."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
+from workbench.devices.pick_server.axes import from_controller, to_controller
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell as write_whole_cell
 from workbench.model.errors import FileError
@@ -193,3 +195,54 @@ def test_jerk_is_unlimited_unless_a_cell_says_so(tmp_path: Path) -> None:
     pairs = {pair: "Adjacent" for pair in cell.robot.disabled_pairs}
     again = read_cell(write_whole_cell(tmp_path / "again", cell, pairs))
     assert again.arm("north").jerk == pytest.approx(jerk)
+
+
+COUPLED = """axis_coupling = [[1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, -1, 1, 0, 0, 0],
+  [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]]
+axis_offsets = [0, 90, 0, 0, 0, -180]
+"""
+
+
+def with_keys(folder: Path, keys: str, protocol: str = "pick-server") -> Path:
+    """The cell of one arm with more keys, spoken to by that link."""
+    file = folder / "cell.toml"
+    text = re.sub(r"\n\[controller\][^\[]*", "\n", file.read_text(encoding="utf-8"))
+    text = text.replace('name = "manipulator"\n', f'name = "manipulator"\n{keys}', 1)
+    file.write_text(f'{text}\n[controller]\nprotocol = "{protocol}"\n', encoding="utf-8")
+    return folder
+
+
+def test_a_controller_that_couples_axes_shows_them_so_and_a_written_cell_keeps_it(
+    tmp_path: Path,
+) -> None:
+    cell = read_cell(with_keys(write_cell(tmp_path / "cell", ("manipulator",)), COUPLED))
+    q = np.deg2rad([10, 20, 30, 40, 50, 60])
+    axes = np.rad2deg(cell.arms[0].to_axes(q))
+    shown = np.rad2deg(to_controller(cell.arms[0], q))
+    assert shown == pytest.approx(axes + [0, 90, -axes[1], 0, 0, -180])
+    assert from_controller(cell.arms[0], np.deg2rad(shown)) == pytest.approx(q)
+    again = read_cell(write_whole_cell(tmp_path / "again", cell, {}).parent)
+    assert to_controller(again.arms[0], q) == pytest.approx(np.deg2rad(shown))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "why"),
+    [
+        ("[0, -1, 1,", "[0, -1.5, 1,", "whole numbers"),
+        ("[0, -1, 1, 0, 0, 0]", "[0, 1, 0, 0, 0, 0]", "depend on each other"),
+        ("[0, -1, 1, 0, 0, 0],\n", "", "6 rows"),
+        ("[0, 90, 0, 0, 0, -180]", "[0, 90]", "6 numbers"),
+        ("[0, 90, 0, 0, 0, -180]", "[0, 0.005, 0, 0, 0, 0]", "digits"),
+    ],
+)
+def test_a_coupling_that_no_controller_has_is_refused(
+    tmp_path: Path, old: str, new: str, why: str
+) -> None:
+    assert old in COUPLED
+    keys = COUPLED.replace(old, new)
+    assert why in refused(with_keys(write_cell(tmp_path / "cell", ("manipulator",)), keys))
+
+
+def test_a_link_that_does_not_know_couplings_is_refused_with_one(tmp_path: Path) -> None:
+    folder = with_keys(write_cell(tmp_path / "cell", ("manipulator",)), COUPLED, "abb-socket")
+    assert "does not know the axis_coupling" in refused(folder)

@@ -35,6 +35,7 @@ from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
 from workbench.web.http.origins import is_loopback
+from workbench.web.robot_jobs import robot_jobs
 
 SESSIONS = Path("sessions")
 
@@ -80,6 +81,7 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(PosesWatch(bench).close)
         stack.callback(Anchors(bench, places, time.time).close)
         stack.enter_context(plc(bench, typed))
+        stack.enter_context(robot_jobs(bench))
         page = fronted(
             bench,
             typed.users,

@@ -11,7 +11,7 @@ from workbench.model.cell import ARM_NAME, Arm, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.plan import STRATEGY_WORDS
-from workbench.model.robot import Robot
+from workbench.model.robot import AxisMapping, Robot
 
 ROUNDED = 1e-6
 """[rad] What four digits of a degree may put a home beyond the limit at which it stands."""
@@ -102,6 +102,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
         passes_parts_on=table.flag("passes_parts_on", False),
         jerk=_jerk(table, count),
         tools=tuple(_known_tool(table, "tools", tool_name, tools) for tool_name in names),
+        mapping=_mapping(table, [robot.joint(joints[k]).kind == "prismatic" for k in axis_order]),
     )
     table.finish()
     if not re.fullmatch(r"[A-Z]", arm.controller_id):
@@ -113,6 +114,21 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
             "keeps_parts", "must be true where places have layers: what lies beneath has to stay"
         )
     return arm
+
+
+def _mapping(table: Table, slides: list[bool]) -> AxisMapping | None:
+    """What the controller shows, by the axes in its order, of which some slide."""
+    count = len(slides)
+    coupling = table.rows("axis_coupling", count, np.eye(count).tolist())
+    if len(coupling) != count:
+        raise table.error("axis_coupling", f"{count} rows are expected, one for each axis")
+    offsets = table.numbers("axis_offsets", count, [0] * count, low=-9999, high=9999)
+    if not table.has("axis_coupling") and not table.has("axis_offsets"):
+        return None
+    mapping = AxisMapping(coupling, offsets * np.where(slides, 0.001, np.pi / 180))
+    if problem := mapping.problem(slides):
+        raise table.error("axis_coupling", problem)
+    return mapping
 
 
 def _name(table: Table) -> str:

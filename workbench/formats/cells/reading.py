@@ -36,12 +36,17 @@ from workbench.model.cell import (
     ScannerMount,
     picks_problem,
 )
-from workbench.model.errors import FileError
+from workbench.model.errors import FileError, InputError
 from workbench.model.part import Bin, Part, Region
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.planner import planner_names
-from workbench.plugins.robot_link import controller_by, link_named, usual_link
+from workbench.plugins.robot_link import (
+    controller_by,
+    link_named,
+    mapping_problem,
+    usual_link,
+)
 from workbench.plugins.scanner import scanner_of
 
 MOST_APPROVERS = 4
@@ -103,6 +108,8 @@ def read_cell(name: str | Path) -> Cell:
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
+        if problem := mapping_problem(cell):
+            raise InputError(problem)
     with refused_at(table, "scanner.source"):
         scanner_of(cell)
     if not cell.parts:

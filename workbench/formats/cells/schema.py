@@ -35,7 +35,7 @@ NOT_ALWAYS = frozenset(
 BY_SHAPE = frozenset({"size_mm", "radius_mm", "length_mm", "file"})
 """Keys that only solids of some shapes have."""
 
-BY_AXES = frozenset({"axes", "signs", "home_deg", "joints_deg"})
+BY_AXES = frozenset({"axes", "signs", "home_deg", "joints_deg", "axis_coupling", "axis_offsets"})
 """Lists with a number for each axis of the arm."""
 
 A_TABLE = {
@@ -98,6 +98,7 @@ GRASPS = {
 DEPENDS = frozenset(
     ("scanner.on_arm.view.joints_deg",)
     + ("arm[].axes", "arm[].signs", "arm[].tools", "arm[].controller_id", "arm[].jerk_deg")
+    + ("arm[].axis_coupling", "arm[].axis_offsets")
     + ("controller.state_port", "policy.least_air_mm", "policy.lifts", "policy.pair_gap_mm")
     + ("tool[].force_n", "tool[].mass_g", "tool[].centre_of_gravity_mm", "tool[].inertia_kgm2")
     + ("scanner.calibration.sure_mm", "scanner.calibration.sure_deg")

@@ -70,7 +70,7 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     carrier = cell.scanner.on_arm
     for arm in cell.arms:
         is_carrier = carrier is not None and carrier.arm == arm.name
-        yield from _arm(arm, carrier.home if carrier and is_carrier else arm.home)
+        yield from _arm(cell, arm, carrier.home if carrier and is_carrier else arm.home)
     yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
     yield from _pose(cell.bin.T_world_bin)
     yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
@@ -227,7 +227,17 @@ def tool_lines(tool: Tool, put_mesh: PutMesh) -> Iterator[str]:
         yield f"opens_along = {numbers(finger.direction)}"
 
 
-def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
+def _mapping(cell: Cell, arm: Arm) -> Iterator[str]:
+    if arm.mapping is None:
+        return
+    slides = [cell.robot.joint(arm.joints[k]).kind == "prismatic" for k in arm.axis_order]
+    rows = ", ".join(numbers(row) for row in arm.mapping.coupling)
+    offsets = arm.mapping.offsets * np.where(slides, 1000, 180 / np.pi)
+    yield f"axis_coupling = [{rows}]"
+    yield f"axis_offsets = {numbers(np.round(offsets, 6))}"
+
+
+def _arm(cell: Cell, arm: Arm, q_home: Floats) -> Iterator[str]:
     axes = np.argsort(arm.axis_order) + 1
     home = np.rad2deg(arm.to_axes(q_home))
     yield from (
@@ -244,6 +254,7 @@ def _arm(arm: Arm, q_home: Floats) -> Iterator[str]:
     yield f"axes = {numbers(axes)}"
     yield f"signs = {numbers(np.array(arm.axis_signs))}"
     yield f"home_deg = {numbers(np.round(home, 4))}   # in the controller's order"
+    yield from _mapping(cell, arm)
     yield f"acceleration_deg = {number(np.rad2deg(arm.acceleration[0]))}"
     if arm.jerk is not None:
         yield f"jerk_deg = {number(np.rad2deg(arm.jerk[0]))}"

@@ -168,9 +168,11 @@ class Table:
                 raise self.error(key, f"{value:g} is not a whole number")
         return [round(value) for value in values.tolist()]
 
-    def rows(self, key: str, columns: int) -> Floats:
+    def rows(self, key: str, columns: int, default: Any = MISSING) -> Floats:
         """A list of lists of `columns` finite numbers each, (n, columns), in the key's unit."""
-        rows = self._rows(key, columns, "numbers")
+        row = {"type": "array", "items": {"type": "number"}}
+        self._note(key, default, {"type": "array", "items": row})
+        rows = self._rows(key, columns, "numbers", default)
         block = np.empty((len(rows), columns))
         for number, (at, row) in enumerate(rows):
             block[number] = [self._check(at, item, -math.inf, math.inf) for item in row]
@@ -257,10 +259,12 @@ class Table:
             # A key that only some kinds of a table have is not required of all.
             known["required"] = known["required"] and default is MISSING
 
-    def _rows(self, key: str, columns: int, of: str) -> list[tuple[str, list[Any]]]:
+    def _rows(
+        self, key: str, columns: int, of: str, default: Any = MISSING
+    ) -> list[tuple[str, list[Any]]]:
         """The rows of a list of lists, each with its place."""
         rows: list[tuple[str, list[Any]]] = []
-        for number, row in enumerate(self._value(key, list, f"a list of lists of {of}", MISSING)):
+        for number, row in enumerate(self._value(key, list, f"a list of lists of {of}", default)):
             at = f"{key}[{number + 1}]"
             if not isinstance(row, list):
                 raise self.error(

@@ -77,6 +77,7 @@ from workbench.model.messages.verdicts import (
     VerdictText,
 )
 from workbench.model.messages.work import (
+    AskText,
     CancelText,
     CaseRefusal,
     JobText,
@@ -148,6 +149,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     AheadText,
     JobText,
     LinkText,
+    AskText,
     StopText,
     LinkPhase,
     CaseRefusal,

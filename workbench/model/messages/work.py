@@ -46,6 +46,25 @@ class LinkText(Text, subject="link"):
     STANDS = "stands"
 
 
+class AskText(Text, subject="asked"):
+    """Why the robot program that asks the pick server gets nothing more of a plan."""
+
+    NOBODY = "no robot program asked for the plan within {seconds:s}"
+    SILENCE = "the robot program was silent for {seconds:s} at {where}"
+    NO_PROGRESS = "the robot program did not come on for {seconds:s} at {where}"
+    ELSEWHERE = "the robot stands elsewhere at {where}: {joint} away"
+    NO_JOINTS = "what the robot program reports at {where} cannot be: {problem}"
+    WRONG_JOB = "the robot program asked for {job} at {where}, which does not follow"
+    TWICE = "the robot program used the number of a request twice at {where}"
+    BEGAN_ANEW = "the robot program began anew at {where}"
+    STOPPED = "the robot program stopped at {where}: {why}"
+    NOT_PROVEN = "the plan does not fit a line: {problem}"
+    NO_ADDRESS = "nobody can listen at {address}: {problem}"
+    ABSENT = "no robot program is connected"
+    BEFORE = "the beginning"
+    LEG = "leg {leg} of {legs}"
+
+
 class StopText(Text, subject="stopped"):
     """How the controller answers a stop."""
 

@@ -1,0 +1,97 @@
+"""What a robot program may ask of a bench: jobs under an operator's rules, never an approval."""
+
+import json
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from waiting import PATIENCE, wait_until
+
+import workbench
+from workbench.app.core.control import TakeControl
+from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.state import Phase
+from workbench.app.runtime.bench import Bench
+from workbench.journal.journal import Journal
+from workbench.plugins.robot_link import controller_by
+from workbench.web.robot_jobs import ACTOR, robot_jobs
+
+sys.path.append(str(Path(__file__).parents[1] / "devices"))
+
+from pick_scenes import Program, free_port
+
+JOBS = ("TakeScan", "FindParts", "MakePlan", "SendPlan")
+
+
+@pytest.fixture
+def bench(tmp_path):
+    cell = workbench.read_cell("tx2_90")
+    cell = replace(cell, controller=controller_by("pick-server", port=free_port()))
+    bench = Bench(cell, Journal(tmp_path / "session"))
+    with robot_jobs(bench):
+        yield bench
+        bench.close()
+
+
+@pytest.fixture
+def robot(bench):
+    one = Program(bench.cell, bench.cell.controller.port)
+    yield one
+    one.close()
+
+
+def until_done(robot, job, *words):
+    """The answer to a job that takes long."""
+    began = time.monotonic()
+    while (answer := robot.ask(job, *words))[0] == "WAIT":
+        assert time.monotonic() - began < PATIENCE
+        time.sleep(0.05)
+    return answer
+
+
+def approve(bench):
+    plan = bench.state.plan
+    bench.do(WatchPlan(plan.digest, is_told=True), "anna")
+    bench.do(Approve(plan.digest), "anna")
+
+
+@pytest.mark.timeout(1800)
+def test_a_robot_program_runs_whole_cycles_and_only_a_person_approves(bench, robot):
+    assert robot.ask("next", *robot.joints()) == ("NO", "find")
+    for cycle in range(2):
+        assert until_done(robot, "scan") == ("OK", "scan")
+        answer = until_done(robot, "find")
+        assert answer[0] == "OK" and int(answer[1]) == len(bench.state.detections)
+        while (answer := robot.ask("next", *robot.joints())) != ("WAIT", "approval"):
+            assert answer == ("WAIT", "plan"), answer
+            time.sleep(0.05)
+        assert bench.state.phase is Phase.PLANNED, "nobody has approved"
+        wait_until(lambda: robot.ask("state", *robot.joints()) and bool(bench.live.joints))
+        approve(bench)
+        robot.cycle()
+        wait_until(lambda: bench.state.phase is Phase.DONE)
+        assert bench.state.parts_placed == 1
+        assert len(robot.plans) == cycle + 1
+    rows = [(row.kind, json.loads(row.body).get("actor")) for row in bench.entries()]
+    assert [actor for kind, actor in rows if kind == "Approve"] == ["anna", "anna"]
+    assert {actor for kind, actor in rows if kind in JOBS} == {ACTOR}
+
+
+def test_whoever_is_in_control_is_not_overruled(bench, robot):
+    bench.do(TakeControl(), "anna")
+    assert robot.ask("scan") == ("NO", "control")
+    assert robot.ask("recipe", "1") == ("NO", "control")
+    assert bench.state.phase is Phase.IDLE
+
+
+def test_what_the_cell_does_not_have_is_answered_by_no(bench, robot):
+    assert robot.ask("view") == ("NO", "view")
+    assert robot.ask("recipe", "7")[0] == "NO"
+    assert (robot.ask("bin", "1"), robot.ask("bin", "2")) == (("OK", "1"), ("NO", "bin"))
+    assert robot.ask("leg", "1") == ("NO", "plan")
+    assert robot.ask("scan", "x")[0] == "ERR"
+    assert robot.ask("state") == ("OK", "idle")
+    assert robot.ask("stop") == ("OK", "stop")

@@ -1,0 +1,158 @@
+"""A proven plan as the answers that a robot program gets, leg by leg and waypoint by waypoint."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from workbench.devices.pick_server.axes import AxisWords
+from workbench.devices.pick_server.lines import LAST, answer_bytes
+from workbench.model.cell import Cell
+from workbench.model.errors import InputError
+from workbench.model.geometry import Floats
+from workbench.model.messages.work import AskText
+from workbench.model.plan import Leg, LegName, Plan
+from workbench.model.release import Approval
+
+Hand = Literal["open", "grip", "keep"]
+
+LONGEST = 99.999
+"""[s] From one waypoint to the next."""
+
+LEAST_SPEED = 0.1
+"""[percent] No controller moves a joint at 0."""
+
+TICKET = 8
+"""Digits of the approval's digest that travel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AskedLeg:
+    """One leg: what is answered to `leg`, to each `point`, and where (n,) [rad, m] it ends.
+
+    `seconds` [s] is how long it takes at the approved speed.
+    """
+
+    name: LegName
+    hand: Hand
+    words: tuple[str, ...]
+    points: tuple[tuple[str, ...], ...]
+    q_end: Floats
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AskedProgram:
+    """A plan as it is asked for; `q_start` (n,) [rad, m] is where the robot has to stand."""
+
+    arm: str
+    detection: int
+    ticket: str
+    q_start: Floats
+    legs: tuple[AskedLeg, ...]
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What is answered to `next`."""
+        points = sum(len(leg.points) for leg in self.legs)
+        return "PLAN", self.ticket, str(len(self.legs)), str(points)
+
+    @property
+    def total(self) -> int:
+        """Answers that carry the plan, and the reports of legs that were done."""
+        return 1 + sum(2 + len(leg.points) for leg in self.legs)
+
+
+def program_of(cell: Cell, plan: Plan, approval: Approval, axes: AxisWords) -> AskedProgram:
+    """A plan as it is asked for, slower than planned where the approval says so.
+
+    Raises:
+        InputError: it moves another arm, or does not fit the lines.
+    """
+    arm_plan = plan.arms[0]
+    before: Leg | None = None
+    legs: list[AskedLeg] = []
+    try:
+        for step in plan.sequence:
+            for name, leg_name in step.runs:
+                leg = plan.arm(name).leg(leg_name)
+                legs.append(_leg(cell, plan, leg, before, axes, approval.speed_share))
+                before = leg
+    except InputError as error:
+        raise InputError(AskText.NOT_PROVEN(problem=error.message)) from error
+    ticket = approval.digest[:TICKET]
+    return AskedProgram(arm_plan.arm, arm_plan.detection, ticket, _start(plan), tuple(legs))
+
+
+def _start(plan: Plan) -> Floats:
+    """Where (n,) [rad, m] a plan of one arm begins."""
+    return np.asarray(plan.arms[0].legs[0].q[0])
+
+
+def _leg(
+    cell: Cell, plan: Plan, leg: Leg, before: Leg | None, axes: AxisWords, share: float
+) -> AskedLeg:
+    _, _, fastest = cell.robot.limits(cell.arms[0].joints)
+    ways = np.abs(np.diff(leg.q, axis=0))
+    least = (ways / (fastest * cell.policy.speed)).max(axis=1)
+    # Never less than planned, nor than a joint takes at its allowed speed.
+    seconds = np.ceil(np.maximum(np.diff(leg.t), least) / share * 1000 - 1e-6) / 1000
+    seconds = np.maximum(seconds, 0.001)
+    if seconds.max() > LONGEST:
+        raise InputError(f"{seconds.max():.0f} s from one waypoint to the next are too long")
+    speeds = (ways / fastest).max(axis=1) / seconds * 100
+    blend = f"{cell.zone * 100:.0f}"
+    points: list[tuple[str, ...]] = []
+    for k, (q, takes, speed) in enumerate(zip(leg.q[1:], seconds, speeds, strict=True), start=1):
+        percent = max(math.floor(speed * 10 + 1e-9) / 10, LEAST_SPEED)
+        # At the end of a leg the robot stops, whatever it does at corners.
+        corner = blend if k < len(seconds) else "0"
+        words = ("TO", *axes.words(q), f"{percent:.1f}", f"{takes:.3f}", corner)
+        answer_bytes(axes.form, LAST, *words)
+        points.append(words)
+    hand = _hand(leg, before)
+    loads = plan.arms[0].loads
+    load = ("0.000", "0.0", "0.0", "0.0")
+    if loads is not None:
+        carried = loads.carried(leg.holding)
+        centre = np.round(carried.centre * 1000, 1) + 0.0
+        load = (f"{carried.mass:.3f}", *(f"{value:.1f}" for value in centre))
+    words = ("LEG", leg.name, hand, f"{leg.opening * 1000:.1f}", str(len(points)))
+    words = (*words, f"{seconds.sum():.3f}", *load)
+    answer_bytes(axes.form, LAST, *words)
+    return AskedLeg(
+        leg.name, hand, words, tuple(points), np.asarray(leg.q[-1]), float(seconds.sum())
+    )
+
+
+def _hand(leg: Leg, before: Leg | None) -> Hand:
+    """What the hand does before a leg."""
+    if leg.holding:
+        return "keep" if before is not None and before.holding else "grip"
+    if before is None or before.holding or before.opening != leg.opening:
+        return "open"
+    return "keep"
+
+
+def check_lines(cell: Cell, axes: AxisWords) -> None:
+    """Refuse a form whose lines do not hold every waypoint of a cell.
+
+    Raises:
+        InputError: names what is too long, or the digits.
+    """
+    arm, rounded = cell.arms[0], cell.controller.motion.rounded
+    axes.words(rounded(np.asarray(arm.home)))
+    lower, upper, _ = cell.robot.limits(arm.joints)
+    low, high = (arm.to_axes(q) for q in (lower, upper))
+    coupling, offsets = np.eye(len(low)), np.zeros(len(low))
+    if arm.mapping is not None:
+        coupling, offsets = np.asarray(arm.mapping.coupling), np.asarray(arm.mapping.offsets)
+    middle, half = coupling @ (low + high) / 2 + offsets, np.abs(coupling) @ np.abs(high - low) / 2
+    longest = [
+        max(words, key=len)
+        for words in zip(axes.written(middle - half), axes.written(middle + half), strict=True)
+    ]
+    answer_bytes(axes.form, LAST, "TO", *longest, "100.0", f"{LONGEST:.3f}", "50")
+    load = ("99.999", "-999.9", "-999.9", "-999.9")
+    answer_bytes(axes.form, LAST, "LEG", "approach", "open", "999.9", "99", "999.999", *load)

@@ -1,0 +1,165 @@
+"""What a robot program may ask for beside plans: a row a job, under the rules of an operator.
+
+Approvals are not here: they are a person's.
+"""
+
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+
+from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.command import Command
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.people import Role
+from workbench.app.core.state import Phase, State
+from workbench.app.runtime.bench import Bench
+from workbench.devices.pick_server.axes import axis_words
+from workbench.devices.pick_server.lines import BadLine, Request, read_whole
+from workbench.devices.pick_server.link import PickServer
+from workbench.model.errors import CommandRefused
+from workbench.plugins.robot_link import link_named
+
+ACTOR = "robot program"
+
+MOST_PARTS = 1000
+
+SIMULATED_PARTS = 2
+"""In a simulated pile, where the request does not say."""
+
+Words = tuple[str, ...]
+
+
+class BenchDesk:
+    """Gives a bench the commands that a robot program asks for.
+
+    A job that takes long begins by the first request and is answered `WAIT`; the same job, asked
+    again, has the result once.  Concurrency: the conversation calls it under its lock.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        """Nothing has begun."""
+        self._bench = bench
+        self._begun = ""
+
+    def phase(self) -> str:
+        """Where the cycle stands."""
+        return str(self._bench.state.phase)
+
+    def answer(self, request: Request) -> Words:
+        """What is answered; see `Desk.answer`."""
+        state = self._bench.state
+        try:
+            match request.job:
+                case "scan":
+                    parts = _whole(request, MOST_PARTS, SIMULATED_PARTS)
+                    return self._begin("scan", TakeScan(state.number, parts), _scanned)
+                case "find":
+                    return self._begin("find", FindParts(state.number), _found)
+                case "next":
+                    return self._next(state)
+                case "recipe":
+                    number = _whole(request, 9999, 0)
+                    self._do(ChooseRecipe(number))
+                    return "OK", str(number)
+                case "bin":
+                    return ("OK", "1") if _whole(request, 9999, 1) == 1 else ("NO", "bin")
+                case "view":
+                    return self._view(state)
+                case "stop":
+                    self._begun = ""
+                    if state.phase is Phase.SENDING:
+                        self._do(Stop())
+                    return "OK", "stop"
+                case _:
+                    return "NO", "job"
+        except CommandRefused:
+            return self._refused()
+
+    def _begin(self, job: str, command: Command, result: Callable[[State], Words]) -> Words:
+        state = self._bench.state
+        if state.job is not None:
+            return "WAIT", job
+        if self._begun == job:
+            self._begun = ""
+            return result(state)
+        self._do(command)
+        self._begun = job
+        return "WAIT", job
+
+    def _next(self, state: State) -> Words:
+        if state.job is not None:
+            return "WAIT", "plan"
+        match state.phase:
+            case Phase.FAULT:
+                return "STOP", "fault"
+            case Phase.LOCALIZED if self._begun == "next":
+                self._begun = ""
+                return "NO", "plan"
+            case Phase.LOCALIZED:
+                self._do(MakePlan("", None, state.number))
+                self._begun = "next"
+                return "WAIT", "plan"
+            case Phase.PLANNED:
+                self._begun = ""
+                return "WAIT", "approval"
+            case Phase.APPROVED if state.plan is not None:
+                self._do(SendPlan(state.plan.digest))
+                return "WAIT", "plan"
+            case Phase.SENDING:
+                return "WAIT", "plan"
+            case _:
+                return "NO", "find"
+
+    def _view(self, state: State) -> Words:
+        carrier = state.cell.scanner.on_arm
+        if carrier is None:
+            return "NO", "view"
+        axes = axis_words(state.cell, PickServer().form(state.cell))
+        return ("OK", *axes.shown(carrier.view.q))
+
+    def _refused(self) -> Words:
+        state = self._bench.state
+        if state.phase is Phase.FAULT:
+            return "STOP", "fault"
+        return "NO", "control" if state.control not in ("", ACTOR) else str(state.phase)
+
+    def _do(self, command: Command) -> None:
+        self._bench.do(command, ACTOR, Role.OPERATOR)
+
+
+@contextmanager
+def robot_jobs(bench: Bench) -> Generator[None]:
+    """Answer the robot program of a bench's cell as long as the block runs, if the link is one.
+
+    Raises:
+        LinkError: the address of the pick server cannot be had.
+    """
+    link = link_named(bench.cell.controller.link)
+    if not isinstance(link, PickServer):
+        yield
+        return
+    with link.server_of(bench.cell) as server:
+        server.conversation.desk = BenchDesk(bench)
+        yield
+
+
+def _scanned(state: State) -> Words:
+    return ("OK", "scan") if state.phase is Phase.SCANNED else ("NO", "scan")
+
+
+def _found(state: State) -> Words:
+    count = len(state.detections or ())
+    return ("OK", str(count)) if state.phase is Phase.LOCALIZED and count else ("NO", "parts")
+
+
+def _whole(request: Request, most: int, usual: int) -> int:
+    """The one whole number after a job.
+
+    Raises:
+        BadLine: there is more, or something else.
+    """
+    if len(request.words) > 1:
+        raise BadLine("count")
+    return read_whole(request.words[0], most) if request.words else usual
