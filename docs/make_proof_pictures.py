@@ -26,8 +26,8 @@ from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.claims import prove as layer
 from workbench.proof.claims.motion import sweep_path
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, carried, situation_of, steps_of
-from workbench.proof.claims.table import Table
+from workbench.proof.claims.stages import NEAR_MARGIN_LEGS, find_carried, situation_of, steps_of
+from workbench.proof.claims.table import PairTable
 from workbench.proof.claims.timing.fastest import fastest
 from workbench.proof.claims.timing.pace import marks_of
 from workbench.proof.engine.robot import tree_of
@@ -189,7 +189,7 @@ def fingers(cell: Cell, plan: Plan, proof: Proof) -> None:
     one = plan.arms[0]
     arm, tree = cell.arm(one.arm), tree_of(cell)
     bodies = bodies_of(cell, tree, plan.scene)
-    space = Space(tree, bodies, Table(cell, tree, bodies))
+    space = Space(tree, bodies, PairTable(cell, tree, bodies))
     step = next(s for s in steps_of(cell, tree, plan) if s.moving[0].leg.name == "approach")
     leg, after = step.moving[0].leg, step.moving[0].fingers_after
     sketch = Sketch("Fingers on their way", (-0.13, 0.13), (-0.02, 0.075), same=True)
@@ -323,14 +323,14 @@ def _sampled(cell: Cell, plan: Plan, runs: tuple[Run, ...], most: float) -> list
     """Distances of what moves from all else, up to `most` [mm], on free legs: (n, 2) [s, mm]."""
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, plan.scene)
-    table = Table(cell, tree, bodies)
+    table = PairTable(cell, tree, bodies)
     space = Space(tree, bodies, table)
     found: list[Floats] = []
     for step in steps_of(cell, tree, plan):
         if any(one.leg.name in NEAR_MARGIN_LEGS for one in step.moving):
             continue
         places = [part.T_world_part for part in plan.detections]
-        space.put_parts(places, carried(cell, tree, plan, step))
+        space.put_parts(places, find_carried(cell, tree, plan, step))
         pairs = table.pairs(situation_of(tree, step, *step.moving), space.joints)
         rows = pairs.rows[pairs.shown & ~pairs.left]
         named = {(one.arm.name, one.leg) for one in step.moving}

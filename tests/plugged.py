@@ -43,4 +43,4 @@ class Plugged:
     def forget() -> None:
         """Look at what is installed again."""
         found._foreign.cache_clear()
-        found._loaded.cache_clear()
+        found._load.cache_clear()

@@ -7,7 +7,7 @@ import numpy as np
 from shipped import shipped
 
 from workbench.devices.abb_simulated.faults import FAULT_NAMES
-from workbench.devices.abb_socket.frames import Frames, framed
+from workbench.devices.abb_socket.frames import Frames, make_frame
 from workbench.devices.abb_socket.messages import REQUEST, Commands, encode
 from workbench.devices.abb_socket.sending import VERSION, arms_of
 from workbench.devices.abb_socket.states import NEXT
@@ -47,13 +47,13 @@ def test_frames_are_as_shown():
         if text == "send":
             continue
         text, crc = text.split(" → ")
-        data = framed(int(text[:4]), text[5:])
+        data = make_frame(int(text[:4]), text[5:])
         assert data[75:].decode() == f"{crc}\n", f"{side}: {text} has {data[75:79].decode()}"
         shown += 1
     assert shown > 15
     (first,) = (line for line in block("abb-socket/2") if "hello" in line and line.startswith("W"))
     whole = "\n".join(block("bytes")) + "\n"
-    assert whole.encode() == framed(1, f"hello {VERSION}")
+    assert whole.encode() == make_frame(1, f"hello {VERSION}")
     assert whole[75:79] == first.split(" → ")[1]
     list(Frames().hear(whole.encode()))
 

@@ -234,7 +234,7 @@ def open_session(folder: str | Path) -> Journal:
         InputError: the folder holds none.
         JournalError: it cannot be opened.
     """
-    return session_archive.opened(Path(folder))
+    return session_archive.open_journal(Path(folder))
 
 
 def replay(session: Journal) -> Iterator[tuple[Entry, State]]:
@@ -311,7 +311,7 @@ def calibrate(cell: Cell, observations: Sequence[PlateObservation]) -> Calibrati
     Raises:
         InputError: the observations do not belong together, are too few, too similar or at odds.
     """
-    return calibrations.calibrated(cell, observations)
+    return calibrations.compute_calibration(cell, observations)
 
 
 def corner_errors(cell: Cell, calibration: Calibration) -> dict[str, float]:

@@ -10,7 +10,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import Effect
 from workbench.app.core.people import ROBOT_LINK, WORKER
 from workbench.app.core.state import State
@@ -29,7 +29,7 @@ class Line:
     def do(self, command: Command, actor: str = "") -> State:
         machine = WORKER if isinstance(command, JobEnded) else ROBOT_LINK
         actor = actor or (machine if command.right.by_machine else "ada")
-        allowed(self.state, command, actor, self.now, self.joints)
+        check_allowed(self.state, command, actor, self.now, self.joints)
         entry = Entry(self.state.number + 1, self.now, actor, command, self.joints)
         self.state, effects = decide(self.state, entry)
         self.effects.extend(effects)

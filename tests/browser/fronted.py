@@ -11,7 +11,7 @@ from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
 from workbench.web.page.bar import bar_of, stop_of
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 SECRET = "a secret of this start"
 
@@ -22,7 +22,7 @@ def open_front(bench, file, port=0):
     front = serve_front(
         Upstream(page.url, SECRET),
         file,
-        Options(port=port),
+        ServerOptions(port=port),
         title=PageText.CELL(name="tested"),
         routes=_routes(bench),
         bar=bar_of(bench),

@@ -63,7 +63,7 @@ def test_a_row_is_watched_approved_and_sent_and_gone_on_with(
     assert bench.state.plans == first.plans
 
     watch(screen, bench, wait)
-    assert bench.state.watched == ("operator",) and not bench.state.told
+    assert bench.state.watched == ("operator",) and not bench.state.watched_elsewhere
     screen.press("Approve")
     screen.page.get_by_role("dialog").get_by_text("Plan 2", exact=True).wait_for()
     screen.shoot("r3-approval")

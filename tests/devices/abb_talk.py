@@ -5,7 +5,7 @@ import re
 from workbench.devices.abb_simulated.serving import Serving
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.devices.abb_socket.program import program_of
-from workbench.devices.abb_socket.sending import Sending
+from workbench.devices.abb_socket.sending import SocketSending
 
 SWAPPED = {"right": "left", "left": "right", "R": "L", "L": "R"}
 
@@ -23,7 +23,7 @@ class Talk:
 
     def __init__(self, cell, plan, approval, *, released=lambda: None, tickets=None, away=0.0):
         self.program = program_of(cell, plan, approval)
-        self.ours = Sending(cell, plan, self.program, now=lambda: 1000.0, released=released)
+        self.ours = SocketSending(cell, plan, self.program, now=lambda: 1000.0, released=released)
         standing = {name: q + away for name, q in self.program.starts.items()}
         self.theirs = Serving(cell, lambda: standing, [] if tickets is None else tickets)
         self.receipts = []

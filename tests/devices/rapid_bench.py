@@ -32,7 +32,7 @@ class Tasks:
                 makers=MAKERS,
                 shared=self.shared,
                 signals=dict.fromkeys(signals, "signaldo"),
-                told=task.told,
+                on_error=task.set_errno,
             )
 
     def start(self):

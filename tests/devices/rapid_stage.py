@@ -6,7 +6,7 @@ from patient import Hurried
 from waiting import wait_until
 from wires import FOLDER, SPEED, TASKS, Talk
 
-from workbench.devices.rapid.controller import Controller, Operator
+from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.formats.rapid.setup import read_setup
 
 HOME = {"R": "0.00 -130.00 30.00 0.00 40.00 0.00 -135.00",
@@ -22,7 +22,7 @@ class Stage:
     def __init__(self, cell, speed=SPEED):
         self.clock = Hurried()
         self.operator = Operator(usual=1)
-        self.one = Controller(
+        self.one = RapidController(
             cell, read_setup(FOLDER), speed=speed, operator=self.operator, clock=self.clock
         )
         self.tickets = self.seen = 0

@@ -7,9 +7,9 @@ import pytest
 from scipy.interpolate import BSpline
 
 from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
-from workbench.devices.streamed_way import Ride, Way, timed_way
+from workbench.devices.streamed_way import Ride, StreamedWay, timed_way
 from workbench.model.plan import Leg
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 
 PERIOD = 0.0005
 VELOCITY, ACCELERATION = np.full(7, 1.5), np.full(7, 10.0)
@@ -20,7 +20,9 @@ EQUAL = 1e-6
 def leg_of(waypoints: int, zone: float, seed: int = 0) -> Leg:
     steps = np.random.default_rng(seed).normal(size=(waypoints, 7)) * 0.2
     path = np.cumsum(steps, axis=0)
-    return Leg("reach", "joint", False, 0.0, path, timed(path, VELOCITY, ACCELERATION, zone, JERK))
+    return Leg(
+        "reach", "joint", False, 0.0, path, compute_times(path, VELOCITY, ACCELERATION, zone, JERK)
+    )
 
 
 def ridden(ride: Ride) -> np.ndarray:
@@ -85,7 +87,7 @@ def test_a_curve_is_what_its_derivatives_say():
 
 def test_equal_waypoints_are_passed():
     path = np.array([[0.0] * 7, [0.0] * 7, [0.3] * 7, [0.3] * 7])
-    t = timed(path, VELOCITY, ACCELERATION, 0.2, JERK)
+    t = compute_times(path, VELOCITY, ACCELERATION, 0.2, JERK)
     way = way_of(Leg("reach", "joint", False, 0.0, path, t), 0.2)
     assert way.seconds == pytest.approx(t[-1]) and t[-1] < 3.0
 
@@ -117,9 +119,9 @@ def test_a_leg_is_streamed_within_the_limits_of_its_cell(cell, plan):
     velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
     leg = plan.arm(arm.name).legs[0]
     limits = velocity, arm.acceleration, arm.jerk
-    t = timed(np.asarray(leg.q), velocity, arm.acceleration, cell.policy.zone, arm.jerk)
+    t = compute_times(np.asarray(leg.q), velocity, arm.acceleration, cell.policy.zone, arm.jerk)
     way = timed_way(cell, arm, replace(leg, t=t))
     assert way.seconds == pytest.approx(t[-1], rel=1e-9)
     for found, most in zip(judged(ridden(Ride(way, 1.0, period)), period), limits, strict=True):
         assert (found <= most * (1 + 1e-4)).all()
-    assert isinstance(timed_way(cell, cell.arms[0], leg), Way)
+    assert isinstance(timed_way(cell, cell.arms[0], leg), StreamedWay)

@@ -5,7 +5,7 @@ import pytest
 
 from workbench.devices.streamed_way import Ride, way_of
 from workbench.model.plan import Leg
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 
 PERIOD = 0.004
 VELOCITY, ACCELERATION = np.full(7, 1.5), np.full(7, 10.0)
@@ -14,7 +14,9 @@ VELOCITY, ACCELERATION = np.full(7, 1.5), np.full(7, 10.0)
 def leg_of(waypoints: int, zone: float, seed: int = 0) -> Leg:
     steps = np.random.default_rng(seed).normal(size=(waypoints, 7)) * 0.2
     path = np.cumsum(steps, axis=0)
-    return Leg("reach", "joint", False, 0.0, path, timed(path, VELOCITY, ACCELERATION, zone))
+    return Leg(
+        "reach", "joint", False, 0.0, path, compute_times(path, VELOCITY, ACCELERATION, zone)
+    )
 
 
 def ridden(ride: Ride, most: int = 100_000) -> np.ndarray:

@@ -19,11 +19,11 @@ from workbench.devices.abb_socket.frames import (
     TEXT,
     Frames,
     crc_of,
-    framed,
+    make_frame,
     number_after,
 )
 from workbench.devices.abb_socket.messages import in_degrees
-from workbench.devices.rapid.controller import Controller, Operator
+from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.rapid.setup import read_setup
@@ -68,7 +68,7 @@ class Talk:
     def say(self, text, **changes):
         """Say something; the answer to it, as word and rest."""
         self.number = number_after(self.number)
-        data = framed(changes.get("number", self.number), text)
+        data = make_frame(changes.get("number", self.number), text)
         if text.split()[0] not in ("hello", "end", "run", "abort"):
             self.crc = crc_of(data[:TEXT].decode(), self.crc)
         if "crc" in changes:
@@ -291,7 +291,9 @@ class Both:
         patient = LinkPatience(*[PATIENCE] * 5)
         self.simulated = SimulatedController(cell, speed=SPEED, patience=patient)
         self.widths = dict.fromkeys(TASKS.values(), 0.0)
-        self.rapid = Controller(cell, read_setup(FOLDER), speed=SPEED, operator=Operator(usual=1))
+        self.rapid = RapidController(
+            cell, read_setup(FOLDER), speed=SPEED, operator=Operator(usual=1)
+        )
         self.rapid.closes_at = self._closes_at
         self.threads = [
             threading.Thread(target=one.run, daemon=True) for one in (self.simulated, self.rapid)

@@ -12,7 +12,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPair, GraspPattern, is_same_grip
-from workbench.model.part_edits import edited, free_name, mirrored, names_in
+from workbench.model.part_edits import edit_library, free_name, mirror_entry, names_in
 from workbench.model.symmetry import Symmetry
 
 ANGLES = st.floats(-3.0, 3.0, allow_nan=False)
@@ -30,24 +30,24 @@ def names(library: GraspLibrary) -> list[str]:
 def test_entries_are_replaced_in_place_and_added_at_the_end():
     a, b, c, d = (grasp(name) for name in "abcd")
     library = GraspLibrary((a, b, c))
-    assert names(edited(library, (), (d,))) == ["a", "b", "c", "d"]
-    assert names(edited(library, (b,), (d,))) == ["a", "d", "c"]
-    assert names(edited(library, (b, c), (d,))) == ["a", "d"]
-    assert names(edited(library, (c, a), (d,))) == ["b", "d"]
-    assert names(edited(library, (a, b, c), ())) == []
+    assert names(edit_library(library, (), (d,))) == ["a", "b", "c", "d"]
+    assert names(edit_library(library, (b,), (d,))) == ["a", "d", "c"]
+    assert names(edit_library(library, (b, c), (d,))) == ["a", "d"]
+    assert names(edit_library(library, (c, a), (d,))) == ["b", "d"]
+    assert names(edit_library(library, (a, b, c), ())) == []
     with pytest.raises(InputError, match="somebody has removed it"):
-        edited(library, (d,), ())
+        edit_library(library, (d,), ())
     with pytest.raises(InputError, match="changed by somebody else"):
-        edited(library, (replace(a, opening=0.05),), ())
+        edit_library(library, (replace(a, opening=0.05),), ())
     with pytest.raises(InputError, match="'c' would be used twice"):
-        edited(library, (a,), (c,))
+        edit_library(library, (a,), (c,))
 
 
 def test_a_pattern_may_not_stand_for_a_name_that_is_taken():
     single = grasp("p-1-2")
     pattern = GraspPattern(grasp("p"), np.array([0.0, 0, 1]), (0.0, 1.0))
     with pytest.raises(InputError, match="'p-1-2' would be used twice"):
-        edited(GraspLibrary((single,)), (), (pattern,))
+        edit_library(GraspLibrary((single,)), (), (pattern,))
     assert names_in((pattern,)) == ["p", "p-1-1", "p-1-2"]
 
 
@@ -63,12 +63,12 @@ def test_names_that_are_free(taken, name, free):
 def test_mirrored_twice_is_as_before_and_always_a_pose(position, angles):
     one = grasp(T=pose_from_rpy(position, angles), approach=np.array([0.6, 0.0, 0.8]))
     normal = np.array([0.0, 0.6, 0.8])
-    image = mirrored(one, normal)
+    image = mirror_entry(one, normal)
     assert np.linalg.det(image.T_part_tcp.rotation) == pytest.approx(1.0)
     M = np.eye(3) - 2 * np.outer(normal, normal)
     world = image.T_part_tcp.rotation @ image.approach
     assert np.allclose(world, M @ one.T_part_tcp.rotation @ one.approach)
-    back = mirrored(image, normal)
+    back = mirror_entry(image, normal)
     assert np.allclose(back.T_part_tcp.homogeneous, one.T_part_tcp.homogeneous, atol=1e-12)
     assert np.allclose(back.approach, one.approach)
 
@@ -85,11 +85,11 @@ def test_a_mirrored_pattern_stands_for_the_mirrored_grasps():
         across_offsets=(0.0, 0.02),
     )
     normal = np.array([1.0, 0.0, 0.0])
-    image = mirrored(pattern, normal)
+    image = mirror_entry(pattern, normal)
     assert isinstance(image, GraspPattern)
     assert len(image.grasps) == pattern.count == 8
     for one, other in zip(pattern.grasps, image.grasps, strict=True):
-        single = mirrored(one, normal)
+        single = mirror_entry(one, normal)
         assert np.allclose(single.T_part_tcp.homogeneous, other.T_part_tcp.homogeneous)
 
 

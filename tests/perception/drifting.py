@@ -13,7 +13,7 @@ from workbench.model.scan import Detection, Scan
 from workbench.perception.calibration.drift import DAY
 from workbench.perception.calibration.things import (
     PutPart,
-    Sighting,
+    ThingSighting,
     motion_of,
     put_slopes,
     sight_things,
@@ -76,7 +76,7 @@ def weeks(
     jitter: float = 0.0,
     bin_moves: pin.SE3 | None = None,
     has_parts: bool = False,
-) -> list[Sighting]:
+) -> list[ThingSighting]:
     """What one scan a day shows as the scanner drifts in the middle third of so many `days`.
 
     It hangs off by `start` (6,) [m, rad] from the first day on, and by `drift` (6,) more at last.
@@ -84,7 +84,7 @@ def weeks(
     radians per metre; from half of the time on it stands elsewhere by `bin_moves`.  With parts the
     robot lays one onto the table every day.
     """
-    rng, found = np.random.default_rng(seed), list[Sighting]()
+    rng, found = np.random.default_rng(seed), list[ThingSighting]()
     for day in range(days):
         moved = start + np.asarray(drift) * np.clip((3 * day / days - 0.8), 0, 1)
         off = rng.normal(0, 1, 3) * [jitter, jitter, 3 * jitter]

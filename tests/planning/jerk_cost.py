@@ -22,7 +22,7 @@ from workbench.model.cell import Cell
 from workbench.model.plan import ArmPlan
 from workbench.model.scan import Detection
 from workbench.perception.simulation.piles import drop_parts
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.plugins.robot_link import spoken_to_by
 
 RATIOS = (None, 50.0, 20.0, 10.0)
@@ -92,7 +92,7 @@ def straight_shares(cell: Cell, one: ArmPlan) -> Iterator[float]:
     for leg in one.legs:
         ends = np.asarray(leg.q)[[0, -1]]
         if np.abs(ends[1] - ends[0]).max() > 1e-6:
-            taken = timed(ends, velocity, acceleration, cell.zone, jerk)[-1]
+            taken = compute_times(ends, velocity, acceleration, cell.zone, jerk)[-1]
             yield taken / by_ruckig(ends[1] - ends[0], velocity, acceleration, jerk)
 
 

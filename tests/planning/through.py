@@ -12,7 +12,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.plan import ArmPlan, Plan
 from workbench.planning.collision.bodies import coal_shape
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -38,7 +38,7 @@ def deepest(cell: Cell, plan: Plan, one: ArmPlan, name: str, placer: ArmPlan) ->
 def nearest(cell: Cell, plan: Plan, one: ArmPlan, name: str, part, T_world_part) -> float:
     """As `deepest`, of any part that lies anywhere."""
     leg, world = one.leg(name), World(cell, ())
-    world.enter(Phase(frozenset({one.arm}), {one.arm: leg.opening}))
+    world.enter(LegPhase(frozenset({one.arm}), {one.arm: leg.opening}))
     hand = tuple(f"{one.arm} {s.name}" for s in cell.arm(one.arm).tool.body)
     hand += tuple(f"{one.arm} {f.solid.name}" for f in cell.arm(one.arm).tool.fingers)
     held = cell.part(plan.detections[one.detection].part).pieces if leg.holding else ()

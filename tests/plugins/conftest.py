@@ -44,4 +44,4 @@ def plugged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Plugged
     yield Plugged(tmp_path / "site", monkeypatch)
     monkeypatch.undo()
     found._foreign.cache_clear()
-    found._loaded.cache_clear()
+    found._load.cache_clear()

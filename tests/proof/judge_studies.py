@@ -18,7 +18,7 @@ from pathlib import Path
 from judge import Judge
 from judged_files import Files, read
 
-from workbench.app.emptying.empty import emptied
+from workbench.app.emptying.empty import empty_pile
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
@@ -46,7 +46,7 @@ def of_emptying(cell: Cell, name: str, count: int, seed: int) -> Iterator[Plan]:
     """Every plan that is carried out until nothing can be taken any more, and its parts' scene."""
     task, plans = PileTask(name, "", count, seed), []
     pile = drop_parts(cell.parts[:1] * count, cell.bin, seed=seed)
-    emptied(cell, task, pile, film=lambda shot: plans.append(shot.plan))
+    empty_pile(cell, task, pile, film=lambda shot: plans.append(shot.plan))
     return iter(plans)
 
 

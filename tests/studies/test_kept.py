@@ -27,8 +27,8 @@ from workbench.model.scan import (
     Detection,
     LocalizationResult,
     Scan,
-    Search,
     SearchOverrides,
+    SearchRecord,
 )
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
@@ -61,7 +61,7 @@ def make(cell):
     scan = Scan(np.zeros((1, 3)), pin.SE3.Identity(), "none")
 
     def make(found=(), truth=(), *, is_complete=False) -> Case:
-        search = Search(2, 0, SearchOverrides(), tuple(found), 0.5)
+        search = SearchRecord(2, 0, SearchOverrides(), tuple(found), 0.5)
         return Case(0.0, "Ada", "", is_complete, cell, scan, search, tuple(truth))
 
     return make

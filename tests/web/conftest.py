@@ -19,9 +19,9 @@ from workbench.web.access import passwords
 from workbench.web.access.passwords import hash_of
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
-from workbench.web.http.listening import Certificate
+from workbench.web.http.listening import TlsCertificate
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Front, Options, serve_front
+from workbench.web.server import Front, ServerOptions, serve_front
 
 
 @dataclass
@@ -127,7 +127,7 @@ def start(scene: Scene, file: Path) -> Iterator[Callable[..., Front]]:
 
     def one(routes=(), **options) -> Front:
         upstream = Upstream(scene.url, SECRET)
-        chosen = Options(**{"port": 0, **options})
+        chosen = ServerOptions(**{"port": 0, **options})
         fronts.append(serve_front(upstream, file, chosen, title="Cell tested", routes=routes))
         return fronts[-1]
 
@@ -144,7 +144,7 @@ def front(users: Users, start: Callable[..., Front]) -> Front:
 @pytest.fixture(scope="session")
 def certificate(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tls")
-    made = Certificate(folder / "page.pem", folder / "page.key")
+    made = TlsCertificate(folder / "page.pem", folder / "page.key")
     subprocess.run(
         [
             *("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256"),

@@ -13,9 +13,9 @@ from pathlib import Path
 from attackers import SECRET
 
 from workbench.gui.shared.viser_server import open_viser
-from workbench.web.http.listening import Certificate
+from workbench.web.http.listening import TlsCertificate
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 
 def main() -> None:
@@ -28,9 +28,9 @@ def main() -> None:
     def _(client) -> None:
         client.gui.add_number("number", 0.0)
 
-    certificate = Certificate(Path(pem[0]), Path(pem[1])) if pem else None
+    certificate = TlsCertificate(Path(pem[0]), Path(pem[1])) if pem else None
     upstream = Upstream(f"http://127.0.0.1:{server.get_port()}", SECRET)
-    options = Options(port=0, certificate=certificate)
+    options = ServerOptions(port=0, certificate=certificate)
     front = serve_front(upstream, Path(users), options, title="Cell tested")
     print(front.url, flush=True)
     held: list[int] = []

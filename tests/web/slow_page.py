@@ -66,7 +66,7 @@ def main() -> None:
         front = server.serve_front(
             Upstream(page.url, SECRET),
             folder / "users.sqlite",
-            server.Options(),
+            server.ServerOptions(),
             title="slow",
             routes=api_routes(bench, identify),
             bar=bar_of(bench),

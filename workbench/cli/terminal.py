@@ -51,7 +51,7 @@ def progress(title: str) -> Generator[Report]:
 def _lines(title: str) -> Generator[Report]:
     status, ended, began = [(0.0, "")], threading.Event(), time.monotonic()
 
-    def tell() -> None:
+    def print_progress() -> None:
         while not ended.wait(PATIENCE):
             done, note = status[0]
             so_far = f"{done:.0%} after {time.monotonic() - began:.0f} s"
@@ -60,7 +60,7 @@ def _lines(title: str) -> Generator[Report]:
     def report(done: float, note: Message | str) -> None:
         status[0] = done, str(note)
 
-    teller = threading.Thread(target=tell, name="progress", daemon=True)
+    teller = threading.Thread(target=print_progress, name="progress", daemon=True)
     teller.start()
     try:
         yield report

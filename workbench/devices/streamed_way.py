@@ -35,7 +35,7 @@ BRAKE_STEPS = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class StreamedWay:
     """The curve of one leg and when it is where.
 
     `path` (m, n) [rad]; corners are rounded by the share `zone` of a segment.  `s` (k,) are marks
@@ -89,7 +89,7 @@ class Way:
         return q, step, still
 
 
-def timed_way(cell: Cell, arm: Arm, leg: Leg) -> Way | JerkLimitedWay:
+def timed_way(cell: Cell, arm: Arm, leg: Leg) -> StreamedWay | JerkLimitedWay:
     """The curve of a leg of an arm, at the plan's times, within the limits of the cell."""
     velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
     if arm.jerk is None:
@@ -97,7 +97,7 @@ def timed_way(cell: Cell, arm: Arm, leg: Leg) -> Way | JerkLimitedWay:
     return jerk_limited_way(leg, velocity, arm.acceleration, arm.jerk, cell.policy.zone)
 
 
-def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> Way:
+def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> StreamedWay:
     """The curve of a leg, at the plan's times: no faster than it was timed.
 
     Args:
@@ -112,12 +112,14 @@ def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> Way
     sums = np.maximum(speed[1:] + speed[:-1], TINY)
     t = np.concatenate([[0.0], np.cumsum(2 * np.diff(marks) / sums)])
     slower = max(leg.seconds / t[-1], 1.0)
-    return Way(leg.q, zone, np.array(acceleration), marks, t * slower, speed / slower)
+    return StreamedWay(leg.q, zone, np.array(acceleration), marks, t * slower, speed / slower)
 
 
 def _pieces(steps: Floats, zone: float) -> tuple[Floats, Floats, Floats]:
     """Marks (k + 1,), q' at both ends of each piece (k, 2, n) and q'' in it (k, n)."""
-    way = Way(np.concatenate([steps[:1] * 0, np.cumsum(steps, axis=0)]), zone, *[np.zeros(1)] * 4)
+    way = StreamedWay(
+        np.concatenate([steps[:1] * 0, np.cumsum(steps, axis=0)]), zone, *[np.zeros(1)] * 4
+    )
     inside = np.linspace(zone, 1 - zone, STRAIGHT + 1)
     corner = np.linspace(0, zone, CORNER + 1)[:-1] if zone > 0 else np.zeros(0)
     ticks = np.concatenate([corner, inside, 1 - corner[:0:-1]])
@@ -190,7 +192,7 @@ def _squares(
 class Ride:
     """A reference under way along a leg, one period after the other."""
 
-    def __init__(self, way: Way | JerkLimitedWay, share: float, period: float) -> None:
+    def __init__(self, way: StreamedWay | JerkLimitedWay, share: float, period: float) -> None:
         """Stand at the beginning; `share` of the planned speed, a reference each `period` [s]."""
         self._way, self._share, self._period = way, share, period
         self._t = 0.0

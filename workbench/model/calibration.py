@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from workbench.model.digest import LATER
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.calibration import BinText, PlateText
 from workbench.model.messages.message import Message, all_of
 
@@ -139,8 +139,8 @@ class Calibration:
         put(
             self,
             covariance=frozen(self.covariance),
-            T_world_scanner=copied(self.T_world_scanner),
-            T_flange_plate=copied(self.T_flange_plate),
+            T_world_scanner=copy_pose(self.T_world_scanner),
+            T_flange_plate=copy_pose(self.T_flange_plate),
         )
 
     @property
@@ -229,7 +229,7 @@ class BinCheck:
 
     def __post_init__(self) -> None:
         if self.T_world_bin is not None:
-            put(self, T_world_bin=copied(self.T_world_bin))
+            put(self, T_world_bin=copy_pose(self.T_world_bin))
 
     @property
     def says(self) -> Message:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import Told
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.digest import FactsRepr
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.message import Message, all_of, found_part
 from workbench.model.messages.verdicts import ReasonText, StageText, VerdictText
 from workbench.model.part import Grasp
@@ -125,7 +125,7 @@ def kind_of(reason: Reason, *, is_apart: bool) -> Reason:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Candidate(Told):
+class Candidate(FactsRepr):
     """One detection taken by one grasp with one arm, with the verdict so far.
 
     `detection` is the index among the detections of the scan.  `rank` orders the choice:
@@ -140,7 +140,7 @@ class Candidate(Told):
     verdict: Verdict
 
     def __post_init__(self) -> None:
-        put(self, T_world_tcp=copied(self.T_world_tcp))
+        put(self, T_world_tcp=copy_pose(self.T_world_tcp))
 
     @property
     def facts(self) -> Mapping[str, object]:
@@ -179,7 +179,7 @@ class Pick:
     def __post_init__(self) -> None:
         put(
             self,
-            T_tcp_part=copied(self.T_tcp_part),
+            T_tcp_part=copy_pose(self.T_tcp_part),
             approach=frozen(self.approach),
             extract=frozen(self.extract),
             place=frozen(self.place),

@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.digest import LATER, Told, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copied, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
@@ -62,7 +62,7 @@ class Tool:
     inertia: Floats | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_flange_tcp=copied(self.T_flange_tcp))
+        put(self, T_flange_tcp=copy_pose(self.T_flange_tcp))
         if self.centre_of_gravity is not None:
             put(self, centre_of_gravity=frozen(self.centre_of_gravity))
         if self.inertia is not None:
@@ -123,7 +123,7 @@ class Arm:
             home=frozen(self.home),
             acceleration=frozen(self.acceleration),
             jerk=None if self.jerk is None else frozen(self.jerk),
-            Ts_world_place=tuple(copied(T) for T in self.Ts_world_place),
+            Ts_world_place=tuple(copy_pose(T) for T in self.Ts_world_place),
             part_places=tuple(self.part_places),
         )
 
@@ -151,7 +151,7 @@ class Fixture:
     solids: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
-        put(self, T_world_fixture=copied(self.T_world_fixture))
+        put(self, T_world_fixture=copy_pose(self.T_world_fixture))
 
 
 Z_FORWARD = "z_forward"
@@ -191,7 +191,7 @@ class ScannerMount:
     on_arm: ArmScanner | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_scanner=copied(self.T_world_scanner), options=dict(self.options))
+        put(self, T_world_scanner=copy_pose(self.T_world_scanner), options=dict(self.options))
 
     def housing_of(self, arm: str) -> tuple[Solid, ...]:
         """What an arm carries of the scanner, in its flange's frame; nothing where it stands."""
@@ -308,7 +308,7 @@ class PlanOverrides:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Cell(Told):
+class Cell(FactsRepr):
     """Everything that a plan depends on besides the scan: one digest covers it all.
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
@@ -335,7 +335,7 @@ class Cell(Told):
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        put(self, T_world_robot=copied(self.T_world_robot))
+        put(self, T_world_robot=copy_pose(self.T_world_robot))
         if (carrier := self.scanner.on_arm) is not None:
             T = carrier.T_world_scanner(self.T_world_robot, self.robot, carrier.view.q)
             put(self, scanner=replace(self.scanner, T_world_scanner=T))

@@ -39,7 +39,7 @@ class Shared:
     __slots__ = ("__weakref__",)
 
 
-class Told:
+class FactsRepr:
     """A value that says what it is in a line, and as a table in a notebook.
 
     The dataclass that derives from it is made with `repr=False`: all fields of a cell fill a book.

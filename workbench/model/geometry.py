@@ -33,7 +33,7 @@ def put(value: Any, **fields: Any) -> None:
         object.__setattr__(value, name, item)
 
 
-def copied(T: pin.SE3) -> pin.SE3:
+def copy_pose(T: pin.SE3) -> pin.SE3:
     """A pose of one's own: SE3 is mutable, and a frozen dataclass does not protect it."""
     # One sum is not finite when any number in it is not; this is called for every pose made.
     if not math.isfinite(float(T.homogeneous.sum())):
@@ -170,7 +170,7 @@ class Solid:
     colour: tuple[float, float, float] = (0.7, 0.7, 0.72)
 
     def __post_init__(self) -> None:
-        put(self, T_owner_shape=copied(self.T_owner_shape))
+        put(self, T_owner_shape=copy_pose(self.T_owner_shape))
 
     @property
     def reach(self) -> float:

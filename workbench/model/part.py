@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, Shared, Told, digest_of
+from workbench.model.digest import LATER, FactsRepr, Shared, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import (
     Bools,
@@ -14,7 +14,7 @@ from workbench.model.geometry import (
     Floats,
     Mesh,
     Solid,
-    copied,
+    copy_pose,
     frozen,
     pose_from_rpy,
     put,
@@ -58,7 +58,7 @@ class Grasp:
     def __post_init__(self) -> None:
         put(
             self,
-            T_part_tcp=copied(self.T_part_tcp),
+            T_part_tcp=copy_pose(self.T_part_tcp),
             approach=frozen(self.approach),
             retreat=None if self.retreat is None else frozen(self.retreat),
         )
@@ -104,7 +104,7 @@ class GraspPattern:
             replace(
                 self.grasp,
                 name=f"{self.grasp.name}-{row}-{column}{f'-{third}' if third else ''}",
-                T_part_tcp=turned(self.axis, angle, self.through)
+                T_part_tcp=make_turn(self.axis, angle, self.through)
                 * pin.SE3(np.eye(3), offset * self.axis + beside * self.across)
                 * self.grasp.T_part_tcp,
             )
@@ -198,7 +198,7 @@ class PartPlace:
     name: str = field(default_factory=str, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copied(self.T_world_part))
+        put(self, T_world_part=copy_pose(self.T_world_part))
 
     def is_for(self, part: str) -> bool:
         """Whether parts of that kind may lie there."""
@@ -219,7 +219,7 @@ class Station:
     fixture: str = ""
 
     def __post_init__(self) -> None:
-        put(self, T_base_station=copied(self.T_base_station), size=frozen(self.size))
+        put(self, T_base_station=copy_pose(self.T_base_station), size=frozen(self.size))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,7 +235,7 @@ class Region:
     size: Floats
 
     def __post_init__(self) -> None:
-        put(self, T_bin_region=copied(self.T_bin_region), size=frozen(self.size))
+        put(self, T_bin_region=copy_pose(self.T_bin_region), size=frozen(self.size))
 
     def near(self, p_bin: Floats, by: float = 0.0) -> Bools:
         """Which points (n, 3) [m] in the bin's frame are in it, or beside by so much [m]."""
@@ -261,7 +261,7 @@ class Bin:
     regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_world_bin=copied(self.T_world_bin), size=frozen(self.size))
+        put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))
 
     def gives(self, part: "Part", T_world_part: pin.SE3) -> bool:
         """Whether a part may be taken where it lies: by its middle, within the regions if any.
@@ -302,7 +302,7 @@ TURNED = "@"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Part(Shared, Told):
+class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
@@ -353,7 +353,7 @@ def grasps_of(entry: Entry) -> tuple[Grasp, ...]:
     return entry.grasps if isinstance(entry, GraspPattern) else (entry,)
 
 
-def turned(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
+def make_turn(axis: Floats, angle: float, through: Floats | None = None) -> pin.SE3:
     """The turn by `angle` [rad] about an axis (3,) through a point (3,) [m], or the origin."""
     R = turn_about(axis, angle)
     return pin.SE3(R, np.zeros(3) if through is None else through - R @ through)

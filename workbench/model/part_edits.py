@@ -23,7 +23,7 @@ from workbench.model.part import (
 from workbench.model.symmetry import Symmetry
 
 
-def edited(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) -> GraspLibrary:
+def edit_library(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entry]) -> GraspLibrary:
     """The library with some entries instead of others, or added, or taken away.
 
     Args:
@@ -96,7 +96,7 @@ def with_grasp(entry: Entry, grasp: Grasp) -> Entry:
     return replace(entry, grasp=grasp) if isinstance(entry, GraspPattern) else grasp
 
 
-def mirrored(entry: Entry, normal: Floats) -> Entry:
+def mirror_entry(entry: Entry, normal: Floats) -> Entry:
     """The entry mirrored across the plane through the part's origin with a unit normal (3,).
 
     What is mirrored is where the tool points and where its fingers move; the tool itself is not.

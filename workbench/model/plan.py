@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import ARM_NAME
-from workbench.model.digest import LATER, Told, called, digest_of
+from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.load import Loads
 from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
@@ -135,7 +135,7 @@ class ArmPlan:
     loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
-        put(self, T_tcp_part=copied(self.T_tcp_part))
+        put(self, T_tcp_part=copy_pose(self.T_tcp_part))
 
     @property
     def seconds(self) -> float:
@@ -164,7 +164,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Plan(Told):
+class Plan(FactsRepr):
     """What will be sent, and all that it was made from.
 
     `detections` are all parts known in the bin: those taken and those that are obstacles;
@@ -234,14 +234,14 @@ class Plan(Told):
         )
 
 
-def floored(bound: float) -> float:
+def floor_distance(bound: float) -> float:
     """A distance [m] from below for people, down to a tenth of a millimetre: no more than holds."""
     return math.floor(bound * 1e4 + 1e-6) / 1e4
 
 
 def at_least(bound: float) -> str:
-    """A distance [m] from below, for people; see `floored`."""
-    return f"at least {floored(bound) * 1e3:.1f} mm"
+    """A distance [m] from below, for people; see `floor_distance`."""
+    return f"at least {floor_distance(bound) * 1e3:.1f} mm"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -274,7 +274,7 @@ class Violation:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Proof(Told):
+class Proof(FactsRepr):
     """What was checked again, independently of the planner, on what will be sent.
 
     `checks` states were checked; between two of them no point of the robot moves further
@@ -357,7 +357,7 @@ def count_taken(plans: Sequence[Plan]) -> int:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class PlanResult(Told):
+class PlanResult(FactsRepr):
     """What a planning job brings: every candidate judged, and the plan or why there is none.
 
     `bound` [s] is what no plan for the same parts can be quicker than, by the candidates that work;
@@ -383,10 +383,10 @@ class PlanResult(Told):
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
         works = sum(candidate.verdict.is_ok for candidate in self.candidates)
-        told = {"candidates": f"{works} of {len(self.candidates)} work"}
+        counts = {"candidates": f"{works} of {len(self.candidates)} work"}
         if self.plan is None or self.proof is None:
-            return {**told, "no plan": self.verdict}
-        return {**told, **self.plan.facts, **self.proof.facts}
+            return {**counts, "no plan": self.verdict}
+        return {**counts, **self.plan.facts, **self.proof.facts}
 
     @property
     def plans(self) -> tuple[Plan, ...]:

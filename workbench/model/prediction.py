@@ -115,7 +115,7 @@ class LeftPart:
             for known_field in dataclasses.fields(self)
         }
         texts = {name: str(fields[name]) for name in ("reason", "nearest_fix", "any_grasp")}
-        return {**fields, **texts, "said": self.reason.told}
+        return {**fields, **texts, "said": self.reason.program_form}
 
 
 @dataclass(frozen=True, slots=True)

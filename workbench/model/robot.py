@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.model.digest import Shared
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, Solid, copied, frozen, put
+from workbench.model.geometry import Floats, Solid, copy_pose, frozen, put
 
 JointKind = Literal["revolute", "prismatic", "fixed"]
 
@@ -36,7 +36,7 @@ class Joint:
     velocity: float = 0.0
 
     def __post_init__(self) -> None:
-        put(self, T_parent_joint=copied(self.T_parent_joint), axis=frozen(self.axis))
+        put(self, T_parent_joint=copy_pose(self.T_parent_joint), axis=frozen(self.axis))
 
     def at(self, value: float) -> "Joint":
         """The joint fixed at a value [rad or m]; as it is when it cannot move."""
@@ -185,7 +185,7 @@ class AxisMapping:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class ScanPosture:
     """A posture of the arm from which its scanner scans: `q` (n,) [rad, m], chain order."""
 
     name: str
@@ -210,12 +210,12 @@ class ArmScanner:
     flange: str
     joints: tuple[str, ...]
     T_flange_scanner: pin.SE3
-    view: View
+    view: ScanPosture
     home: Floats
     housing: tuple[Solid, ...] = ()
 
     def __post_init__(self) -> None:
-        put(self, T_flange_scanner=copied(self.T_flange_scanner), home=frozen(self.home))
+        put(self, T_flange_scanner=copy_pose(self.T_flange_scanner), home=frozen(self.home))
 
     @property
     def label(self) -> str:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.digest import LATER, Told, digest_of
+from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
-from workbench.model.geometry import Floats, copied, frozen, put
+from workbench.model.geometry import Floats, copy_pose, frozen, put
 from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
 
@@ -22,7 +22,7 @@ Option = bool | int | float | str
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Scan(Told):
+class Scan(FactsRepr):
     """A point cloud in the scanner's frame.
 
     `points` (n, 3) [m], all finite; when the scanner delivers an organised cloud, `pixels`
@@ -59,7 +59,7 @@ class Scan(Told):
         put(
             self,
             points=points,
-            T_world_scanner=copied(self.T_world_scanner),
+            T_world_scanner=copy_pose(self.T_world_scanner),
             pixels=None if self.pixels is None else frozen(self.pixels, np.int32),
             colours=None if self.colours is None else frozen(self.colours, np.uint8),
             joints=None if self.joints is None else dict(self.joints),
@@ -82,7 +82,7 @@ class Scan(Told):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Detection(Told):
+class Detection(FactsRepr):
     """One part found: its pose, and how much speaks for and against it.
 
     `score` 0..1; `visible` 0..1, the fraction of the surface facing the scanner that was
@@ -123,7 +123,7 @@ class Detection(Told):
                 raise InputError(ScanText.ROLL_POINT())
         put(
             self,
-            T_world_part=copied(self.T_world_part),
+            T_world_part=copy_pose(self.T_world_part),
             score=float(self.score),
             visible=float(self.visible),
             gap=None if self.gap is None else float(self.gap),
@@ -131,7 +131,7 @@ class Detection(Told):
             covariance=None if self.covariance is None else frozen(self.covariance),
             probability=None if self.probability is None else float(self.probability),
             roll_axis=None if self.roll_axis is None else frozen(self.roll_axis),
-            T_world_found=None if self.T_world_found is None else copied(self.T_world_found),
+            T_world_found=None if self.T_world_found is None else copy_pose(self.T_world_found),
         )
 
     @property
@@ -185,7 +185,7 @@ class RejectedHypothesis:
     rival: int | None = None
 
     def __post_init__(self) -> None:
-        put(self, T_world_part=copied(self.T_world_part), score=float(self.score))
+        put(self, T_world_part=copy_pose(self.T_world_part), score=float(self.score))
 
     @property
     def words(self) -> Message:
@@ -228,7 +228,7 @@ class ScaleCheck:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LocalizationResult(Told):
+class LocalizationResult(FactsRepr):
     """What a search brought: the parts, best first, and the best of what was rejected.
 
     `scales` are of those kinds of which enough is seen to tell their size.
@@ -270,9 +270,9 @@ class Obstacle:
             raise InputError(ScanText.PALLET_PART())
         put(
             self,
-            T_world_box=copied(self.T_world_box),
+            T_world_box=copy_pose(self.T_world_box),
             size=size,
-            T_world_put=None if self.T_world_put is None else copied(self.T_world_put),
+            T_world_put=None if self.T_world_put is None else copy_pose(self.T_world_put),
         )
 
 
@@ -320,7 +320,7 @@ class SearchOverrides:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Search:
+class SearchRecord:
     """A search in the current scan: seed, overrides, what was found, and how long it took [s].
 
     `number` is that of the entry that began it.

@@ -65,7 +65,7 @@ class PointPairs:
         cancelled: Cancelled,
     ) -> LocalizationResult:
         """All parts of all kinds that the cell picks."""
-        from workbench.perception.colours.telling import told_by_colour
+        from workbench.perception.colours.telling import resolve_by_colour
         from workbench.perception.localization.kinds import localize_parts
 
         return localize_parts(
@@ -75,5 +75,5 @@ class PointPairs:
             detail=detail,
             report=report,
             cancelled=cancelled,
-            tell=told_by_colour,
+            resolve_by_colour=resolve_by_colour,
         )

@@ -85,7 +85,7 @@ def load(group: Group, name: str) -> Any:
         raise InputError(f"the {what} {name!r} is declared by {both}; remove one of them")
     entry, package, _ = found[0]
     try:
-        return _loaded(entry)
+        return _load(entry)
     except BROKEN as error:
         raise InputError(f"the {what} {name!r} of {package} {_why(error)}") from error
 
@@ -115,7 +115,7 @@ _Found = tuple[EntryPoint, str, str]
 def _try(group: Group, entry: EntryPoint, package: str, version: str, problem: str) -> Plugin:
     if not problem:
         try:
-            _loaded(entry)
+            _load(entry)
         except BROKEN as error:
             problem = _why(error)
     return Plugin(group, entry.name, entry.value, package, version, problem)
@@ -126,7 +126,7 @@ def _why(error: BaseException) -> str:
 
 
 @cache
-def _loaded(entry: EntryPoint) -> Any:
+def _load(entry: EntryPoint) -> Any:
     slow = threading.Timer(SLOW, log.warning, (SLOW_WORDS, entry.name, entry.module, SLOW))
     slow.daemon = True
     slow.start()

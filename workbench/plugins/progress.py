@@ -20,12 +20,12 @@ def rising(report: Report) -> Report:
     """Progress that never falls: who looks a second time has not lost what is done."""
     most = 0.0
 
-    def told(done: float, note: Message | str) -> None:
+    def report_most(done: float, note: Message | str) -> None:
         nonlocal most
         most = max(most, done)
         report(most, note)
 
-    return told
+    return report_most
 
 
 def silent(done: float, note: Message | str) -> None:

@@ -18,7 +18,7 @@ from workbench.model.geometry import Floats, shift_and_turn
 from workbench.model.part import TURNED, Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.perception.localization.pose_error import pose_error
-from workbench.perception.simulation.gripping import Gripping, Held, Shaking
+from workbench.perception.simulation.gripping import Gripping, HeldPart, Shaking
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.planning.collision.world import World
@@ -182,7 +182,7 @@ def _by_one(
     shaking, T = Shaking(case.force, a), lying.T_world_part
     gripping = Gripping(part, arm.tool, T)
     T_tcp_meant = candidate.T_world_tcp.actInv(T)
-    held: list[Held] = []
+    held: list[HeldPart] = []
     for error in errors:
         # The part lies where it came to rest; it is the hand that is off, by as much.
         off = pin.SE3(pin.exp3(error[3:]) @ T.rotation, T.translation + error[:3])

@@ -13,8 +13,8 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.planning.collision.motion import RESOLUTION, walked
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.motion import RESOLUTION, bound_curves
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.picking.search import TRIES, as_sent, curve_check, edge_check, joint_weights
 from workbench.planning.planners.clock import working_time
@@ -59,7 +59,7 @@ class Course:
         """
         self.arm: Arm = cell.arms[0]
         self.world = World(cell, ())
-        self.world.enter(Phase(frozenset({self.arm.name})))
+        self.world.enter(LegPhase(frozenset({self.arm.name})))
         self.start = self.world.motion.rounded(np.asarray(self.arm.home))
         poses = drawn_poses(cell.bin, count, seed)
         self.targets: list[Target] = judged(self.world, self.arm, poses, seed)
@@ -97,7 +97,7 @@ class Course:
             if found is None:
                 break
             sent = as_sent(found, is_clear, policy.free_points, world.motion)
-            is_spoiled = check(walked(sent, self.world.motion, policy.zone)) is not None
+            is_spoiled = check(bound_curves(sent, self.world.motion, policy.zone)) is not None
             finish += working_time() - middle
             if not is_spoiled:
                 path = sent

@@ -12,7 +12,7 @@ from workbench.model.part import Bin, Grasp, Part
 from workbench.model.scan import Detection
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import grips
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import ways_to_lie
 from workbench.studies.targets import Outcome, Target, judged, looked_at, starts_of
@@ -76,9 +76,9 @@ def reach_of(cell: Cell, arm: Arm, *, seed: int = 0) -> Reach:
     """
     world = World(cell, ())
     moving, opened = frozenset({arm.name}), {arm.name: arm.tool.stroke[1]}
-    world.enter(Phase(moving, opened))
+    world.enter(LegPhase(moving, opened))
     at_home = world.contact(world.configuration({}))
-    world.enter(Phase(moving, opened, straight=moving))
+    world.enter(LegPhase(moving, opened, straight=moving))
     bin_targets = judged(world, arm, down_poses(cell.bin), seed)
     places = judged(world, arm, list(arm.Ts_world_place), seed)
     placed = tuple(
@@ -105,7 +105,7 @@ def _place(cell: Cell, arm: Arm, number: int, part: Part, seed: int) -> PlacedPa
         for T_world_part, T_turn in product(right, grips(arm.tool, grasp)):
             T_tcp_part = (grasp.T_part_tcp * T_turn).inverse()
             held = {arm.name: (0, T_tcp_part)}
-            world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.grip}, held))
+            world.enter(LegPhase(frozenset({arm.name}), {arm.name: grasp.grip}, held))
             T_world_tcp = T_world_part * T_tcp_part.inverse()
             target, off = looked_at(world, arm, T_world_tcp, starts)
             if target.outcome == "clear":

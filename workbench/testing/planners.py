@@ -18,7 +18,7 @@ LIMIT = 3.0 + 1e-9
 """Of both joints to either side [rad]."""
 
 
-class _Late(Exception):
+class _DeadlinePassed(Exception):
     pass
 
 
@@ -32,7 +32,7 @@ class _Wall:
     def is_clear(self, a: Floats, b: Floats) -> bool:
         self._left -= 1
         if self._left < 0:
-            raise _Late
+            raise _DeadlinePassed
         assert np.shape(a) == np.shape(b) == (2,), "configurations have the shape of the start"
         # In plain numbers, and what is plain first: some planners ask a million times.
         ax, ay, bx, by = float(a[0]), float(a[1]), float(b[0]), float(b[1])
@@ -93,6 +93,6 @@ def check_planner(planner: Planner) -> None:
     assert _Wall(gap=0.0).search(planner, 0, iterations=50).path is None, "there is no way"
     try:
         _Wall(gap=0.0, last=20).search(planner, 0, iterations=100_000)
-    except _Late:
+    except _DeadlinePassed:
         return
     raise AssertionError("an error of `is_clear` was swallowed: a deadline could not end it")

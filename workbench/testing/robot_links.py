@@ -115,13 +115,13 @@ def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receip
     """What is reported can be, and somebody tells what became of parts, or it is said of nobody."""
     began = time.monotonic()
     reports = states(cell, lambda: time.monotonic() - began > PATIENCE)
-    is_told = any(receipt.part is not None for receipt in receipts)
-    is_told = is_told or not getattr(link, "tells_of_parts", True)
+    has_outcome = any(receipt.part is not None for receipt in receipts)
+    has_outcome = has_outcome or not getattr(link, "tells_of_parts", True)
     for state in reports:
         # `states` has looked at every number of it.
-        if is_told or state.placed >= len(plan.arms):
+        if has_outcome or state.placed >= len(plan.arms):
             return
-    assert is_told, "nobody tells what became of parts: `tells_of_parts = False` says so"
+    assert has_outcome, "nobody tells what became of parts: `tells_of_parts = False` says so"
 
 
 def _check_steps(

@@ -26,7 +26,7 @@ from workbench.web.access.users import Users
 from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.connection_limits import ConnectionLimits, room_for
 from workbench.web.http.gate import Gate, descriptors
-from workbench.web.http.listening import Certificate, listen
+from workbench.web.http.listening import TlsCertificate, listen
 from workbench.web.http.origins import WILDCARDS, Origins, is_loopback
 from workbench.web.http.sparing import sparing
 from workbench.web.page.bar import Bar, Stopper, stop_nothing, without_robot
@@ -54,7 +54,7 @@ Routes = Iterable[web.AbstractRouteDef]
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class ServerOptions:
     """How the front is served.
 
     Attributes:
@@ -68,7 +68,7 @@ class Options:
     host: str = "127.0.0.1"
     port: int = 8080
     names: tuple[str, ...] = ()
-    certificate: Certificate | None = None
+    certificate: TlsCertificate | None = None
     hours: float = HOURS
 
 
@@ -102,7 +102,7 @@ class Front:
 def serve_front(
     upstream: Upstream,
     users: Path,
-    options: Options,
+    options: ServerOptions,
     *,
     title: Message | str,
     routes: Routes = (),
@@ -161,7 +161,7 @@ def serve_front(
     return Front(f"{scheme}://{_format_host(options.host)}:{port}", first, store, running)
 
 
-def tell_of_loop(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+def log_loop_problem(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
     """Log what nobody waited for: in full, except for connections that broke off.
 
     These end at any moment, in the libraries as well, and are no fault of anybody's here.
@@ -242,7 +242,7 @@ class _Running:
 
     async def _serve_until_stopped(self) -> None:
         self.loop, self.stop = asyncio.get_running_loop(), asyncio.Event()
-        self.loop.set_exception_handler(tell_of_loop)
+        self.loop.set_exception_handler(log_loop_problem)
         # Requests go on when the browser goes: a password is being tried in a thread, and how
         # many of them there are is counted by their requests.
         runner = web.AppRunner(self.app, shutdown_timeout=CLOSING_SECONDS)

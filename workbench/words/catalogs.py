@@ -82,11 +82,11 @@ class Catalog:
     def write(self, path: Path) -> None:
         """Write it as `read` reads it."""
         entries = [
-            f"msgctxt {_quoted(id)}\nmsgid {_quoted(english)}\nmsgstr {_quoted(said)}"
+            f"msgctxt {_quote(id)}\nmsgid {_quote(english)}\nmsgstr {_quote(said)}"
             for id, (english, said) in self.by_id.items()
         ]
         entries += [
-            f"#: {' '.join(self.places[key])}\nmsgid {_quoted(key)}\nmsgstr {_quoted(said)}"
+            f"#: {' '.join(self.places[key])}\nmsgid {_quote(key)}\nmsgstr {_quote(said)}"
             for key, said in self.messages.items()
         ]
         path.write_text("\n\n".join([self.head.rstrip("\n"), *entries]) + "\n", encoding="utf-8")
@@ -107,12 +107,12 @@ def _entry(path: Path, entry: str) -> tuple[dict[str, str], tuple[str, ...]]:
         now = (found[1] or now) if found else ""
         if found is None or not now:
             raise ValueError(f"{path}: {line!r} is no line of a catalog")
-        texts[now] += re.sub(r"\\(.)", lambda one: _ESCAPES.get(one[1], one[1]), found[2])
+        texts[now] += re.sub(r"\\(.)", lambda match: _ESCAPES.get(match[1], match[1]), found[2])
     if not texts["msgid"]:
         raise ValueError(f"{path}: an entry has no message: {entry[:60]!r}")
     return texts, tuple(where)
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     said = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
     return f'"{said}"'

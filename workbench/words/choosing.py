@@ -21,12 +21,12 @@ def first_guess(accepted: str) -> str:
         except ValueError:
             continue
     # The first of those that are liked as much.
-    for weight, language in sorted(liked, key=lambda one: -one[0]):
+    for weight, language in sorted(liked, key=lambda choice: -choice[0]):
         if language in LANGUAGES and weight > 0:
             return language
     return ENGLISH
 
 
-def known(language: str) -> str:
+def find_language(language: str) -> str:
     """A language by its code, or an empty text for one that there is not."""
     return language if language in LANGUAGES else ""

@@ -187,9 +187,9 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
-            for one in body:
-                if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant):
-                    skipped.add(id(one.value))
+            for statement in body:
+                if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                    skipped.add(id(statement.value))
         if isinstance(node, ast.JoinedStr):
             skipped.update(map(id, node.values))
         if isinstance(node, ast.Call) and _is_silent(node.func):
@@ -201,7 +201,7 @@ def _literals(tree: ast.Module) -> Iterator[tuple[str, bool]]:
             skipped.update(map(id, ast.walk(node)))
     for node in ast.walk(tree):
         if id(node) not in skipped and isinstance(node, ast.Constant | ast.JoinedStr):
-            text = _written(node)
+            text = _read_literal(node)
             yield text, isinstance(node, ast.Constant) and " " not in text
 
 
@@ -212,7 +212,7 @@ def _is_silent(called: ast.expr) -> bool:
     return (called.value.id == "log" and called.attr in _LOGS) or called.value.id == "re"
 
 
-def _written(node: ast.Constant | ast.JoinedStr) -> str:
+def _read_literal(node: ast.Constant | ast.JoinedStr) -> str:
     """What a literal reads, `{}` for each value in it; empty where it is no text."""
     if isinstance(node, ast.Constant):
         return node.value if isinstance(node.value, str) else ""

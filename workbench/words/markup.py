@@ -45,18 +45,18 @@ def texts_of(text: str) -> Iterator[str]:
 def html_said(text: str, say: Callable[[str], str]) -> str:
     """HTML with its texts put through `say`."""
     if "<" not in text:
-        return _kept(text, say)
+        return _translate_html(text, say)
     made: list[str] = []
     for kind, piece in _pieces(text):
         if kind == "tag":
-            piece = _SAID.sub(lambda one: f'{one[1]}="{_kept(one[2], say)}"', piece)
+            piece = _SAID.sub(lambda match: f'{match[1]}="{_translate_html(match[2], say)}"', piece)
         elif kind == "text":
-            piece = _kept(piece, say)
+            piece = _translate_html(piece, say)
         made.append(piece)
     return "".join(made)
 
 
-def _kept(text: str, say: Callable[[str], str]) -> str:
+def _translate_html(text: str, say: Callable[[str], str]) -> str:
     """A text of HTML, which stays as it is written where nothing is changed."""
     bare = html.unescape(text)
     said = say(bare)

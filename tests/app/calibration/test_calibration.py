@@ -7,7 +7,7 @@ import pytest
 
 from workbench.app.calibration.calibration import (
     bin_corners,
-    calibrated,
+    compute_calibration,
     corner_errors,
     moved_by,
     with_calibration,
@@ -18,7 +18,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.people import WORKER
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
-from workbench.app.review.recompute import recomputed
+from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
 from workbench.app.runtime.work import JOBS
@@ -85,7 +85,7 @@ def test_the_suggested_poses_are_seen_and_different(yumi, poses):
 def test_a_scanner_that_hangs_elsewhere_is_found(yumi, observations):
     mount = replace(yumi.scanner, T_world_scanner=yumi.scanner.T_world_scanner * WRONG)
     wrong = replace(yumi, scanner=mount)
-    found = calibrated(wrong, observations)
+    found = compute_calibration(wrong, observations)
     off = yumi.scanner.T_world_scanner.actInv(found.T_world_scanner)
     assert np.linalg.norm(off.translation) < 0.0008
     distance, angle, shift = moved_by(wrong, found)
@@ -107,10 +107,10 @@ def test_a_scanner_that_hangs_elsewhere_is_found(yumi, observations):
 
 def test_observations_of_two_plates_or_of_none_are_refused(yumi, observations):
     with pytest.raises(InputError, match="no pose was scanned"):
-        calibrated(yumi, ())
+        compute_calibration(yumi, ())
     other = replace(observations[1], plate=BallPlate(0.015, np.array([0.09, 0.1, 0.12])))
     with pytest.raises(InputError, match="of another plate"):
-        calibrated(yumi, (observations[0], other, *observations[2:]))
+        compute_calibration(yumi, (observations[0], other, *observations[2:]))
 
 
 def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
@@ -125,7 +125,7 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
     assert not state.observations[0].is_used
     bench.close()
     journal = Journal(tmp_path / "session")
-    assert [(one.task, one.says) for one in recomputed(journal)] == [("sight", "equal")]
+    assert [(one.task, one.says) for one in recompute_tasks(journal)] == [("sight", "equal")]
     again = Bench(bench.cell, journal, effects=Worker)
     assert np.array_equal(again.state.observations[0].balls, seen.balls)
     again.close()
@@ -133,7 +133,7 @@ def test_a_pose_is_scanned_recorded_and_computed_again(bench, poses, tmp_path):
 
 def test_poses_stay_when_the_cell_changes_and_a_calibration_is_undone(bench, observations):
     bench.do(UseObservations(observations, "from elsewhere"), "ada")
-    found = calibrated(bench.state.cell, observations)
+    found = compute_calibration(bench.state.cell, observations)
     before = bench.state.cell.digest
     state = bench.do(ChangeCell(with_calibration(bench.cell, found, 5.0, "ada"), "calib"), "ada")
     assert state.cell.scanner.calibration is not None and len(state.observations) == 5

@@ -6,7 +6,7 @@ import pytest
 from held_plates import CENTRES, CORNERS, X, Y, scene
 from shipped import shipped
 
-from workbench.app.calibration.calibration import calibrated
+from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.next_pose import SIDES, next_poses, steps_to
 from workbench.model.calibration import BallPlate
@@ -46,14 +46,14 @@ def test_the_pose_to_take_next_is_seen_and_helps_more_than_others():
 
     qs = suggested_poses(cell, arm, PLATE, 5, seed=0)
     observations = [sight(q, number) for number, q in enumerate(qs, 1)]
-    found = calibrated(cell, observations)
+    found = compute_calibration(cell, observations)
     best = next_poses(cell, observations, found, seed=0)
     errors = [one.error_with for one in best]
     assert errors == sorted(errors) and errors[0] < best[0].error
     assert best[0].after == "pose 5" and 1 <= len(best[0].steps) <= 4
     again = next_poses(cell, observations, found, seed=0)
     assert np.array_equal(best[0].q, again[0].q)
-    after = calibrated(cell, [*observations, sight(best[0].q, 6)])
+    after = compute_calibration(cell, [*observations, sight(best[0].q, 6)])
     assert after.used == 6
 
 

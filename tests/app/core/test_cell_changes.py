@@ -20,11 +20,11 @@ from workbench.app.core.command import Entry
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.sending import SendPlan
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import UseCell, WriteCell
 from workbench.app.core.people import CELL_FILE
 from workbench.app.core.state import Phase, State
-from workbench.app.records.forms import large_arrays, restored
+from workbench.app.records.forms import large_arrays, restore_value
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.live import Live
@@ -48,7 +48,7 @@ def approved(cell, samples) -> State:
 
 
 def after(state: State, command, actor="ada", at=1.0):
-    allowed(state, command, actor, at)
+    check_allowed(state, command, actor, at)
     return decide(state, Entry(state.number + 1, at, actor, command))
 
 
@@ -62,7 +62,7 @@ def test_a_change_takes_plan_and_approval_away_and_leaves_the_scan(approved):
     assert effects[0].cell is state.cell
     for command in (Approve(approved.plan.digest), SendPlan(approved.plan.digest)):
         with pytest.raises(CommandRefused):
-            allowed(state, command, "ada", 2.0)
+            check_allowed(state, command, "ada", 2.0)
 
 
 def test_a_moved_scanner_takes_the_scan_away_too(approved):
@@ -157,16 +157,16 @@ def test_what_is_moved_out_of_the_room_is_refused(approved):
         (replace(cell, arms=(replace(arm, home=np.asarray(arm.home) + 99), *arms)), "its limits"),
     ):
         with pytest.raises(CommandRefused, match=named):
-            allowed(approved, ChangeCell(changed, "x"), "ada", 1.0)
+            check_allowed(approved, ChangeCell(changed, "x"), "ada", 1.0)
     gone = (Detection(cell.parts[0].name, far),)
     with pytest.raises(CommandRefused, match="part-1: 21 m away"):
-        allowed(approved, UseDetections(gone), "ada", 1.0)
+        check_allowed(approved, UseDetections(gone), "ada", 1.0)
 
 
 @pytest.mark.parametrize("says", ["x" * 201, "a\nb", 7])
 def test_words_are_checked(approved, says):
     with pytest.raises(CommandRefused, match="must be a text"):
-        allowed(approved, ChangeCell(with_bin_at(approved.cell, 0.5), says), "ada", 1.0)
+        check_allowed(approved, ChangeCell(with_bin_at(approved.cell, 0.5), says), "ada", 1.0)
 
 
 def test_nobody_changes_the_cell_while_something_is_sent(approved):
@@ -174,14 +174,14 @@ def test_nobody_changes_the_cell_while_something_is_sent(approved):
     other = with_bin_at(approved.cell, 0.5)
     for command, actor in ((ChangeCell(other, "x"), "ada"), (CellRead(other), CELL_FILE)):
         with pytest.raises(CommandRefused, match="on its way to the robot"):
-            allowed(sending, command, actor, 1.0)
+            check_allowed(sending, command, actor, 1.0)
 
 
 @pytest.mark.parametrize("name", ["yumi", "tx2_90"])
 def test_a_cell_comes_back_from_the_journal(name):
     cell = read_cell(name)
     form = json.loads(json.dumps(canonical(cell)))
-    again = restored(Cell, form, large_arrays(cell).__getitem__)
+    again = restore_value(Cell, form, large_arrays(cell).__getitem__)
     assert again.digest == cell.digest
     np.testing.assert_array_equal(again.arms[0].home, cell.arms[0].home)
 
@@ -208,7 +208,7 @@ class Noted:
 
     def do(self, command, actor):
         assert actor == CELL_FILE
-        allowed(self.state, command, actor, 1.0)
+        check_allowed(self.state, command, actor, 1.0)
         self.commands.append(command)
         self.state, _ = decide(self.state, Entry(self.state.number + 1, 1.0, actor, command))
 

@@ -26,7 +26,7 @@ from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import Stop
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.people import FRONT_DOOR, MACHINES, POSES_FOLDER, Role
 from workbench.app.core.rights import lacks_right
 from workbench.app.core.state import Phase, State
@@ -43,7 +43,7 @@ PEOPLE = {"Ada": Role.ENGINEER, "Bob": Role.OPERATOR, "Cleo": Role.OPERATOR, "Vi
 def after(state: State, command, actor: str, role: Role | None = None) -> State:
     """The state after a command that the rules let pass."""
     role = role or PEOPLE.get(actor, Role.ENGINEER)
-    allowed(state, command, actor, NOW, role=role)
+    check_allowed(state, command, actor, NOW, role=role)
     return decide(state, Entry(state.number + 1, NOW, actor, command, role=role))[0]
 
 
@@ -77,8 +77,8 @@ def test_a_role_that_is_not_enough_is_refused_with_a_sentence(idle):
 
 
 def test_whoever_acts_from_the_shell_may_do_everything_and_needs_no_control(idle):
-    allowed(idle, TakeScan(), "ada", NOW)
-    allowed(idle, SaveCell(""), "ada", NOW)
+    check_allowed(idle, TakeScan(), "ada", NOW)
+    check_allowed(idle, SaveCell(""), "ada", NOW)
 
 
 def test_while_somebody_is_in_control_others_may_only_do_what_cannot_wait(held):

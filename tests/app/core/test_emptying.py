@@ -8,7 +8,7 @@ from line import Line, planned_line, refused
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.decide import allowed
+from workbench.app.core.decide import check_allowed
 from workbench.app.core.effects import Send, StartJob, StopJob
 from workbench.app.core.people import WORKER, Role
 from workbench.app.core.rights import lacks_right
@@ -86,7 +86,7 @@ def test_what_makes_no_sense_is_refused_in_one_sentence(line, command, says):
 def test_it_is_for_engineers_and_waits_for_control_and_for_the_robot(samples, cell):
     line = planned_line(samples, cell)
     with pytest.raises(NotAllowed, match="emptying piles in simulation is for engineers"):
-        allowed(line.state, TryEmptying(), "ada", line.now, role=Role.OPERATOR)
+        check_allowed(line.state, TryEmptying(), "ada", line.now, role=Role.OPERATOR)
     controlled = replace(line.state, control="bob")
     assert "bob is in control" in str(lacks_right(controlled, TryEmptying, "ada", Role.ENGINEER))
     line.state = replace(line.state, phase=Phase.SENDING)

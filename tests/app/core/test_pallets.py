@@ -10,7 +10,7 @@ from through import deepest, nearest
 from workbench.app.core.cell.changes import EmptyPallets
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.sending import LinkEnded
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import put_down, with_facts
@@ -20,7 +20,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.errors import CommandRefused, FileError, InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import turned
+from workbench.model.part import make_turn
 from workbench.model.plan import LEG_NAMES
 from workbench.model.scan import Detection
 
@@ -56,7 +56,7 @@ def in_the_bin(cell, x=0.0, y=0.0) -> tuple[Detection, ...]:
 
 def done(state: State, fault: str = "") -> State:
     command = with_facts(state, LinkEnded(fault, 0 if fault else 1))
-    allowed(state, command, ROBOT_LINK, 1.0)
+    check_allowed(state, command, ROBOT_LINK, 1.0)
     return decide(state, Entry(state.number + 1, 1.0, ROBOT_LINK, command))[0]
 
 
@@ -104,7 +104,7 @@ def test_a_person_says_that_the_pallets_are_empty(cell):
     after, effects = decide(state, Entry(9, 1.0, "ada", EmptyPallets()))
     assert after.placed == () and effects == ()
     with pytest.raises(CommandRefused, match="empty already"):
-        allowed(after, EmptyPallets(), "ada", 1.0)
+        check_allowed(after, EmptyPallets(), "ada", 1.0)
 
 
 def test_a_roll_that_nobody_knows_is_not_known_on_the_pallet_either(cell):
@@ -118,7 +118,7 @@ def test_a_roll_that_nobody_knows_is_not_known_on_the_pallet_either(cell):
     points = cell.part(kept.part).mesh.points
     T_box_part = box.T_world_box.inverse() * kept.T_world_part
     for angle in np.linspace(0.0, 2 * np.pi, 17):
-        T = T_box_part * turned(axis[1], float(angle), axis[0])
+        T = T_box_part * make_turn(axis[1], float(angle), axis[0])
         at = points @ T.rotation.T + T.translation
         assert np.all(np.abs(at) <= box.size / 2 + 1e-9)
 

@@ -12,10 +12,10 @@ from waiting import wait_until
 from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cell.part_edits import DropDraft, EditPart
 from workbench.app.core.command import Entry
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import KeepDrafts, RemoveDraft, UseCell
 from workbench.app.core.state import Phase, State
-from workbench.app.records.forms import large_arrays, restored
+from workbench.app.records.forms import large_arrays, restore_value
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
@@ -30,7 +30,7 @@ from workbench.model.symmetry import Symmetry
 
 
 def after(state: State, command, actor="ada", at=1.0):
-    allowed(state, command, actor, at)
+    check_allowed(state, command, actor, at)
     return decide(state, Entry(state.number + 1, at, actor, command))
 
 
@@ -76,7 +76,7 @@ def test_who_edits_what_was_changed_meanwhile_is_told_and_loses_nothing(localize
     first, late = edit_of(localized, 0.044), edit_of(localized, 0.042)
     state, _ = after(localized, first)
     with pytest.raises(CommandRefused, match="changed by somebody else in the meantime"):
-        allowed(state, late, "bob", 2.0)
+        check_allowed(state, late, "bob", 2.0)
     part = state.cell.parts[0]
     own = with_grasp(late.now[0], replace(grasp_of(late.now[0]), name="bobs"))
     merged, _ = after(state, EditPart(part.name, (), (own,)), "bob")
@@ -104,29 +104,29 @@ def test_what_no_file_may_hold_is_refused(localized, change, says):
     part = localized.cell.parts[0]
     grasp = replace(grasp_of(part.library.entries[0]), **({"name": "new"} | change))
     with pytest.raises(CommandRefused, match=says):
-        allowed(localized, EditPart(part.name, (), (grasp,)), "ada", 1.0)
+        check_allowed(localized, EditPart(part.name, (), (grasp,)), "ada", 1.0)
 
 
 def test_names_stay_unique_and_unknown_parts_are_refused(localized):
     part = localized.cell.parts[0]
     first = part.library.entries[0]
     with pytest.raises(CommandRefused, match="used twice"):
-        allowed(localized, EditPart(part.name, (), (first,)), "ada", 1.0)
+        check_allowed(localized, EditPart(part.name, (), (first,)), "ada", 1.0)
     with pytest.raises(CommandRefused, match="has no part 'nut'"):
-        allowed(localized, EditPart("nut", (), (first,)), "ada", 1.0)
+        check_allowed(localized, EditPart("nut", (), (first,)), "ada", 1.0)
     with pytest.raises(CommandRefused, match="has no part 'nut'"):
-        allowed(localized, DropDraft("nut"), "ada", 1.0)
+        check_allowed(localized, DropDraft("nut"), "ada", 1.0)
     with pytest.raises(CommandRefused, match="nothing of part"):
-        allowed(localized, EditPart(part.name), "ada", 1.0)
+        check_allowed(localized, EditPart(part.name), "ada", 1.0)
     with pytest.raises(CommandRefused, match="turns are needed"):
-        allowed(localized, EditPart(part.name, symmetry=Symmetry(fold=-1)), "ada", 1.0)
+        check_allowed(localized, EditPart(part.name, symmetry=Symmetry(fold=-1)), "ada", 1.0)
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 2), (0, 0, 0), (np.nan, 0, 1)])
 def test_an_axis_of_symmetry_that_is_no_direction_is_refused(localized, axis):
     symmetry = Symmetry(np.array(axis, dtype=float))
     with pytest.raises(CommandRefused, match="a unit axis"):
-        allowed(localized, EditPart("peg", symmetry=symmetry), "ada", 1.0)
+        check_allowed(localized, EditPart("peg", symmetry=symmetry), "ada", 1.0)
 
 
 @pytest.mark.parametrize(("copies", "fold"), [(100_000, 1), (100, 360)])
@@ -136,7 +136,7 @@ def test_more_grasps_than_can_be_tried_are_refused(localized, copies, fold):
     pattern = GraspPattern(entry, np.array([0.0, 0.0, 1.0]), offsets=many)
     symmetry = Symmetry(fold=fold)
     with pytest.raises(CommandRefused, match="10,000 are allowed"):
-        allowed(localized, EditPart("peg", (), (pattern,), symmetry=symmetry), "ada", 1.0)
+        check_allowed(localized, EditPart("peg", (), (pattern,), symmetry=symmetry), "ada", 1.0)
 
 
 def test_pairs_follow_names_and_vanish_with_their_grasps(localized):
@@ -158,7 +158,7 @@ def test_pairs_follow_names_and_vanish_with_their_grasps(localized):
 def test_an_edit_comes_back_from_the_journal(localized):
     edit = edit_of(localized, 0.044)
     files = large_arrays(edit)
-    back = restored(EditPart, canonical(edit), files.__getitem__)
+    back = restore_value(EditPart, canonical(edit), files.__getitem__)
     assert digest_of(back) == digest_of(edit)
     one, other = (after(localized, command)[0] for command in (edit, back))
     assert one.cell.digest == other.cell.digest

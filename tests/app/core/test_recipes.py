@@ -13,7 +13,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.effects import StartJob, UseCell
 from workbench.app.core.people import CELL_FILE, WORKER, Role
 from workbench.app.core.state import Phase, State
@@ -42,7 +42,7 @@ def approved(with_recipes, samples) -> State:
 
 
 def after(state: State, command, actor="ada", role=Role.ENGINEER):
-    allowed(state, command, actor, 1.0, role=role)
+    check_allowed(state, command, actor, 1.0, role=role)
     return decide(state, Entry(state.number + 1, 1.0, actor, command))
 
 

@@ -75,19 +75,19 @@ def test_what_played_in_a_browser_without_a_login_was_watched_by_whoever_was_the
 
 def test_what_only_a_program_says_was_watched_is_on_record_as_that(line):
     digest = line.state.plan.digest
-    line.do(WatchPlan(digest, is_told=True), "bob")
+    line.do(WatchPlan(digest, is_reported=True), "bob")
     state = line.do(Approve(digest), "bob")
     assert state.approval.is_unwatched
     assert "no page has shown it to bob" in str(state.message)
-    assert state.told == ("bob",)
+    assert state.watched_elsewhere == ("bob",)
 
 
 def test_a_page_that_has_shown_the_plan_makes_up_for_what_a_program_said(line):
     digest = line.state.plan.digest
-    line.do(WatchPlan(digest, is_told=True), "bob")
+    line.do(WatchPlan(digest, is_reported=True), "bob")
     line.do(WatchPlan(digest), "bob")
-    line.do(WatchPlan(digest, is_told=True), "bob")
-    assert line.state.told == ()
+    line.do(WatchPlan(digest, is_reported=True), "bob")
+    assert line.state.watched_elsewhere == ()
     assert not line.do(Approve(digest), "bob").approval.is_unwatched
 
 
@@ -95,7 +95,7 @@ def test_of_two_people_one_who_has_not_seen_it_is_enough_to_say_so(samples, cell
     line = planned_line(samples, replace(cell, approvers=2))
     digest = line.state.plan.digest
     line.do(WatchPlan(digest), "ada")
-    line.do(WatchPlan(digest, is_told=True), "bob")
+    line.do(WatchPlan(digest, is_reported=True), "bob")
     line.do(Approve(digest), "bob")
     state = line.do(Approve(digest), "ada")
     assert state.approval.is_unwatched
@@ -106,7 +106,7 @@ def test_another_plan_has_to_be_watched_again(watched, samples):
     watched.do(MakePlan(seed=1))
     other = samples.planned(watched.state.scene_digest, seed=1)
     watched.ended(other)
-    assert watched.state.watched == watched.state.told == ()
+    assert watched.state.watched == watched.state.watched_elsewhere == ()
     assert "has not been played" in refused(watched, Approve(other.plan.digest))
     assert "the current plan is" in refused(watched, WatchPlan("0" * 64))
 

@@ -20,7 +20,7 @@ from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Stop
-from workbench.app.core.decide import allowed
+from workbench.app.core.decide import check_allowed
 from workbench.app.core.rights import NEXT, obstacle
 from workbench.app.core.session import AcknowledgeChanges, Opened, PosesRefused, Started, WriteNote
 from workbench.app.core.state import Job, Phase, State
@@ -35,7 +35,7 @@ CONTROL = set(typing.get_args(ControlCommand))
 
 def refusal(state, command, actor="ada", now=NOW) -> str:
     with pytest.raises(CommandRefused) as refused:
-        allowed(state, command, actor, now)
+        check_allowed(state, command, actor, now)
     return str(refused.value)
 
 
@@ -150,7 +150,7 @@ def test_a_cell_with_two_arms_has_strategies_for_both_and_for_each():
     state = State(read_cell("yumi"), Phase.LOCALIZED, detections=())
     there = ("auto", "alternated", "coordinated", "right", "left", "both")
     for strategy in there:
-        allowed(state, MakePlan(strategy), "ada", NOW)
+        check_allowed(state, MakePlan(strategy), "ada", NOW)
     assert f"there are {', '.join(there)}" in refusal(state, MakePlan("manipulator"))
 
 
@@ -161,9 +161,9 @@ def test_a_cell_with_two_arms_has_strategies_for_both_and_for_each():
     strategy=st.sampled_from(("auto", "right")),
 )
 def test_everything_within_the_ranges_passes(cell, samples, seed, parts, threshold, strategy):
-    allowed(State(cell), TakeScan(seed, parts), "ada", NOW)
+    check_allowed(State(cell), TakeScan(seed, parts), "ada", NOW)
     state = State(cell, Phase.LOCALIZED, detections=samples.detections())
-    allowed(state, MakePlan(strategy, threshold, seed), "ada", NOW)
+    check_allowed(state, MakePlan(strategy, threshold, seed), "ada", NOW)
 
 
 def test_poses_of_parts_that_the_cell_does_not_have_are_refused(cell):
@@ -188,7 +188,7 @@ def test_only_a_named_person_may_ask_for_something(planned, approved, actor):
 def test_only_machines_report_what_machines_did(approved):
     sending = dataclasses.replace(approved, phase=Phase.SENDING)
     assert "reported by a machine" in refusal(sending, LinkEnded())
-    allowed(sending, LinkEnded(), "robot link", NOW)
+    check_allowed(sending, LinkEnded(), "robot link", NOW)
 
 
 def test_an_approval_names_everything_it_stands_for(planned):
@@ -233,7 +233,7 @@ def test_a_plan_for_another_cell_or_scan_cannot_be_approved(planned, samples, ma
 
 def test_an_approval_ends_after_its_minutes_and_before_its_time(approved):
     digest = approved.plan.digest
-    allowed(approved, SendPlan(digest), "ada", NOW + 299)
+    check_allowed(approved, SendPlan(digest), "ada", NOW + 299)
     assert "has run out" in refusal(approved, SendPlan(digest), now=NOW + 300)
     assert "has run out" in refusal(approved, SendPlan(digest), now=NOW - 1)
 

@@ -3,7 +3,7 @@ import itertools
 
 import pytest
 
-from workbench.app.core.state import SessionState, State, begun
+from workbench.app.core.state import SessionState, State, begin_stage
 
 STAGES = [kind for kind in reversed(State.__mro__) if issubclass(kind, SessionState)]
 
@@ -23,7 +23,7 @@ def full_state(cell):
 @pytest.mark.parametrize("stage", STAGES[1:])
 def test_what_begins_anew_takes_itself_and_all_later_stages_along_and_nothing_else(cell, stage):
     state, first = full_state(cell), State(cell)
-    after = begun(state, stage)
+    after = begin_stage(state, stage)
     void = set().union(*(own_fields(one) for one in STAGES[STAGES.index(stage) :]))
     for one in dataclasses.fields(State):
         expected = first if one.name in void else state
@@ -38,5 +38,5 @@ def test_every_field_belongs_to_one_stage():
 
 
 def test_what_is_given_stands_in_the_new_stage(cell):
-    after = begun(full_state(cell), STAGES[2], remarks=("moved",), message="said")
+    after = begin_stage(full_state(cell), STAGES[2], remarks=("moved",), message="said")
     assert (after.remarks, after.message, after.fault) == (("moved",), "said", "")

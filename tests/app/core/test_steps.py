@@ -8,7 +8,7 @@ from line import NOW, Line, planned_line, refused
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent, Stop, step_problem
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.decide import allowed
+from workbench.app.core.decide import check_allowed
 from workbench.app.core.effects import LetStep, Send, StopSending
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
@@ -154,7 +154,7 @@ def test_a_plan_in_one_go_has_no_steps_to_let_run(line):
 def test_who_may_send_may_let_a_step_run(sending):
     waits(sending, 1)
     with pytest.raises(CommandRefused, match="for operators"):
-        allowed(sending.state, NextStep(1), "eve", NOW, {}, Role.VIEWER)
+        check_allowed(sending.state, NextStep(1), "eve", NOW, {}, Role.VIEWER)
     sending.state = replace(sending.state, control="ada")
     assert "ada is in control" in refused(sending, NextStep(1), "eve")
     for number in (True, 1.0, "1", None):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.emptying.changes import changed, changes_of
+from workbench.app.emptying.changes import apply_change, changes_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Box
 from workbench.model.messages.changes import ChangeText
@@ -29,16 +29,16 @@ def test_every_change_makes_another_cell_or_says_that_there_is_nothing_to_change
         other = change.made(cell)
         assert other is None or other.digest != cell.digest, change.said
         made += other is not None
-        assert changed(cell, change.said).digest == (other or cell).digest
+        assert apply_change(cell, change.said).digest == (other or cell).digest
     assert made >= 10
-    assert changed(cell, None) is cell
+    assert apply_change(cell, None) is cell
 
 
 def test_thinner_fingers_close_where_they_did_and_longer_ones_take_the_tcp_along():
     cell = read_cell("yumi")
     tool = cell.arms[0].tool
     said = ChangeText.FINGERS_THINNER(by=0.002), ChangeText.FINGERS_LONGER(by=0.02)
-    thin, long = (changed(cell, one).arms[0].tool for one in said)
+    thin, long = (apply_change(cell, one).arms[0].tool for one in said)
     for before, after in zip(tool.fingers, thin.fingers, strict=True):
         a, b = before.solid, after.solid
         assert isinstance(a.shape, Box) and isinstance(b.shape, Box)
@@ -57,10 +57,10 @@ def test_thinner_fingers_close_where_they_did_and_longer_ones_take_the_tcp_along
 
 def test_a_bin_that_is_moved_takes_its_scanner_along():
     cell = read_cell("yumi")
-    near = changed(cell, ChangeText.BIN_NEARER(by=0.05))
+    near = apply_change(cell, ChangeText.BIN_NEARER(by=0.05))
     step = near.bin.T_world_bin.translation - cell.bin.T_world_bin.translation
     assert step == pytest.approx([-0.05, 0, 0], abs=1e-6)
-    turned = changed(cell, ChangeText.BIN_TURNED(by=np.pi / 2))
+    turned = apply_change(cell, ChangeText.BIN_TURNED(by=np.pi / 2))
     for one in (cell, near, turned):
         view = one.bin.T_world_bin.actInv(one.scanner.T_world_scanner)
         assert np.allclose(
@@ -71,7 +71,7 @@ def test_a_bin_that_is_moved_takes_its_scanner_along():
 
 def test_twice_as_many_turns_lie_between_those_that_there_are():
     cell = read_cell("yumi")
-    more = changed(cell, BLEND_HALVINGS)
+    more = apply_change(cell, BLEND_HALVINGS)
     (before,), (after,) = (one.parts[0].library.entries for one in (cell, more))
     assert np.rad2deg(sorted(after.angles)) == pytest.approx(np.arange(10) * 36.0)
     assert after.angles[:5] == before.angles

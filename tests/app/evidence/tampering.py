@@ -49,7 +49,7 @@ class Opened:
             self.files[verify.JOURNAL] = path.read_bytes()
 
     @property
-    def entries(self) -> list[verify.Entry]:
+    def entries(self) -> list[verify.JournalEntry]:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "journal.sqlite"
             path.write_bytes(self.files[verify.JOURNAL])
@@ -76,7 +76,7 @@ class Opened:
     def made_good(self, key=None) -> None:
         """Have everything but the signature agree with the journal; `key` signs anew."""
         entries = self.entries
-        self.files |= verify.derived(entries)
+        self.files |= verify.derive_files(entries)
         files = {
             name: {"size": len(content), "sha256": hashlib.sha256(content).hexdigest()}
             for name, content in self._content().items()

@@ -113,7 +113,9 @@ def test_an_honest_session_does_not_contradict_itself(cell, samples, tmp_path, p
             bench.do(LinkEnded("it broke"), "robot link")
             bench.do(AcknowledgeFault(), "ada")
             entries = [
-                verify.Entry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
+                verify.JournalEntry(
+                    row.number, row.kind, row.body, row.files, row.previous, row.hash
+                )
                 for row in bench.entries()
             ]
     assert [entry.kind for entry in entries].count("SendPlan") == 2

@@ -95,7 +95,7 @@ def forged(files, name, number):
 
 def contents(path):
     with path.open("rb") as file:
-        bundle = packing.Bundle(file)
+        bundle = packing.PackedFiles(file)
         return {name: b"".join(bundle.blocks(name)) for name in bundle.members}
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from workbench.app.evidence.pages import COLUMNS, _lines, html_page, pdf_pages
-from workbench.app.evidence.report import Table, tables_of
+from workbench.app.evidence.report import ReportTable, tables_of
 from workbench.app.evidence.signing import time_stamp_request
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
@@ -18,7 +18,7 @@ from workbench.journal.journal import Journal
 
 ROOT = Path(__file__).resolve().parents[3]
 TAGS = set(re.findall(r"\w+", "html head meta title style body h1 h2 p table tr th td"))
-EVIL = Table("<script>x</script>", "<img src=x>", ("<b>", "x"), (("<a href=x>", "1" * 3000),))
+EVIL = ReportTable("<script>x</script>", "<img src=x>", ("<b>", "x"), (("<a href=x>", "1" * 3000),))
 
 
 class Tags(HTMLParser):
@@ -73,7 +73,7 @@ def test_the_report_tells_who_when_what_was_shown_proven_sent_and_heard(tables):
 
 
 def test_what_a_printed_row_says_goes_on_under_itself_and_long_names_push_nothing_off_the_page():
-    long = Table("Log", "", ("who", "says"), (("Anna", "word " * 60), ("n" * 64, "x" * 300)))
+    long = ReportTable("Log", "", ("who", "says"), (("Anna", "word " * 60), ("n" * 64, "x" * 300)))
     lines = [line for line, _ in _lines("Evidence", [long])]
     assert all(len(line) <= COLUMNS for line in lines)
     row = next(place for place, line in enumerate(lines) if line.startswith("Anna"))
@@ -91,7 +91,7 @@ def test_the_printed_report_is_the_same_each_time_and_breaks_no_line_off(tables)
     pages = pdf_pages("Evidence", [*tables, EVIL])
     assert pages.startswith(b"%PDF-")
     assert pages == pdf_pages("Evidence", [*tables, EVIL])
-    long = Table("Log", "", (), tuple(("$x$ ж é", str(number)) for number in range(400)))
+    long = ReportTable("Log", "", (), tuple(("$x$ ж é", str(number)) for number in range(400)))
     assert pdf_pages("Evidence", [long]).count(b"/Type /Page ") == 5
 
 

@@ -10,7 +10,7 @@ from workbench.app.core.command import Entry
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.cycle.standing import other_pallets, stale_because
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import with_facts
@@ -50,7 +50,7 @@ def on_top(cell):
 
 def ended(state: State, command: LinkEnded) -> State:
     command = with_facts(state, command)
-    allowed(state, command, ROBOT_LINK, 1.0)
+    check_allowed(state, command, ROBOT_LINK, 1.0)
     return decide(state, Entry(state.number + 1, 1.0, ROBOT_LINK, command))[0]
 
 

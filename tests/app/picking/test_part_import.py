@@ -17,7 +17,7 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
 from workbench.app.picking.part_import import excess_of
-from workbench.app.review.recompute import recomputed
+from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
@@ -112,7 +112,7 @@ def test_a_file_becomes_a_part_that_is_scanned_saved_and_undone(bench, own):
     bench.wait(lambda state: state.saved == state.cell.digest, PATIENCE)
     assert [part.name for part in read_cell("yumi").parts] == ["keyed_cylinder"]
     bench.close()
-    equal = list(recomputed(Journal(own / "session")))
+    equal = list(recompute_tasks(Journal(own / "session")))
     assert [one.task for one in equal] == ["scan"] and all(one.says == "equal" for one in equal)
 
 

@@ -22,7 +22,7 @@ from workbench.app.picking.tool_making import tool_for
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
-from workbench.formats.cells.drawn_tools import Drawing, TwoFingers, made_of
+from workbench.formats.cells.drawn_tools import CadDrawing, TwoFingers, made_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.shared.things import moved, pose_of
@@ -58,7 +58,7 @@ def like_the_yumis():
     """The gripper of the YuMi, described anew from the mesh of its palm."""
     palm = (find("robots", "yumi") / "meshes" / "palm.convex.obj").read_bytes()
     return drawn_gripper(
-        body=Drawing("palm.convex.obj", np.frombuffer(palm, np.uint8), "m"),
+        body=CadDrawing("palm.convex.obj", np.frombuffer(palm, np.uint8), "m"),
         takes_by=TwoFingers(np.array([0.006, 0.01, 0.052]), 0.05),
         begins=0.084,
         is_mended=True,
@@ -126,7 +126,7 @@ def test_a_tool_is_undone_and_one_that_was_cancelled_is_not_taken(idle):
         ("third", {}, "arm 'third'"),
         ("right", {"name": "../hand"}, "letters, digits"),
         ("right", {"name": "smart_gripper"}, "has a tool smart_gripper already"),
-        ("right", {"body": Drawing("palm.exe", stl(PALM))}, "is no CAD file"),
+        ("right", {"body": CadDrawing("palm.exe", stl(PALM))}, "is no CAD file"),
     ],
 )
 def test_what_cannot_be_meant_is_refused(idle, arm, changed, says):

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.provenance.gathering import files_digest, installed, inventory, processor
+from workbench.app.provenance.gathering import files_digest, find_installed, inventory, processor
 from workbench.app.provenance.inventory import Distribution, Inventory, differences
-from workbench.app.records.forms import restored
+from workbench.app.records.forms import restore_value
 from workbench.model.digest import canonical
 
 NUMPY = Distribution("numpy", "2.1.0", "a" * 64)
@@ -71,7 +71,7 @@ def test_nothing_is_said_where_nothing_differs():
 
 
 def test_an_inventory_comes_back_from_its_record():
-    again = restored(Inventory, canonical(BEFORE), lambda digest: b"")
+    again = restore_value(Inventory, canonical(BEFORE), lambda digest: b"")
     assert again.digest == BEFORE.digest
     assert again.distributions[0].record == "a" * 64
 
@@ -87,7 +87,7 @@ def test_what_runs_here_is_read_from_the_machine(cell):
 
 
 def test_every_distribution_is_told_by_what_its_files_are():
-    numpy = next(one for one in installed() if one.name == "numpy")
+    numpy = next(one for one in find_installed() if one.name == "numpy")
     assert len(numpy.record) == 64
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from workbench.app.records.forms import restored
+from workbench.app.records.forms import restore_value
 from workbench.model.digest import canonical
 from workbench.model.geometry import Mesh, Shape
 from workbench.model.messages.message import plain
@@ -22,7 +22,7 @@ def test_what_a_proof_objected_to_is_on_record_by_its_first_name():
     assert proof.digest == DIGEST
     form = canonical(proof)
     assert [one["problem"] for one in form["findings"]] == ["is not straight"]
-    again = restored(Proof, form, read=lambda digest: b"")
+    again = restore_value(Proof, form, read=lambda digest: b"")
     assert again.digest == DIGEST and not again.holds
     assert [str(one) for one in again.violations] == [
         "arm right leg home after waypoint 0: is not straight"
@@ -33,6 +33,6 @@ def test_a_mesh_on_record_from_before_it_had_pieces_is_one():
     tip = Mesh(np.eye(4, 3), [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]], is_convex=True)
     form = canonical(tip)
     assert "pieces" not in form
-    again = restored(Shape, form, read=lambda digest: b"")
+    again = restore_value(Shape, form, read=lambda digest: b"")
     assert isinstance(again, Mesh) and again.is_convex and again.pieces == ()
     assert canonical(again) == form

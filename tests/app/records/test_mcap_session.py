@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -28,7 +28,7 @@ EXAMPLE = Path(__file__).resolve().parents[3] / "sessions" / "example"
 def session(tmp_path_factory):
     """The example with what was written of it: folder, entries with states, cell, file."""
     folder = Path(shutil.copytree(EXAMPLE, tmp_path_factory.mktemp("mcap") / "example"))
-    journal = opened(folder)
+    journal = open_journal(folder)
     try:
         cell = cell_of(journal)
         path = folder.parent / "x.mcap"

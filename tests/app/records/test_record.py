@@ -25,7 +25,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.decide import decide
 from workbench.app.core.session import WriteNote
 from workbench.app.core.state import Phase, State
-from workbench.app.records.forms import large_arrays, restored
+from workbench.app.records.forms import large_arrays, restore_value
 from workbench.app.records.record import command_form, entry_of, entry_record
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import new_session
@@ -160,12 +160,14 @@ def test_values_come_back_with_their_digests_and_protected(samples):
     planned = samples.planned(scan.digest)
     for value in (scan, planned.plan, planned.proof):
         form = json.loads(json.dumps(canonical(value)))
-        again = restored(type(value), form, large_arrays(value).__getitem__)
+        again = restore_value(type(value), form, large_arrays(value).__getitem__)
         assert again.digest == value.digest
     arm = replace(samples.cell.arms[0], part_places=(PartPlace(pose_from_rpy((0.3, 0.2, 0.1))),))
-    places = restored(Arm, json.loads(json.dumps(canonical(arm))), large_arrays(arm).__getitem__)
+    places = restore_value(
+        Arm, json.loads(json.dumps(canonical(arm))), large_arrays(arm).__getitem__
+    )
     assert digest_of(places) == digest_of(arm) != digest_of(samples.cell.arms[0])
-    again = restored(Scan, canonical(scan), large_arrays(scan).__getitem__)
+    again = restore_value(Scan, canonical(scan), large_arrays(scan).__getitem__)
     assert not again.points.flags.writeable
     assert again.pixels.dtype == scan.pixels.dtype
 
@@ -181,7 +183,7 @@ def test_detections_of_any_kind_keep_their_digest(score, gap, place, angles, rol
     T = pin.SE3(pin.rpy.rpyToMatrix(*angles), np.array(place))
     detection = Detection("peg", T, score, 1.0, gap, roll_known=roll_known)
     form = json.loads(json.dumps(canonical(detection)))
-    assert digest_of(restored(Detection, form, {}.__getitem__)) == digest_of(detection)
+    assert digest_of(restore_value(Detection, form, {}.__getitem__)) == digest_of(detection)
 
 
 def test_a_form_with_missing_or_unknown_fields_is_not_taken(samples):
@@ -189,7 +191,7 @@ def test_a_form_with_missing_or_unknown_fields_is_not_taken(samples):
     form = canonical(detection)
     for wrong in (form | {"weight": 1}, {k: form[k] for k in form if k != "part"}):
         with pytest.raises(ValueError, match="were expected"):
-            restored(Detection, wrong, {}.__getitem__)
+            restore_value(Detection, wrong, {}.__getitem__)
 
 
 def test_a_session_computed_again_goes_through_the_same_states(journal, cell, samples):

@@ -7,7 +7,7 @@ from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.emptying.piles import emptied_piles
 from workbench.app.review.likeness import Likeness
-from workbench.app.review.recompute import recomputed
+from workbench.app.review.recompute import recompute_tasks
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
@@ -23,7 +23,7 @@ def test_what_is_on_record_is_what_comes_out_again(tmp_path):
     assert bench.do(JobEnded(number, found), "worker").emptying == found
     bench.close()
     journal = Journal(tmp_path / "session")
-    (comparison,) = recomputed(journal)
+    (comparison,) = recompute_tasks(journal)
     journal.close()
     assert (comparison.task, comparison.likeness) == ("emptying", Likeness.EQUAL)
     # Whoever goes on with the session still has the table.

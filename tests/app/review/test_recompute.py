@@ -59,7 +59,7 @@ def test_tasks_that_were_gone_on_to_are_computed_again_too(session, monkeypatch)
 
     jobs = {"scan": results.scan, "localize": results.detections, "plan": results.planned}
     monkeypatch.setattr(recompute, "JOBS", {name: job(name, one) for name, one in jobs.items()})
-    found = list(recompute.recomputed(Journal(folder)))
+    found = list(recompute.recompute_tasks(Journal(folder)))
     assert [one.task for one in found] == ["scan", "localize", "plan"] * 2
     assert all(one.says == "equal" for one in found)
     # Those after the first began with the end of the one before.

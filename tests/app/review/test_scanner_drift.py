@@ -23,7 +23,7 @@ from workbench.app.picking.pallets import at_rest
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.review.scanner_drift import of_session, recorded_drift, refined_cell
 from workbench.formats.cells.reading import read_cell
@@ -185,7 +185,7 @@ def test_a_part_on_the_pallet_is_held_against_where_the_robot_has_put_it(with_pa
     days.scan(1.7 * DAY, scanned([T_lies], 2))
     days.close()
 
-    with closing(opened(days.folder)) as journal:
+    with closing(open_journal(days.folder)) as journal:
         found = list(of_session(replay(journal, cell_of(journal)), cell, DAY))
     parts = [one for scan in found for one in scan if one.kind == "part"]
     (one,) = parts  # seen twice, counted once

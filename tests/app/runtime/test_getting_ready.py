@@ -45,13 +45,13 @@ def test_the_worker_tells_how_far_it_is_before_the_first_task(bench, go):
 def test_a_task_waits_says_for_what_and_runs_by_itself_with_its_own_clock(bench, go):
     number = bench.do(TakeScan(seed=5), "ada").number
     pressed = bench.live.started
-    assert bench.live.told_of(number) == (0.4, NOTE)
+    assert bench.live.progress_of(number) == (0.4, NOTE)
     go.touch()
     state = bench.wait(lambda state: state.job is None, PATIENCE)
     assert state.phase is Phase.SCANNED
     assert bench.live.getting_ready is None
     assert bench.live.started > pressed
-    assert bench.live.told_of(number) == (0.5, "the scanner looks")
+    assert bench.live.progress_of(number) == (0.5, "the scanner looks")
 
 
 def test_a_task_that_waits_can_be_cancelled_and_what_it_waited_for_goes_on(bench, go, samples):

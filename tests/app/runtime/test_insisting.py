@@ -23,7 +23,7 @@ def test_what_is_out_of_order_is_tried_once(caplog):
         tried.append(command)
         raise CommandRefused("nothing is being sent")
 
-    insist(do, "x", WORKER, giving_up=threading.Event(), tell=tried.append)
+    insist(do, "x", WORKER, giving_up=threading.Event(), show_problem=tried.append)
     assert tried == ["x"]
     assert [one.levelno for one in caplog.records] == [logging.ERROR]
 
@@ -35,6 +35,6 @@ def test_it_is_told_while_it_is_not_on_record_and_when_it_is(caplog):
         if (answer := answers.pop(0)) is not None:
             raise answer
 
-    insist(do, "x", WORKER, giving_up=threading.Event(), tell=told.append)
+    insist(do, "x", WORKER, giving_up=threading.Event(), show_problem=told.append)
     assert [str(text or "") for text in told] == ["full", "full", ""]
     assert len(caplog.records) == 1

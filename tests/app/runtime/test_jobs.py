@@ -17,7 +17,7 @@ from job_listener import worker_of, workers
 from waiting import PATIENCE, wait_until
 
 from workbench.app.runtime.jobs import Jobs
-from workbench.app.runtime.worker import Request, in_parts, packed
+from workbench.app.runtime.worker import Request, in_parts, pack_cell
 from workbench.model.errors import FileError, JobCancelled, WorkbenchError
 
 HERE = Path(__file__).parents[1]
@@ -237,7 +237,7 @@ def test_nothing_is_told_after_close_even_from_a_running_job(cell, listener, mon
 
 def test_the_worker_ends_when_its_parent_is_killed(cell, tmp_path):
     # A parent of its own, killed without a chance to clean up, while the worker is busy.
-    (tmp_path / "cell").write_bytes(packed(cell))
+    (tmp_path / "cell").write_bytes(pack_cell(cell))
     program = textwrap.dedent(
         f"""
         import pickle, sys, threading

@@ -106,7 +106,7 @@ def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tm
 
 def test_a_script_runs_nothing_that_was_compiled_before_an_update(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    place = next(iter(compiled_code._kept()))
+    place = next(iter(compiled_code._find_caches()))
     place.mkdir(parents=True)
     old = place / "gjk.distance-1.py311.nbi"
     old.write_bytes(b"names a module that is gone")

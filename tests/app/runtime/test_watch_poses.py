@@ -13,7 +13,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.scanning import TakeScan
-from workbench.app.core.decide import allowed
+from workbench.app.core.decide import check_allowed
 from workbench.app.core.people import POSES_FOLDER
 from workbench.app.core.state import State
 from workbench.app.runtime.bench import Bench
@@ -182,11 +182,11 @@ def test_a_folder_that_comes_later_is_watched(bench, told, tmp_path):
 
 def test_the_folder_may_give_poses_and_nothing_else(cell, samples):
     state = State(cell)
-    allowed(state, UseDetections(samples.detections()), POSES_FOLDER, 0.0)
+    check_allowed(state, UseDetections(samples.detections()), POSES_FOLDER, 0.0)
     with pytest.raises(CommandRefused, match="name of a machine"):
-        allowed(state, TakeScan(), POSES_FOLDER, 0.0)
+        check_allowed(state, TakeScan(), POSES_FOLDER, 0.0)
     with pytest.raises(CommandRefused, match="name of a machine"):
-        allowed(state, UseDetections(samples.detections()), "worker", 0.0)
+        check_allowed(state, UseDetections(samples.detections()), "worker", 0.0)
 
 
 def test_files_that_are_gone_are_forgotten_and_none_is_taken_twice(bench, tmp_path):

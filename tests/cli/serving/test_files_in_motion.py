@@ -6,7 +6,7 @@ import re
 import pytest
 from waiting import PATIENCE
 
-from workbench.cli.measuring.page.served import NAME, served
+from workbench.cli.measuring.page.served import NAME, serve_page
 from workbench.studies.stalls.doings import chosen, has_ended, let_out, opened, planned
 from workbench.studies.stalls.large_files import CAD, cad_file
 from workbench.studies.stalls.visit import visit
@@ -26,7 +26,7 @@ def files():
 
 @pytest.fixture
 def page(tmp_path):
-    with served(tmp_path, "yumi", PASSWORD, "--stalls", STALLS) as page:
+    with serve_page(tmp_path, "yumi", PASSWORD, "--stalls", STALLS) as page:
         yield page
     # Whatever a busy machine makes of times: no line that reads meshes has run in that process.
     stalls = (tmp_path / STALLS).read_text().splitlines()
@@ -54,7 +54,7 @@ def test_a_motion_comes_to_its_end_whatever_is_read_meanwhile(page, files):
         await chosen(one, name, content)
         await let_out(one)
         state = await one.until(has_ended, "the end")
-        await one.told(name, "closed")
+        await one.wait_for_text(name, "closed")
         if state["phase"] == "done":
             assert state["parts_placed"] == 2
             return ""

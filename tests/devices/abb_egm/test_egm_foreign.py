@@ -43,7 +43,11 @@ def test_a_report_of_the_foreign_package_is_read_with_all_that_we_do_not_need():
     one.RAPIDfromRobot.dnum.extend([1.0, 5.0, 2.0])
     told = wire.read_feedback(one.SerializeToString(), 7)
     assert told.number == 4_294_967_295 and told.at == 12 and told.fault == ""
-    assert told.axes == pytest.approx(AXES) and told.told == (1.0, 5.0, 2.0) and told.is_converged
+    assert (
+        told.axes == pytest.approx(AXES)
+        and told.rapid_values == (1.0, 5.0, 2.0)
+        and told.is_converged
+    )
     one.motorState.state = 2
     assert wire.read_feedback(one.SerializeToString(), 7).fault == "the motors are off"
 

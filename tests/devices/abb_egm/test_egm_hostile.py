@@ -103,9 +103,9 @@ def telling(**changes):
     """Reports in which the module in RAPID tells something else than it does."""
 
     def how(told):
-        words = dict(zip(("version", "ticket", "done"), told.told, strict=False))
+        words = dict(zip(("version", "ticket", "done"), told.rapid_values, strict=False))
         made = {name: changes.get(name, float)(value) for name, value in words.items()}
-        return [replace(told, told=tuple(made.values()))]
+        return [replace(told, rapid_values=tuple(made.values()))]
 
     return how
 
@@ -132,7 +132,7 @@ def test_an_order_that_is_told_to_be_done_before_it_was_given_is_not_taken_for_d
 
     def ahead(twin, k, told):
         made = telling(done=lambda v: v + 1)(told) if len(begun) == len(twin.arms) else [told]
-        begun.update({k} if told.told[2] == 1.0 else ())
+        begun.update({k} if told.rapid_values[2] == 1.0 else ())
         return made
 
     fault_of(*planned, ahead, "reports order 2, where 1 was done and 1 was given")

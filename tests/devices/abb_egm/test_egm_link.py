@@ -15,7 +15,7 @@ from workbench.devices.abb_egm import twin as abb_twin
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.link import AbbEgm
-from workbench.devices.abb_egm.orders import Run, score_of
+from workbench.devices.abb_egm.orders import LegRun, score_of
 from workbench.devices.abb_egm.twin import SimulatedEgm
 from workbench.devices.abb_egm.twin_arm import TwinArm
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
@@ -29,9 +29,9 @@ pytest.importorskip(
 
 def off_the_way(cell, plan, approval, q, arm):
     """How far [rad] a configuration is from anything that this arm does in the plan."""
-    ways = [one.way for one in score_of(cell, plan, approval).items if isinstance(one, Run)]
+    ways = [one.way for one in score_of(cell, plan, approval).items if isinstance(one, LegRun)]
     ways = [way for way in ways if way.path.shape[1] == len(q)]
-    names = [one.arm for one in score_of(cell, plan, approval).items if isinstance(one, Run)]
+    names = [one.arm for one in score_of(cell, plan, approval).items if isinstance(one, LegRun)]
     fine = [
         way.at(s)[0]
         for way, name in zip(ways, names, strict=True)

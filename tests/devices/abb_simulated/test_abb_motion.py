@@ -2,7 +2,7 @@
 
 import pytest
 
-from workbench.devices.abb_simulated.body import Body
+from workbench.devices.abb_simulated.body import SimulatedBody
 from workbench.devices.abb_simulated.faults import Faults
 from workbench.devices.abb_simulated.motion import HAND_SECONDS, MOMENT, Motion
 from workbench.devices.abb_socket.program import program_of
@@ -16,7 +16,7 @@ def test_a_program_takes_as_long_as_its_legs(cell, plan, approval, tick):
         + (HAND_SECONDS if any(leg.hand != "keep" for leg in step.legs) else 0.0)
         for step in program.steps
     )
-    motion = Motion(program, Body(cell, 1.0, None, None, Faults()), {})
+    motion = Motion(program, SimulatedBody(cell, 1.0, None, None, Faults()), {})
     took = 0.0
     while not any(event.startswith("done") for event in motion.advance(tick)):
         took += tick

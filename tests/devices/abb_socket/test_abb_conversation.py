@@ -10,7 +10,14 @@ from abb_talk import Talk
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_simulated.serving import Serving
-from workbench.devices.abb_socket.frames import FIRST_CRC, LAST_NUMBER, TEXT, Frames, crc_of, framed
+from workbench.devices.abb_socket.frames import (
+    FIRST_CRC,
+    LAST_NUMBER,
+    TEXT,
+    Frames,
+    crc_of,
+    make_frame,
+)
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.devices.abb_socket.program import lines_of
 from workbench.devices.abb_socket.sending import PING
@@ -192,13 +199,13 @@ def load(serving, texts, *, is_ended=True):
     number, crc, points = 0, FIRST_CRC, 0
     for text in texts:
         number += 1
-        data = framed(number, text)
+        data = make_frame(number, text)
         if not text.startswith("hello"):
             crc = crc_of(data[:TEXT].decode(), crc)
         points += text.startswith("to ")
         list(serving.hear(data))
     if is_ended:
-        list(serving.hear(framed(number + 1, f"end {points:03d} {crc:04X}")))
+        list(serving.hear(make_frame(number + 1, f"end {points:03d} {crc:04X}")))
     return number + 1
 
 
@@ -264,7 +271,7 @@ def test_a_controller_compares_the_sum_over_all(talk):
     texts = lines(talk)
     number = load(talk.theirs, texts, is_ended=False)
     with pytest.raises(ProtocolError, match="check sum of all"):
-        list(talk.theirs.hear(framed(number, f"end {points_in(texts):03d} 0000")))
+        list(talk.theirs.hear(make_frame(number, f"end {points_in(texts):03d} 0000")))
 
 
 def test_a_ticket_is_run_once(cell, plan, approval):
@@ -292,7 +299,7 @@ def test_what_is_not_in_the_table_is_refused(cell, talk):
         one.phase = phase
         may = (phase, word) in NEXT and word not in ("done", "fault", "wait")
         try:
-            list(one.hear(framed(1, word)))
+            list(one.hear(make_frame(1, word)))
         except LinkError as error:
             assert ("is not in order when" in str(error)) is not may, (phase, word)
         else:

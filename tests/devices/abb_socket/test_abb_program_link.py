@@ -20,7 +20,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_links import AbbProgram
 from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_socket import link
-from workbench.devices.abb_socket.frames import framed
+from workbench.devices.abb_socket.frames import make_frame
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.model.plan import Guarantee
@@ -251,7 +251,7 @@ def test_a_process_that_stood_still_hears_first_what_has_come_meanwhile(
     controller, at, plan, approval, monkeypatch
 ):
     clock, stood_still = Hurried(), []
-    received = link._received
+    received = link._receive
 
     def stand_still(ours, talk):
         data = received(ours, talk)
@@ -260,7 +260,7 @@ def test_a_process_that_stood_still_hears_first_what_has_come_meanwhile(
             stood_still.append(select.select([ours], [], [], PATIENCE)[0])
         return data
 
-    monkeypatch.setattr(link, "_received", stand_still)
+    monkeypatch.setattr(link, "_receive", stand_still)
     one = controller(speed=0.5)
     target = at(one.port, protocol="abb-socket/2")
     *_, last = send(plan, approval, target, patience=replace(PATIENT, clock=clock))
@@ -290,9 +290,9 @@ def test_what_is_said_while_we_are_busy_is_no_silence(at, plan, approval):
             with client:
                 client.sendall(REQUEST)
                 client.recv(256)
-                client.sendall(framed(1, "hello abb-socket/2 R7 L7"))
+                client.sendall(make_frame(1, "hello abb-socket/2 R7 L7"))
                 busy.wait(PATIENCE)
-                client.sendall(framed(2, "state ready 00 R00 L00"))
+                client.sendall(make_frame(2, "state ready 00 R00 L00"))
                 told.set()
                 client.recv(256)
 

@@ -7,10 +7,10 @@ import pinocchio as pin
 import pytest
 
 from workbench.devices.abb_loads import load_data
-from workbench.devices.abb_simulated.body import Body
+from workbench.devices.abb_simulated.body import SimulatedBody
 from workbench.devices.abb_simulated.faults import Faults
 from workbench.devices.abb_simulated.loading import Loading
-from workbench.devices.abb_socket.frames import Frame
+from workbench.devices.abb_socket.frames import MessageFrame
 from workbench.devices.abb_socket.program import lines_of, program_of
 from workbench.model.errors import InputError
 from workbench.model.load import Load, Loads
@@ -58,9 +58,9 @@ def test_the_simulated_controller_reckons_with_what_was_said(cell, plan, approva
     program = program_of(cell, with_loads(plan), approval)
     loading, loaded = Loading(cell), None
     for line in lines_of(cell, program):
-        loaded = loading.take(Frame(1, line.word, line.rest, ""))
+        loaded = loading.take(MessageFrame(1, line.word, line.rest, ""))
     assert loaded is None
-    body = Body(cell, 1.0, None, None, Faults())
+    body = SimulatedBody(cell, 1.0, None, None, Faults())
     body.reckon(program.loads)
     name = plan.arms[0].arm
     assert [one.mass for one in body.carried[name]] == [0.23]

@@ -13,7 +13,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_simulated.loading import Loading
 from workbench.devices.abb_simulated.serving import Serving
-from workbench.devices.abb_socket.frames import framed
+from workbench.devices.abb_socket.frames import make_frame
 from workbench.devices.abb_socket.program import lines_of, program_of
 from workbench.model.errors import (
     CommandRefused,
@@ -264,7 +264,7 @@ def test_the_simulated_controller_takes_one_manner(cell):
     for words in ("slowly", "stepped now"):
         loading, serving = Loading(cell), Serving(cell, lambda: {}, [])
         del loading
-        list(serving.hear(framed(1, "hello abb-socket/2")))
-        list(serving.hear(framed(2, f"plan {'a' * 64}")))
+        list(serving.hear(make_frame(1, "hello abb-socket/2")))
+        list(serving.hear(make_frame(2, f"plan {'a' * 64}")))
         with pytest.raises(ProtocolError):
-            list(serving.hear(framed(3, f"ticket {'b' * 16} 001 001 {words}")))
+            list(serving.hear(make_frame(3, f"ticket {'b' * 16} 001 001 {words}")))

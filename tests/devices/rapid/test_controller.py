@@ -7,7 +7,7 @@ from patient import in_threads
 from rapid_bench import module
 from waiting import wait_until
 
-from workbench.devices.rapid.controller import KEPT, MOST_HELD, Controller
+from workbench.devices.rapid.controller import KEPT, MOST_HELD, RapidController
 from workbench.devices.rapid.sockets import Network
 from workbench.formats.rapid.loading import read_source
 from workbench.formats.rapid.setup import Setup, TaskSetup
@@ -20,7 +20,7 @@ def start(cell):
 
     def made(body, rest="", arm="", speed=100.0):
         source = read_source("m", module(body, rest))
-        one = Controller(cell, Setup({"T": TaskSetup([source], arm)}, {}), speed=speed)
+        one = RapidController(cell, Setup({"T": TaskSetup([source], arm)}, {}), speed=speed)
         return started(one)
 
     with in_threads() as started:
@@ -78,7 +78,9 @@ def test_a_port_has_one_controller(cell):
 
 
 def test_a_controller_that_fails_tells_and_ends(cell, caplog):
-    one = Controller(cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {}))
+    one = RapidController(
+        cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {})
+    )
     one.later(lambda: {}["what nobody foresaw"])
     with pytest.raises(WorkbenchError, match="what nobody foresaw"):
         one.run()
@@ -87,7 +89,9 @@ def test_a_controller_that_fails_tells_and_ends(cell, caplog):
 
 
 def test_an_interpreter_that_fails_ends_its_task(cell, caplog):
-    one = Controller(cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {}))
+    one = RapidController(
+        cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {})
+    )
     one.tasks["T"].loaded.find("main").body = lambda frame: {}["what nobody foresaw"]
     one.tasks["T"].start()
     one.turn()
@@ -113,7 +117,9 @@ def test_a_program_that_never_waits_does_not_hold_the_robots(start, caplog):
 
 
 def test_only_the_newest_of_what_is_written_is_kept(cell):
-    one = Controller(cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {}))
+    one = RapidController(
+        cell, Setup({"T": TaskSetup([read_source("m", module("WaitTime 9;"))])}, {})
+    )
     for k in range(KEPT + 5):
         one._write("T", str(k))
     one.network.close()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.motion import CORNER_PATH, PREFETCH, STEP, Mechanism, Way, pair
+from workbench.devices.rapid.motion import CORNER_PATH, PREFETCH, STEP, JointWay, Mechanism, pair
 from workbench.planning.kinematics.robot import Kinematics
 
 FAR = 1000.0
@@ -32,7 +32,7 @@ def run(*robots, steps=100_000):
 
 
 def way(*points, seconds, share=0.0, number=None):
-    return Way(np.array(points, float), seconds, share, number)
+    return JointWay(np.array(points, float), seconds, share, number)
 
 
 def inside(p, corners, slack=1e-9):

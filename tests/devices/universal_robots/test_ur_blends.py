@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from twins import PATIENT, approved_for, legs_of, twin_of
 
-from workbench.devices.universal_robots.blends import LEAST, blended, seconds_of_all
+from workbench.devices.universal_robots.blends import LEAST, blend_lines, seconds_of_all
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.link import UrRtdeBlend
 from workbench.devices.universal_robots.program import program_of
 from workbench.devices.universal_robots.urscript import Line, read_program
-from workbench.devices.universal_robots.ways import Way, without_overlaps
+from workbench.devices.universal_robots.ways import UrWay, without_overlaps
 from workbench.plugins.robot_link import send
 from workbench.testing import check_robot_link
 
@@ -71,7 +71,7 @@ def test_the_way_that_is_cut_is_what_was_proven_and_quicker(planned):
         first = start
         while lines:
             count = next(k for k, line in enumerate(lines, start=1) if not line.r)
-            way = Way(first, lines[:count], flange.at)
+            way = UrWay(first, lines[:count], flange.at)
             for t in np.linspace(0.0, way.seconds, 60 * count):
                 q = np.array(way.at(t))
                 assert off_what_is_proven(q, corners, cell.zone) < 1e-6
@@ -92,8 +92,8 @@ def test_a_right_angle_is_cut_no_farther_than_was_proven(planned):
     start = np.array([0.0, 0.5, 1.0, 0.0, 1.0, 0.0])
     corners = np.cumsum([start, [0.8, 0, 0, 0, 0, 0], [0, 0.6, 0, 0, 0, 0]], axis=0)
     lines = [Line("movej", (), tuple(q.tolist()), 20.0, 1.0) for q in corners[1:]]
-    moves = blended(start.tolist(), lines, flange, np.full(6, 20.0), 0.2, 0.5)
-    way = Way(start.tolist(), moves, flange.at)
+    moves = blend_lines(start.tolist(), lines, flange, np.full(6, 20.0), 0.2, 0.5)
+    way = UrWay(start.tolist(), moves, flange.at)
     ways = [np.array(way.at(t)) for t in np.linspace(0.0, way.seconds, 500)]
     assert max(off_what_is_proven(q, corners, 0.2) for q in ways) < 1e-6
     assert (
@@ -101,7 +101,7 @@ def test_a_right_angle_is_cut_no_farther_than_was_proven(planned):
     )
     # A larger radius leaves what was proven, and the test sees it.
     farther = [replace(moves[0], r=3 * moves[0].r), moves[1]]
-    way = Way(start.tolist(), farther, flange.at)
+    way = UrWay(start.tolist(), farther, flange.at)
     ways = [np.array(way.at(t)) for t in np.linspace(0.0, way.seconds, 500)]
     assert max(off_what_is_proven(q, corners, 0.2) for q in ways) > 1e-3
 
@@ -120,7 +120,7 @@ def test_no_axis_is_faster_or_more_sudden_than_its_limits(planned):
     for start, lines in moves_of(cell, plan, approval, 0.05):
         while lines:
             count = next(k for k, line in enumerate(lines, start=1) if not line.r)
-            way = Way(start, lines[:count], flange.at)
+            way = UrWay(start, lines[:count], flange.at)
             t = np.arange(0.0, way.seconds, 1e-3)
             q = np.array([arm.from_axes(way.at(one)) for one in t])
             speeds = np.diff(q, axis=0) / 1e-3
@@ -168,7 +168,7 @@ def test_any_moves_with_any_radii_are_one_way_from_rest_to_rest(planned):
             )
             for one in q[1:].tolist()
         ]
-        way = Way(q[0].tolist(), lines, flange.at)
+        way = UrWay(q[0].tolist(), lines, flange.at)
         assert way.at(0.0) == pytest.approx(q[0]) and way.at(way.seconds) == pytest.approx(q[-1])
         seen = np.array([way.at(t) for t in np.linspace(0.0, way.seconds, 400)])
         assert np.isfinite(seen).all()
@@ -182,7 +182,7 @@ def test_where_the_flange_stays_a_corner_is_not_blended(planned):
     start = [0.3] * 6
     q = [[0.3] * 5 + [0.9], [0.3] * 5 + [1.5], [0.3] * 4 + [0.9, 1.5]]
     lines = [Line("movej", (), tuple(one), 2.0, 1.0) for one in q]
-    moved = blended(start, lines, flange, np.full(6, 2.0), 0.2, 0.05)
+    moved = blend_lines(start, lines, flange, np.full(6, 2.0), 0.2, 0.05)
     assert [line.r for line in moved] == [0.0, 0.0, 0.0]
     assert moved == tuple(lines)
 

@@ -48,7 +48,7 @@ class Packets:
             for told in self._spoil(state):
                 made = told
                 if isinstance(told, dict):
-                    made = rtde.packet(kind, content[:1] + rtde.packed(self._names, told))
+                    made = rtde.packet(kind, content[:1] + rtde.pack_values(self._names, told))
                 out += made
         return [out] if out else []
 

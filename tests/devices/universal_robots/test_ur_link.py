@@ -16,7 +16,7 @@ from workbench.devices.universal_robots.program import program_of
 from workbench.devices.universal_robots.rtde import PAUSED, PLAYING, STOPPING
 from workbench.devices.universal_robots.twin import SimulatedUr
 from workbench.devices.universal_robots.urscript import read_program, seconds_of
-from workbench.devices.universal_robots.ways import Way
+from workbench.devices.universal_robots.ways import UrWay
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.load import Load, Loads
 from workbench.plugins.robot_link import Simulation, send
@@ -87,7 +87,7 @@ def test_the_program_tells_what_the_arm_carries_whenever_the_gripper_has_moved(p
         load = loads.carried(holding)
         inertia = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         assert numbers == pytest.approx((load.mass, *load.centre, *inertia), abs=1e-6)
-    old = program_of(cell, plan, approval, 3, 0.25, 2.0, tells_inertia=False).text
+    old = program_of(cell, plan, approval, 3, 0.25, 2.0, sends_inertia=False).text
     assert old.count("set_payload(0.8") == 2 and old.count("set_payload(1.0") == 1
     assert read_program(old)
     none = program_of(cell, planned[1], approval, 3, 0.25, 2.0).text
@@ -317,7 +317,7 @@ def test_axes_begin_and_end_together_and_keep_speed_and_acceleration():
     [line] = read_program("def a():\n  movej([1.0, -0.5, 0, 0, 0, 0], a=2.0, v=0.8)\nend\n")
     total = seconds_of(1.0, 0.8, 2.0)
     times = np.linspace(0, total, 2001)
-    way = Way([0.0] * 6, [line], lambda axes: axes[:, :3])
+    way = UrWay([0.0] * 6, [line], lambda axes: axes[:, :3])
     assert way.seconds == pytest.approx(total)
     q = np.array([way.at(t) for t in times])
     assert q[-1] == pytest.approx([1.0, -0.5, 0, 0, 0, 0])

@@ -10,7 +10,7 @@ from workbench.devices.universal_robots import link as ur_link
 from workbench.devices.universal_robots.link import UrRtde
 from workbench.devices.universal_robots.program import program_of
 from workbench.devices.universal_robots.rtde import PLAYING, RTDE_PORT, STOPPED
-from workbench.devices.universal_robots.sending import Sending
+from workbench.devices.universal_robots.sending import RtdeSending
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.plugins.robot_link import USUAL, controller_by
 
@@ -119,7 +119,7 @@ def program(cell):
 
 
 def talking(cell, program, client):
-    return Sending(
+    return RtdeSending(
         client,
         cell,
         program,

@@ -11,7 +11,7 @@ from workbench.formats.cells.writer import write_cell
 from workbench.formats.robots.descriptions import read_description
 from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import write_package
-from workbench.formats.robots.xacro_files import expanded, is_xacro
+from workbench.formats.robots.xacro_files import expand_xacro, is_xacro
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import POLICIES, Fixture
 from workbench.model.digest import digest_of
@@ -190,7 +190,7 @@ def test_xacro_that_cannot_be_expanded_says_so(tmp_path, text):
     path = tmp_path / "robot.xacro"
     path.write_text(text)
     with pytest.raises(FileError, match="cannot be expanded by xacro"):
-        expanded(path, {})
+        expand_xacro(path, {})
 
 
 def test_a_bin_without_walls_comes_back_without_them(tmp_path):

@@ -9,7 +9,7 @@ import trimesh
 from drawn import BAR, CUP, PALM, WITH_BAR, drawn_gripper, stl
 
 from workbench.app.core.cell.making import carrying
-from workbench.formats.cells.drawn_tools import Drawing, SuctionLip, TwoFingers, made_of
+from workbench.formats.cells.drawn_tools import CadDrawing, SuctionLip, TwoFingers, made_of
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
@@ -63,7 +63,7 @@ def test_a_body_with_a_gap_is_cut():
     )
     fork = trimesh.util.concatenate([trimesh.creation.box(bounds=one) for one in feet])
     file = np.frombuffer(fork.export(file_type="stl"), np.uint8)
-    tool = made_of(drawn_gripper(body=Drawing("fork.stl", file), takes_by=CUP))
+    tool = made_of(drawn_gripper(body=CadDrawing("fork.stl", file), takes_by=CUP))
     hulls = [trimesh.convex.convex_hull(np.asarray(one.shape.points)) for one in tool.body[:-1]]
     assert len(hulls) > 1
     middle = [[0.0, 0.0, 0.06]]
@@ -92,7 +92,7 @@ def test_meshes_of_two_tools_of_one_name_do_not_mix(path):
     cell = read_cell(path)
     arm = cell.arms[0].name
     for top in (50, 60):
-        body = Drawing("palm.stl", stl((PALM[0], (40, 25, top))))
+        body = CadDrawing("palm.stl", stl((PALM[0], (40, 25, top))))
         tool = made_of(drawn_gripper(body=body, takes_by=CUP))
         save_cell(path, carrying(cell, arm, tool))
         assert read_cell(path).arm(arm).tool.reach == pytest.approx(tool.reach, abs=1e-6)
@@ -115,19 +115,19 @@ def _open_box() -> np.ndarray:
     return np.frombuffer(box.export(file_type="stl"), np.uint8)
 
 
-OTHER_SIDE = Drawing("bar.stl", stl(((-7, -5, 70), (0, 5, 120))))
+OTHER_SIDE = CadDrawing("bar.stl", stl(((-7, -5, 70), (0, 5, 120))))
 
 BAD = [
     ({"name": "../../etc/passwd"}, "letters, digits"),
-    ({"body": Drawing("palm.rar", stl(PALM))}, "is no CAD file"),
-    ({"body": Drawing("palm.stl")}, "has 0 bytes"),
-    ({"body": Drawing("palm.stl", stl(PALM), "furlong")}, "unit 'furlong'"),
-    ({"body": Drawing("palm.stl", stl(PALM), "m")}, "another unit"),
-    ({"body": Drawing("palm.stl", stl(PALM), "inch")}, "would reach 2[0-9]{3} mm"),
-    ({"body": Drawing("palm.stl", stl(PALM, 0.1))}, "does not say its unit"),
-    ({"body": Drawing("palm.stl", np.frombuffer(b"no mesh" * 99, np.uint8))}, "palm.stl: "),
-    ({"body": Drawing("../../palm.stl", _open_box())}, "is not the name of a file"),
-    ({"body": Drawing("palm.stl", _open_box())}, "^palm.stl: .*not closed"),
+    ({"body": CadDrawing("palm.rar", stl(PALM))}, "is no CAD file"),
+    ({"body": CadDrawing("palm.stl")}, "has 0 bytes"),
+    ({"body": CadDrawing("palm.stl", stl(PALM), "furlong")}, "unit 'furlong'"),
+    ({"body": CadDrawing("palm.stl", stl(PALM), "m")}, "another unit"),
+    ({"body": CadDrawing("palm.stl", stl(PALM), "inch")}, "would reach 2[0-9]{3} mm"),
+    ({"body": CadDrawing("palm.stl", stl(PALM, 0.1))}, "does not say its unit"),
+    ({"body": CadDrawing("palm.stl", np.frombuffer(b"no mesh" * 99, np.uint8))}, "palm.stl: "),
+    ({"body": CadDrawing("../../palm.stl", _open_box())}, "is not the name of a file"),
+    ({"body": CadDrawing("palm.stl", _open_box())}, "^palm.stl: .*not closed"),
     ({"takes_by": TwoFingers(np.full(3, np.nan), 0.05)}, "a finger must lie between"),
     ({"takes_by": TwoFingers(np.full(3, 0.01), 9.0)}, "the stroke must lie between"),
     ({"takes_by": TwoFingers(np.full(3, 0.01), 0.05, -1.0)}, "the force must lie between"),
@@ -147,6 +147,6 @@ def test_what_cannot_be_meant_is_refused_in_a_sentence(changed, says):
 
 
 def test_an_open_body_is_mended_where_that_is_wanted():
-    body = Drawing("palm.stl", _open_box())
+    body = CadDrawing("palm.stl", _open_box())
     assert made_of(drawn_gripper(body=body, is_mended=True)).body
     assert BAR[0][2] == PALM[1][2]

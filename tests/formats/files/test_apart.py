@@ -62,8 +62,8 @@ def is_gone(pid):
 
 def test_another_process_answers_with_what_json_holds_and_arrays(file):
     answer = apart(file, measures, 2)
-    assert answer.told["size"] == 5
-    assert answer.told["pid"] != os.getpid()
+    assert answer.value["size"] == 5
+    assert answer.value["pid"] != os.getpid()
     np.testing.assert_array_equal(answer.arrays["values"], [0, 2, 4])
 
 
@@ -143,4 +143,4 @@ def test_few_run_at_a_time_and_who_waits_can_give_up(file, monkeypatch):
     finally:
         is_over.set()
         thread.join()
-    assert apart(file, measures, 1).told["size"] == 5
+    assert apart(file, measures, 1).value["size"] == 5

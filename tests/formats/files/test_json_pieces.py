@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.formats.files.json_pieces import encoded, pieces
+from workbench.formats.files.json_pieces import encode_json, pieces
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text()
 VALUES = st.recursive(
@@ -21,19 +21,19 @@ def in_one_go(value):
 @given(VALUES)
 def test_it_is_the_same_as_in_one_go(value):
     assert "".join(pieces(value, in_one_go, 0)) == in_one_go(value)
-    assert encoded(value, allow_nan=True).decode("utf-8", "surrogatepass") == in_one_go(value)
+    assert encode_json(value, allow_nan=True).decode("utf-8", "surrogatepass") == in_one_go(value)
 
 
 @pytest.mark.parametrize("value", [{1: "a"}, {None: [1]}, [(1, 2), {"a": (3,)}], (), [], {}])
 def test_keys_and_rows_that_json_has_no_word_for_are_as_usual(value):
-    assert encoded(value).decode() == in_one_go(value)
+    assert encode_json(value).decode() == in_one_go(value)
 
 
 def test_a_number_that_is_none_is_refused_unless_it_may_be():
     for value in (float("nan"), [[float("inf")]], {"a": {"b": {"c": float("nan")}}}):
         with pytest.raises(ValueError):
-            encoded(value)
-        assert json.loads(encoded(value, allow_nan=True)) is not None
+            encode_json(value)
+        assert json.loads(encode_json(value, allow_nan=True)) is not None
 
 
 def test_no_piece_of_many_candidates_is_large():

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from workbench.formats.files import whole_files
-from workbench.formats.files.whole_files import file_name, read_whole, uploaded, write_whole
+from workbench.formats.files.whole_files import file_name, read_whole, write_upload, write_whole
 from workbench.model.errors import FileError, InputError
 
 
@@ -178,14 +178,14 @@ def test_a_folder_that_cannot_be_synced_holds_the_file_all_the_same(
 def test_a_name_that_no_file_has_is_refused_in_a_sentence(name) -> None:
     with (
         pytest.raises(InputError, match="is not the name of a file"),
-        uploaded(name, b"content"),
+        write_upload(name, b"content"),
     ):
         pytest.fail("it was taken")
 
 
 @pytest.mark.parametrize("name", ["part.stl", "Bild 3.06.ply", ".hidden", "ä" * 200, "..a"])
 def test_a_file_that_was_sent_is_there_for_a_while_by_its_name(name) -> None:
-    with uploaded(name, memoryview(b"content")) as file:
+    with write_upload(name, memoryview(b"content")) as file:
         assert file.read_bytes() == b"content"
         assert name.endswith(file.name)
     assert not file.parent.exists()

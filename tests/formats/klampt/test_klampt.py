@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.klampt.worlds import PlacedPart, Snapshot, robot_with_tools, write_world
+from workbench.formats.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
 from workbench.formats.robots.urdf import read_urdf
 from workbench.model.cell import Cell, Fixture
 from workbench.model.errors import FileError
@@ -30,9 +30,9 @@ def snapshot(cell: Cell) -> Snapshot:
     part = cell.part("keyed_cylinder")
     arm = cell.arm("right")
     return Snapshot(
-        standing=(PlacedPart("part-2", part, pose_from_rpy((0.4, 0.1, 0.02), (1.5, 0, 0.2))),),
+        standing=(WorldPart("part-2", part, pose_from_rpy((0.4, 0.1, 0.02), (1.5, 0, 0.2))),),
         openings={"right": 0.03},
-        held={"right": PlacedPart("part-1", part, T_TCP_PART)},
+        held={"right": WorldPart("part-1", part, T_TCP_PART)},
         joints=arm.joints,
         t=np.array([0.0, 0.5]),
         q=np.stack([arm.home, arm.home + 0.1]),

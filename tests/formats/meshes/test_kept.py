@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from workbench.formats.meshes import reading
-from workbench.formats.meshes.kept import cache_folder, kept
+from workbench.formats.meshes.kept import cache_folder, load_or_make
 from workbench.formats.meshes.pieces.convex_pieces import hull_of
 from workbench.formats.meshes.reading import read_mesh
 from workbench.model.errors import FileError
@@ -33,7 +33,7 @@ def file(tmp_path):
 def test_a_mesh_is_read_once_for_each_scale(file, monkeypatch):
     first, half = read_mesh(file), read_mesh(file, 0.5)
     loaded = []
-    monkeypatch.setattr(reading, "_loaded", lambda *given: loaded.append(given))
+    monkeypatch.setattr(reading, "_load_mesh", lambda *given: loaded.append(given))
     again = read_mesh(file)
     assert np.array_equal(again.points, first.points)
     assert np.array_equal(again.triangles, first.triangles)
@@ -68,7 +68,7 @@ def test_a_mesh_is_no_convex_piece_because_it_was_read(tmp_path):
 
 def test_code_and_content_that_are_others_make_something_else(own_cache):
     made = {
-        (code, content): kept(code, content, lambda k=k: {"k": np.array(k)})
+        (code, content): load_or_make(code, content, lambda k=k: {"k": np.array(k)})
         for k, (code, content) in enumerate(
             [("one", (b"ab", b"c")), ("one", (b"a", b"bc")), ("other", (b"ab", b"c"))]
         )

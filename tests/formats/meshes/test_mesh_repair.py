@@ -6,7 +6,12 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.formats.meshes.repair import examined, joined_corners, outside_out, repaired
+from workbench.formats.meshes.repair import (
+    examine_surface,
+    joined_corners,
+    outside_out,
+    repair_surface,
+)
 from workbench.model.geometry import Mesh
 
 
@@ -27,7 +32,7 @@ def ball() -> trimesh.Trimesh:
 
 def test_a_closed_surface_has_no_problems(ball):
     mesh, done = joined_corners(soup(ball))
-    surface = examined(mesh)
+    surface = examine_surface(mesh)
     assert done == () and surface.problems == () and surface.is_watertight
     assert (surface.triangles, surface.components) == (320, 1)
     assert surface.size == pytest.approx([0.02] * 3, rel=0.01)
@@ -36,46 +41,46 @@ def test_a_closed_surface_has_no_problems(ball):
 
 def test_a_hole_is_told_and_closed(ball):
     holed = Mesh(ball.vertices, ball.faces[1:])
-    surface = examined(holed)
+    surface = examine_surface(holed)
     assert surface.problems == ("3 edges are open",) and surface.volume == 0.0
-    mended, done = repaired(holed)
+    mended, done = repair_surface(holed)
     assert done == ("holes closed with 1 triangles",)
-    assert examined(mended).problems == ()
-    assert examined(mended).volume == pytest.approx(ball.volume)
+    assert examine_surface(mended).problems == ()
+    assert examine_surface(mended).volume == pytest.approx(ball.volume)
 
 
 def test_half_a_part_is_not_closed_with_a_lid(ball):
     half = Mesh(ball.vertices, ball.faces[np.asarray(ball.triangles_center)[:, 2] > 0])
-    mended, _ = repaired(half)
-    assert "edges are open" in examined(mended).problems[0]
+    mended, _ = repair_surface(half)
+    assert "edges are open" in examine_surface(mended).problems[0]
 
 
 def test_turned_triangles_are_turned_back(ball):
     faces = np.array(ball.faces)
     faces[10:20] = faces[10:20, ::-1]
     mesh = Mesh(ball.vertices, faces)
-    assert "do not fit together" in examined(mesh).problems[0]
-    mended, done = repaired(mesh)
+    assert "do not fit together" in examine_surface(mesh).problems[0]
+    mended, done = repair_surface(mesh)
     assert "10 triangles turned" in done[0]
-    assert examined(mended).problems == ()
-    assert examined(mended).volume == pytest.approx(ball.volume)
+    assert examine_surface(mended).problems == ()
+    assert examine_surface(mended).volume == pytest.approx(ball.volume)
 
 
 def test_inside_out_is_told_and_turned(ball):
     mesh = Mesh(ball.vertices, ball.faces[:, ::-1])
-    assert examined(mesh).problems == ("it is inside out",)
-    mended, done = repaired(mesh)
+    assert examine_surface(mesh).problems == ("it is inside out",)
+    mended, done = repair_surface(mesh)
     assert done == ("1 body that was inside out turned",)
-    assert examined(mended).problems == ()
+    assert examine_surface(mended).problems == ()
 
 
 def test_a_hollow_stays_a_hollow(ball):
     inner = ball.copy().apply_scale(0.5)
     inner.invert()
     hollow = trimesh.util.concatenate([ball, inner])
-    mended, done = repaired(mesh_of(hollow))
+    mended, done = repair_surface(mesh_of(hollow))
     assert done == ()
-    assert examined(mended).volume == pytest.approx(ball.volume * 7 / 8)
+    assert examine_surface(mended).volume == pytest.approx(ball.volume * 7 / 8)
 
 
 def test_what_is_there_twice_or_has_no_corners_is_left_out(ball):
@@ -91,9 +96,9 @@ def test_what_is_there_twice_or_has_no_corners_is_left_out(ball):
 def test_crumbs_are_left_out_and_other_pieces_stay(ball):
     crumb = ball.copy().apply_scale(0.01).apply_translation([0.1, 0, 0])
     beside = ball.copy().apply_translation([0.05, 0, 0])
-    mended, done = repaired(mesh_of(trimesh.util.concatenate([ball, crumb, beside])))
+    mended, done = repair_surface(mesh_of(trimesh.util.concatenate([ball, crumb, beside])))
     assert done == ("1 crumbs beside the part left out",)
-    assert examined(mended).components == 2
+    assert examine_surface(mended).components == 2
 
 
 def test_a_slit_without_area_is_closed_at_the_corner_in_it():
@@ -102,19 +107,21 @@ def test_a_slit_without_area_is_closed_at_the_corner_in_it():
     third = box.faces[0][2]
     points = np.vstack([box.vertices, (box.vertices[a] + box.vertices[b]) / 2])
     faces = np.vstack([box.faces[1:], [[a, 8, third], [8, b, third]]])
-    assert examined(Mesh(points, faces)).open_edges == 3
-    mended, done = repaired(Mesh(points, faces))
+    assert examine_surface(Mesh(points, faces)).open_edges == 3
+    mended, done = repair_surface(Mesh(points, faces))
     assert done == ("slits closed at 1 corners",)
-    assert examined(mended).problems == () and examined(mended).volume == pytest.approx(48e-6)
+    assert examine_surface(mended).problems == () and examine_surface(
+        mended
+    ).volume == pytest.approx(48e-6)
 
 
 def test_corners_that_nearly_meet_are_joined(ball):
     points = np.vstack([ball.vertices, ball.vertices[ball.faces[0]] + [1.5e-6, 0, 0]])
     faces = np.array(ball.faces)
     faces[0] = len(ball.vertices) + np.arange(3)
-    mended, done = repaired(Mesh(points, faces))
+    mended, done = repair_surface(Mesh(points, faces))
     assert done[0] == "3 corners along gaps joined"
-    assert examined(mended).problems == ()
+    assert examine_surface(mended).problems == ()
 
 
 def test_bodies_that_touch_are_two_bodies():
@@ -122,7 +129,7 @@ def test_bodies_that_touch_are_two_bodies():
     above = trimesh.creation.box((0.06, 0.04, 0.015))
     above.apply_translation([0, 0, 0.0175])
     mesh, done = joined_corners(soup(trimesh.util.concatenate([box, above])))
-    surface = examined(mesh)
+    surface = examine_surface(mesh)
     assert done == () and surface.problems == ()
     assert surface.components == 2 and surface.volume == pytest.approx(84e-6)
 
@@ -131,17 +138,19 @@ def test_one_body_of_two_that_is_inside_out_is_told_and_turned(ball):
     beside = ball.copy().apply_scale(0.5).apply_translation([0.05, 0, 0])
     beside.invert()
     mesh = mesh_of(trimesh.util.concatenate([ball, beside]))
-    assert examined(mesh).problems == ("it is inside out",)
+    assert examine_surface(mesh).problems == ("it is inside out",)
     mended, _ = outside_out(mesh)
-    assert examined(mended).volume == pytest.approx(ball.volume * 9 / 8)
+    assert examine_surface(mended).volume == pytest.approx(ball.volume * 9 / 8)
 
 
 def test_a_surface_written_from_both_sides_gets_one():
     box = trimesh.creation.box((0.06, 0.04, 0.02))
     mesh, _ = joined_corners(Mesh(box.vertices, np.vstack([box.faces, box.faces[:, ::-1]])))
-    mended, done = repaired(mesh)
+    mended, done = repair_surface(mesh)
     assert done[0].startswith("12 triangles left out that were there twice")
-    assert examined(mended).problems == () and examined(mended).volume == pytest.approx(48e-6)
+    assert examine_surface(mended).problems == () and examine_surface(
+        mended
+    ).volume == pytest.approx(48e-6)
 
 
 def test_a_sheet_that_hangs_in_a_body_is_left_out():
@@ -151,10 +160,10 @@ def test_a_sheet_that_hangs_in_a_body_is_left_out():
             for c in ((low[0], low[1], low[2]), (high[0], low[1], low[2])))  # fmt: skip
     points = np.vstack([box.vertices, [0, 0, 0]])
     mesh = Mesh(points, np.vstack([box.faces, [[a, b, 8]]]))
-    assert examined(mesh).problems
-    mended, done = repaired(mesh)
+    assert examine_surface(mesh).problems
+    mended, done = repair_surface(mesh)
     assert done == ("sheets of 1 triangles that enclose nothing left out",)
-    assert examined(mended).volume == pytest.approx(48e-6)
+    assert examine_surface(mended).volume == pytest.approx(48e-6)
 
 
 @settings(max_examples=60, deadline=None)
@@ -167,9 +176,9 @@ def test_no_surface_is_too_broken_to_look_at(triangles, seed):
     mesh, _ = joined_corners(Mesh(points, np.array(triangles)))
     if len(mesh.triangles) == 0:
         return
-    before = examined(mesh)
-    mended, _ = repaired(mesh)
-    after = examined(mended)
+    before = examine_surface(mesh)
+    mended, _ = repair_surface(mesh)
+    after = examine_surface(mended)
     # Of two triangles on each other one may go.
     gone = max(0, before.triangles - after.triangles)
     assert after.open_edges <= before.open_edges + before.bad_edges * 2 + 3 * gone

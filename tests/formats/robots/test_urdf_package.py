@@ -6,7 +6,7 @@ import pytest
 
 from workbench.formats.meshes.pieces.convex_pieces import OVER, Pieces
 from workbench.formats.robots import urdf_package
-from workbench.formats.robots.urdf_package import MOST_SPLIT, simplified
+from workbench.formats.robots.urdf_package import MOST_SPLIT, simplify_robot
 from workbench.model.geometry import Mesh, Solid
 from workbench.model.robot import Link, Robot
 
@@ -32,7 +32,7 @@ def test_the_work_for_a_robot_is_bounded_however_many_meshes_it_has(count, monke
         return Pieces((mesh,), 0.0)
 
     monkeypatch.setattr(urdf_package, "pieces_of", pieces_of)
-    found, _ = simplified(robot_of(count), tolerance=0.005, most=32)
+    found, _ = simplify_robot(robot_of(count), tolerance=0.005, most=32)
     assert len(asked) == len(found.links) == count
     assert len(set(asked)) == 1
     most, over = asked[0]

@@ -8,7 +8,7 @@ import pytest
 from workbench.formats.robots.descriptions import read_description
 from workbench.formats.robots.packages import Packages
 from workbench.formats.robots.urdf import read_urdf
-from workbench.formats.robots.xacro_files import expanded, is_xacro
+from workbench.formats.robots.xacro_files import expand_xacro, is_xacro
 from workbench.model.errors import FileError
 
 NAMESPACES = (
@@ -65,7 +65,7 @@ def test_a_package_elsewhere_is_found_where_a_person_says(tmp_path):
     file = tmp_path / "here" / "x" / "y" / "z" / "arm.xacro"
     path = made_arm.written(file, xacro(CALLS.format("$(find other)/m.xacro")))
     for folder in (tmp_path / "there", away, away / "..", away.parent):
-        assert b'name="base"' in expanded(path, {}, Packages(path, [folder])).content
+        assert b'name="base"' in expand_xacro(path, {}, Packages(path, [folder])).content
     with pytest.raises(FileError, match="nowhere: is no folder in which packages could be"):
         Packages(path, [tmp_path / "nowhere"])
 

@@ -25,7 +25,7 @@ from workbench.model.calibration import (
 )
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
-from workbench.model.scan import PosesFolder, Remark, Search, SearchOverrides
+from workbench.model.scan import PosesFolder, Remark, SearchOverrides, SearchRecord
 
 NOW = 1_760_000_000.0
 DAY = 86_400.0
@@ -94,8 +94,8 @@ def test_poses_have_residuals_lights_and_reasons(cell, observations):
 def test_searches_stand_side_by_side(detections):
     assert "to be compared" in searches_html((), None, ())
     searches = (
-        Search(3, 0, SearchOverrides(), detections, 0.25),
-        Search(7, 5, SearchOverrides(1.5, 0.8), detections[:1], 0.5),
+        SearchRecord(3, 0, SearchOverrides(), detections, 0.25),
+        SearchRecord(7, 5, SearchOverrides(1.5, 0.8), detections[:1], 0.5),
     )
     html = searches_html(searches, 7, ("a", "b"))
     assert html.count("<tr") == 3 and html.count("wb-chosen") == 1

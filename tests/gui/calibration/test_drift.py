@@ -34,7 +34,7 @@ def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch)
 
 def test_a_scanner_that_was_never_calibrated_is_said(visitor):
     told = []
-    visitor.tell = lambda *said: told.append(said)
+    visitor.notify = lambda *said: told.append(said)
     group = DriftGroup(visitor, lambda: "Ada")
     group._looked(Event())
     assert "was never calibrated" in told[0][1]

@@ -22,7 +22,7 @@ from workbench.app.picking.glance import Glance
 from workbench.app.runtime.bench import Bench
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
-from workbench.gui.dragging.views import Room, dragged_html
+from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.page.server import serve
 from workbench.gui.scene.live import _covered, beside, live_message
 from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
@@ -210,7 +210,7 @@ def test_the_words_count_every_kind(states):
 
 def test_there_is_room_for_the_words_before_a_drag_begins(states):
     told = dragged_html(Dragged(glance(1), HERE, states.localized))
-    before, without = dragged_html(None, Room.TOLD), dragged_html(None, Room.EMPTY)
+    before, without = dragged_html(None, VerdictRoom.HINT), dragged_html(None, VerdictRoom.EMPTY)
     assert without == '<div class="wb-live"></div>'
     assert told.startswith('<div class="wb-live">') and before.startswith('<div class="wb-live">')
 

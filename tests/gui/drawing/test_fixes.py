@@ -6,7 +6,7 @@ from dataclasses import replace
 from waiting import PATIENCE, wait_until
 
 import workbench.gui.drawing.fixes
-from workbench.gui.drawing.fixes import LOOKING, Fixes
+from workbench.gui.drawing.fixes import LOOKING, FixFinder
 from workbench.gui.shared.look import NO_HELP
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.planning.picking.nearest_fix import fix_words, nearest_fix
@@ -25,7 +25,7 @@ def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch)
     old = replace(states.planned, candidates=tuple(replace(one, rank=k) for k in (0.0, 1.0, 2.0)))
     new = replace(old, candidates=(replace(one, rank=9.0),))
     found = threading.Semaphore(0)
-    fixes = Fixes(found.release)
+    fixes = FixFinder(found.release)
     assert [fixes.of(old, k) for k in range(3)] == [LOOKING] * 3
     assert fixes.of(new, 0) == LOOKING
     go_on.set()
@@ -38,7 +38,7 @@ def test_candidates_of_a_plan_before_are_not_tried_any_more(states, monkeypatch)
 
 def test_where_nothing_can_be_taken_the_best_help_of_all_is_named(states):
     """In the words of the command `explain`; with a plan nothing has to help."""
-    fixes = Fixes(lambda: None)
+    fixes = FixFinder(lambda: None)
     refused = [c for c in states.planned.candidates if c.verdict.pair is not None]
     assert fixes.without_plan(states.planned) is NO_HELP
     state = replace(states.localized, candidates=tuple(refused))

@@ -9,7 +9,7 @@ from workbench.app.runtime.live import Live
 from workbench.gui.drawing.following import keep_up
 from workbench.gui.shared.look import SharedLook
 from workbench.gui.shared.playback import joint_values, moments, timeline
-from workbench.model.scan import Search, SearchOverrides
+from workbench.model.scan import SearchOverrides, SearchRecord
 
 
 @pytest.fixture
@@ -100,8 +100,8 @@ def compared(states, look, go):
     """Two searches in one scan; the second one is looked at, and what was rejected."""
     first, other = states.localized.detections, states.localized.detections[:1]
     searches = (
-        Search(3, 0, SearchOverrides(), first, 1.0),
-        Search(5, 1, SearchOverrides(), other, 1.0),
+        SearchRecord(3, 0, SearchOverrides(), first, 1.0),
+        SearchRecord(5, 1, SearchOverrides(), other, 1.0),
     )
     state = replace(states.localized, searches=searches)
     go(state)

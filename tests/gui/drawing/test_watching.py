@@ -19,7 +19,7 @@ from workbench.gui.calibration.panel import CalibrationPanel
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.cycle.panel import CyclePanel
 from workbench.gui.drawing.audience import STEP
-from workbench.gui.drawing.in_view import Way, are_seen
+from workbench.gui.drawing.in_view import HandWays, are_seen
 from workbench.gui.drawing.own_scene import OwnScene
 from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.page.modes import mode_html
@@ -209,7 +209,7 @@ def test_playing_brings_the_camera_to_where_the_hands_and_the_bin_are_seen(page,
     hands.play()
     planned.wait(lambda state: state.watched != (), PATIENCE)
     camera = hands.visitor.client.camera
-    way = Way(cell, Kinematics(cell), page._renderer._runs)
+    way = HandWays(cell, Kinematics(cell), page._renderer._runs)
     end = page._renderer._drawn.plan_seconds
     assert are_seen(camera, way.along(((0.0, end),)))
     assert are_seen(camera, cell.bin.T_world_bin.translation[None])

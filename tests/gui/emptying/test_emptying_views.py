@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.gui.emptying.curves import MOST_CURVES, end_of, taken_plot
 from workbench.gui.emptying.views import (
     COLUMNS,
-    Order,
+    PileOrder,
     changes_html,
     left_html,
     ordered,
@@ -77,13 +77,13 @@ def test_whatever_a_part_is_called_it_is_text():
 @pytest.mark.parametrize(
     ("order", "seeds"),
     [
-        (Order(), [7, 8, 9]),
-        (Order("seed", True), [9, 8, 7]),
-        (Order("taken", True), [9, 7, 8]),
-        (Order("left", True), [8, 7, 9]),
-        (Order("failed", True), [7, 8, 9]),
-        (Order("plans"), [8, 7, 9]),
-        (Order("motion", True), [7, 9, 8]),
+        (PileOrder(), [7, 8, 9]),
+        (PileOrder("seed", True), [9, 8, 7]),
+        (PileOrder("taken", True), [9, 7, 8]),
+        (PileOrder("left", True), [8, 7, 9]),
+        (PileOrder("failed", True), [7, 8, 9]),
+        (PileOrder("plans"), [8, 7, 9]),
+        (PileOrder("motion", True), [7, 9, 8]),
     ],
 )
 def test_the_table_sorts_by_each_column(order, seeds):
@@ -96,7 +96,7 @@ def test_the_table_sorts_by_each_column(order, seeds):
 
 
 def test_the_chosen_pile_is_marked_and_each_row_has_its_button():
-    html = piles_html(PILES, (2, 0, 1), Order(), 0, headings=HEADINGS, rows=ROWS)
+    html = piles_html(PILES, (2, 0, 1), PileOrder(), 0, headings=HEADINGS, rows=ROWS)
     body = html.split("<tbody>")[1].split("<tr")[1:]
     assert ["wb-chosen" in row for row in body] == [False, True, False]
     assert [f"r-{place}'" in row for place, row in enumerate(body)] == [True] * 3
@@ -120,7 +120,7 @@ def test_every_verdict_has_its_colour_in_the_bin_too():
 def test_changes_are_told_with_what_they_gain_and_lose():
     more = pile(8, ("", "", ""), (), ChangeText.FINGERS_THINNER(by=0.001))
     less = pile(8, (), (*STAYS, STAYS[0]), plain("in words, as older records have it"))
-    html = changes_html(ranked((PILES[1], more, less), **TAKES))
+    html = changes_html(rank_changes((PILES[1], more, less), **TAKES))
     first, second = html.split("<tbody>")[1].split("<tr")[1:]
     assert "in words, as older records" in second
     assert "fingers 1 mm thinner" in first and "33%" in first and "100%" in first

@@ -11,7 +11,7 @@ from workbench.gui.page.modes import ENDS, STANDS, Mode, mode_html, mode_of
 from workbench.gui.shared.look import FilmMoment, Jogged, Look, Pose, SharedLook
 from workbench.gui.shared.own import Own, Showing
 from workbench.model.geometry import Box
-from workbench.model.scan import LocalizationResult, Search, SearchOverrides
+from workbench.model.scan import LocalizationResult, SearchOverrides, SearchRecord
 
 
 @pytest.fixture
@@ -161,7 +161,7 @@ def test_the_legend_names_the_candidate_that_is_looked_at(states, view_of, live)
 
 def test_the_legend_says_what_parts_of_searches_are(states, view_of, live):
     found = states.localized.detections
-    searches = tuple(Search(number, 0, SearchOverrides(), found, 1.0) for number in (3, 5))
+    searches = tuple(SearchRecord(number, 0, SearchOverrides(), found, 1.0) for number in (3, 5))
     state = replace(states.localized, searches=searches)
     findings = LocalizationResult(found, (object(),))
     html = mode_html(view_of(state, Look(search=5), replace(live, findings=findings)), "end")

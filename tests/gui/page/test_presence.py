@@ -5,7 +5,7 @@ import pytest
 from workbench.app.core.control import TakeControl
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.gui.page.control import control_message
-from workbench.gui.page.presence import GRACE, Presence
+from workbench.gui.page.presence import GRACE, BrowserCount
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)
@@ -14,7 +14,7 @@ VIC = Person("Vic", Role.VIEWER)
 
 @pytest.fixture
 def presence(bench):
-    return Presence(bench, 0.0)
+    return BrowserCount(bench, 0.0)
 
 
 def test_the_first_who_may_act_is_in_control_and_keeps_it(bench, presence):
@@ -76,7 +76,7 @@ def test_a_program_that_took_control_keeps_it_without_any_browser(bench, presenc
 
 def test_whoever_was_in_control_before_the_workbench_began_again_has_a_while_to_come(bench):
     bench.do(TakeControl(), "Bob", Role.OPERATOR)
-    presence = Presence(bench, 100.0)
+    presence = BrowserCount(bench, 100.0)
     presence.look(100.0 + GRACE - 1)
     assert bench.state.control == "Bob"
     presence.look(100.0 + GRACE)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from workbench.gui.scene.cloud import GRID, avoided_red, height_colours, in_short, painted_cloud
-from workbench.gui.scene.picture import Scene
+from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.colours import AVOIDED, part_colour, rgb_of
 from workbench.gui.shared.look import Look
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -85,7 +85,7 @@ def test_the_picture_turns_red_with_the_plan_and_back_without_it(
     scan = Scan(points @ T.rotation.T + T.translation, cell.scanner.T_world_scanner, "drawn")
     found = view_of(replace(states.localized, scan=scan))
     planned = view_of(replace(states.planned, scan=scan, obstacles=(box,)))
-    scene = Scene(server, cell, most_points=10_000)
+    scene = ScenePicture(server, cell, most_points=10_000)
 
     def red() -> np.ndarray:
         cloud = server.scene.get_handle_by_name("/scan")
@@ -116,7 +116,7 @@ def test_a_scan_is_drawn_in_its_own_colours_where_somebody_wants_that(
     bare = replace(states.planned, scan=replace(scan, colours=None), obstacles=(box,))
     seen = replace(bare, scan=scan)
     # Fewer are drawn than there are, each with the colour that it has.
-    scene = Scene(server, cell, most_points=1500)
+    scene = ScenePicture(server, cell, most_points=1500)
 
     def drawn() -> np.ndarray:
         names = ["/scan", *(f"/parts/part-{k + 1}/points" for k in range(len(seen.detections)))]

@@ -8,7 +8,7 @@ from workbench.app.picking.facts import put_down
 from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
-from workbench.gui.scene.picture import Scene
+from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.look import Look
 from workbench.gui.shared.playback import timeline
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -24,7 +24,7 @@ def cell():
 @pytest.fixture
 def scene(cell):
     server = open_viser("127.0.0.1", 0)
-    yield Scene(server, cell, most_points=500)
+    yield ScenePicture(server, cell, most_points=500)
     close_viser(server)
 
 

@@ -10,7 +10,7 @@ from raw_browser import raw_browser
 from workbench.app.runtime.live import Live
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.cloud import GRID
-from workbench.gui.scene.picture import Scene, is_other_robot
+from workbench.gui.scene.picture import ScenePicture, is_other_robot
 from workbench.gui.shared.colours import BAD, rgb_of
 from workbench.gui.shared.look import Look, Pose
 from workbench.gui.shared.playback import joint_values, part_poses
@@ -31,7 +31,7 @@ def server():
 
 @pytest.fixture
 def scene(server, cell):
-    return Scene(server, cell, most_points=500)
+    return ScenePicture(server, cell, most_points=500)
 
 
 def node(server, name):

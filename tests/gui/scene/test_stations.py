@@ -11,7 +11,7 @@ from workbench.app.picking.row import plan_row
 from workbench.formats.cells.reading import read_cell
 from workbench.gui.plan.curves import doing, lanes_html
 from workbench.gui.plan.views import plan_html
-from workbench.gui.scene.picture import Scene
+from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.look import Look
 from workbench.gui.shared.playback import part_poses, timeline
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -54,7 +54,7 @@ def stands(planned):
 @pytest.fixture
 def scene(over):
     server = open_viser("127.0.0.1", 0)
-    yield Scene(server, over, most_points=500)
+    yield ScenePicture(server, over, most_points=500)
     close_viser(server)
 
 

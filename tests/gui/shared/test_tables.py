@@ -11,7 +11,7 @@ from workbench.gui.shared.colours import BUSY, GOOD, KINDS, verdict_colour
 from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
-    Order,
+    CandidateOrder,
     candidates_html,
     chosen_html,
     funnel_html,
@@ -47,7 +47,7 @@ candidates_drawn = st.lists(
     max_size=40,
 )
 orders = st.builds(
-    Order,
+    CandidateOrder,
     only=st.none() | st.sampled_from(KINDS),
     column=st.sampled_from(list(COLUMNS)),
     is_descending=st.booleans(),
@@ -94,12 +94,12 @@ def test_a_margin_that_is_not_kept_is_no_collision(reason):
 
 
 def test_by_default_what_works_stands_first(result):
-    first = result.candidates[ordered(result.candidates, Order())[0]]
+    first = result.candidates[ordered(result.candidates, CandidateOrder())[0]]
     assert first.verdict.is_ok
 
 
 def test_no_page_is_longer_than_the_buttons_behind_its_rows(result):
-    indices = ordered(result.candidates, Order())
+    indices = ordered(result.candidates, CandidateOrder())
     assert all(len(on_page(indices, page)) <= PAGE for page in range(pages(len(indices))))
 
 
@@ -109,12 +109,12 @@ def test_an_empty_table_has_one_page(count, expected):
 
 
 def test_each_row_presses_its_own_button(result):
-    shown = on_page(ordered(result.candidates, Order()), 0)
+    shown = on_page(ordered(result.candidates, CandidateOrder()), 0)
     rows = [f"row-{place}" for place in range(PAGE)]
     html = candidates_html(
         result.candidates,
         shown,
-        Order(),
+        CandidateOrder(),
         headings=dict.fromkeys(COLUMNS, "heading"),
         rows=rows,
     )
@@ -129,7 +129,7 @@ def test_the_chosen_row_is_marked_without_writing_the_table_anew():
 
 @given(candidates_drawn, st.sampled_from(["", "part-1", "LEFT b", "grasp right", "nothing-of-it"]))
 def test_typed_words_keep_the_rows_that_have_all_of_them(candidates, words):
-    shown = [candidates[number] for number in ordered(candidates, Order(words=words))]
+    shown = [candidates[number] for number in ordered(candidates, CandidateOrder(words=words))]
     for one in candidates:
         text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {one.verdict.kind.message}"
         text = f"{text} {one.verdict.stage.message}".casefold()

@@ -18,7 +18,7 @@ from workbench.gui.plan.curves import lanes_html, now_html
 from workbench.gui.plan.views import plan_html
 from workbench.gui.shared import link_views, views
 from workbench.gui.shared.look import View
-from workbench.gui.shared.tables import COLUMNS, PAGE, Order, candidates_html, funnel_html
+from workbench.gui.shared.tables import COLUMNS, PAGE, CandidateOrder, candidates_html, funnel_html
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
@@ -316,7 +316,7 @@ def test_nothing_from_outside_becomes_html(cell, states, view_of):
         candidates_html(
             state.candidates,
             (0,),
-            Order(),
+            CandidateOrder(),
             headings=dict.fromkeys(COLUMNS, "id"),
             rows=["id"] * PAGE,
         ),

@@ -108,11 +108,11 @@ def test_what_a_button_says_stands_in_the_style_sheet_as_plain_text(bench, visit
     evil = 'no "plan"</style><script>alert(1)</script>\\'
     button = visitor.gui.add_button("Plan", hint="Makes one.")
     visitor.explain(button, "")
-    visitor.show_told()
+    visitor.show_button_texts()
     told = visitor._style.content
     assert f'[id="{button._impl.uuid}"]' in told and '--wb-told:"Makes one."' in told
     visitor.explain(button, evil)
-    visitor.show_told()
+    visitor.show_button_texts()
     told = visitor._style.content
     assert told.count("<") == 2 and "script>" not in told.replace("</style>", "")
     assert told.count('"') == 6 and "Makes one" not in told
@@ -121,6 +121,6 @@ def test_what_a_button_says_stands_in_the_style_sheet_as_plain_text(bench, visit
 def test_buttons_that_nothing_is_explained_of_say_what_they_were_made_with(visitor):
     visitor.gui.add_button("Measure", hint="Two clicks.")
     visitor.gui.add_button("Play")
-    visitor.show_told()
+    visitor.show_button_texts()
     assert visitor._style.content.count("--wb-told") == 1
     assert '--wb-told:"Two clicks."' in visitor._style.content

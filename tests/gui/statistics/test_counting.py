@@ -10,7 +10,7 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.review.history import History
-from workbench.gui.statistics.counting import Counted
+from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.statistics.panel import WHOLE, StatisticsPanel
 
 
@@ -22,7 +22,7 @@ def test_a_recorded_session_is_counted_whole_at_every_moment_and_says_so(
     bench.do(JobEnded(bench.do(MakePlan(), "Ada").number, result), "worker")
     history, done = History(bench._journal), threading.Event()
     history.go(0)
-    counted = Counted(history, done.set)
+    counted = EntryCounter(history, done.set)
     counted.of(history.state)
     assert done.wait(PATIENCE)
     whole = counted.of(history.state)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.app.records.forms import restored
+from workbench.app.records.forms import restore_value
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.digest import canonical, digest_of
 from workbench.model.messages.catalogue import message_of
@@ -89,9 +89,9 @@ def test_a_verdict_tells_a_violated_margin_from_a_collision():
 
 def test_a_verdict_on_record_with_a_text_is_read():
     form = canonical(Verdict(Reason.NO_PATH, Stage.ROUTE))
-    again = restored(Verdict, {**form, "note": "at its end"}, read=lambda digest: b"")
+    again = restore_value(Verdict, {**form, "note": "at its end"}, read=lambda digest: b"")
     assert again.note == plain("at its end") and str(again) == "no path (at its end)"
-    assert restored(Verdict, {**form, "note": ""}, read=lambda digest: b"").note is None
+    assert restore_value(Verdict, {**form, "note": ""}, read=lambda digest: b"").note is None
 
 
 def test_a_text_without_an_id_keeps_the_digest_that_it_had():

@@ -8,9 +8,9 @@ from scipy.stats import chi2
 
 from workbench.model.scan import Detection
 from workbench.perception.calibration.drift import DAY, courses, estimated, known
-from workbench.perception.calibration.refinement import drift_of, told_by_parts
+from workbench.perception.calibration.refinement import drift_of, estimate_from_parts
 from workbench.perception.calibration.things import (
-    Sighting,
+    ThingSighting,
     motion_at,
     motion_of,
     sight_things,
@@ -25,7 +25,7 @@ def days(count, moved, *, noise=2e-5, seed=0, thing="table", information=FLAT):
     rng, kind = np.random.default_rng(seed), "bin" if thing == "bin" else "fixture"
     held = np.diag(information) > 0
     return [
-        Sighting(
+        ThingSighting(
             thing,
             kind,
             (day + 0.5) * DAY,
@@ -42,7 +42,9 @@ def exact(cell, parts, moved):
     for part, T_lies in parts:
         T_seen = motion_of(moved, middle).inverse() * T_lies
         off = motion_at(T_seen * part.detection.T_world_part.inverse(), middle)
-        yield Sighting("peg", "part", 0.5 * DAY, off, np.diag([1e8] * 3 + [1e6] * 3), part.slopes)
+        yield ThingSighting(
+            "peg", "part", 0.5 * DAY, off, np.diag([1e8] * 3 + [1e6] * 3), part.slopes
+        )
 
 
 def test_a_scan_tells_height_and_lean_by_the_table_and_the_rest_by_the_bin():
@@ -109,7 +111,7 @@ def test_parts_that_slip_in_the_hand_say_how_sure_they_are():
         sightings = list(exact(cell, put_parts(cell, seed, MOVED, 8, slip=3e-4), MOVED))
         for told, found in (
             (alone, estimated(sightings)),
-            (held, told_by_parts(sightings)),
+            (held, estimate_from_parts(sightings)),
         ):
             off = found.moved - MOVED
             told.append(off @ found.information @ off < chi2.ppf(0.95, 6))

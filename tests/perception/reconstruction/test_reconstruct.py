@@ -10,7 +10,7 @@ import trimesh
 from drawn_shapes import elbow
 
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.meshes.repair import examined
+from workbench.formats.meshes.repair import examine_surface
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError
 from workbench.model.geometry import Mesh, pose_from_rpy
@@ -85,7 +85,7 @@ def as_trimesh(mesh):
 
 
 def test_the_model_is_closed_and_near_the_true_shape(made, shape):
-    surface = examined(made.mesh)
+    surface = examine_surface(made.mesh)
     assert surface.problems == () and surface.components == 1
     apart = np.concatenate([off(as_trimesh(made.mesh), shape), off(shape, as_trimesh(made.mesh))])
     assert np.median(apart) < 0.0004

@@ -1,12 +1,19 @@
 """A part lifted out of a pile, and what becomes of the others."""
 
+from dataclasses import replace
+from itertools import product
+
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from workbench.formats.parts.reading import read_part
-from workbench.model.geometry import pose_from_rpy
+from workbench.model.geometry import Box, Solid, pose_from_rpy
+from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
+from workbench.model.symmetry import Symmetry
+from workbench.perception.simulation.physics import model_of
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 
@@ -65,3 +72,19 @@ def test_a_part_whose_frame_is_at_its_edge_lies_in_the_bin_where_that_sinks_into
     sunk = pose_from_rpy((0.01, 0.0, -0.0003))
     assert is_in_bin(cell.bin, bracket, cell.bin.T_world_bin * sunk)
     assert not is_in_bin(cell.bin, bracket, cell.bin.T_world_bin * pose_from_rpy((0, 0, -0.2)))
+
+
+def test_flat_parts_of_many_pieces_keep_all_their_contacts_with_the_floor(cell, part):
+    turns = np.linspace(0, 2 * np.pi, 32, endpoint=False)
+    Ts = [pin.SE3(pin.exp3(np.array([0.0, 0.0, a])), np.zeros(3)) for a in turns]
+    away = pin.SE3(np.eye(3), np.array([0.005, 0.0, 0.0]))
+    block = Box(np.array([0.004, 0.0014, 0.005]))
+    pieces = tuple(Solid(f"block_{k}", block, T * away) for k, T in enumerate(Ts))
+    ring = replace(part, pieces=pieces, library=GraspLibrary(), symmetry=Symmetry())
+    model = model_of([ring] * 12, cell.bin)
+    data = mujoco.MjData(model)
+    for number, place in enumerate(product((-0.06, -0.02, 0.02, 0.06), (-0.05, 0.0, 0.05))):
+        data.qpos.reshape(-1, 7)[number, :3] = (*place, 0.0024)
+    mujoco.mj_fwdPosition(model, data)
+    assert data.ncon >= 12 * len(pieces)
+    assert data.warning[mujoco.mjtWarning.mjWARN_CNSTRFULL].number == 0

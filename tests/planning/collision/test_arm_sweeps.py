@@ -9,7 +9,7 @@ from rounded import curves_of
 from workbench.planning.collision.arm_sweeps import ArmSweep, first_contact, standing
 from workbench.planning.collision.legs import phase_of
 from workbench.planning.collision.motion import RESOLUTION, segment, straight
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 
@@ -17,7 +17,7 @@ from workbench.planning.kinematics.chain import is_solution
 @pytest.fixture
 def both(world):
     """The world with both arms on the move and empty hands."""
-    world.enter(Phase(frozenset({"right", "left"})))
+    world.enter(LegPhase(frozenset({"right", "left"})))
     return world
 
 
@@ -51,7 +51,7 @@ def either(request, both, cell, detections):
     if request.param == "compiled":
         return both
     measured = World(cell, detections, by_coal=True)
-    measured.enter(Phase(frozenset({"right", "left"})))
+    measured.enter(LegPhase(frozenset({"right", "left"})))
     return measured
 
 
@@ -85,7 +85,7 @@ def test_the_seeds_above_show_both_answers(both):
 def test_compiled_and_measured_answers_agree(both, cell, detections, zone):
     """Along rounded ways too, where the one of an arm is many curves and that of the other few."""
     measured = World(cell, detections, by_coal=True)
-    measured.enter(Phase(frozenset({"right", "left"})))
+    measured.enter(LegPhase(frozenset({"right", "left"})))
     met = 0
     for seed in range(40):
         paths = ways(both, seed, count=2 + seed % 4)

@@ -8,7 +8,7 @@ from shipped import shipped
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 
 CELL = shipped("yumi")
@@ -20,11 +20,11 @@ UPPER = WORLD.kinematics.model.upperPositionLimit
 EXACT = 1e-10
 
 PHASES = (
-    Phase(frozenset({"right", "left"})),
-    Phase(
+    LegPhase(frozenset({"right", "left"})),
+    LegPhase(
         frozenset({"right"}), {"right": 0.05}, targets={"right": 0}, straight=frozenset({"right"})
     ),
-    Phase(frozenset({"left"}), {"left": 0.03}, held={"left": (0, pose_from_rpy((0, 0, 0.01)))}),
+    LegPhase(frozenset({"left"}), {"left": 0.03}, held={"left": (0, pose_from_rpy((0, 0, 0.01)))}),
 )
 
 

@@ -11,10 +11,10 @@ from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.geometry import Box, Solid
 from workbench.model.scan import Scene
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.table import Situation, Table
+from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.robot import tree_of
 
 
@@ -33,7 +33,7 @@ def with_housing(cell: Cell, size: list[float], at: list[float]) -> Cell:
 
 def contact_at_view(cell: Cell) -> set[str]:
     world = World(cell, ())
-    world.enter(Phase(frozenset({"left"}), {"left": cell.arm("left").tool.stroke[1]}))
+    world.enter(LegPhase(frozenset({"left"}), {"left": cell.arm("left").tool.stroke[1]}))
     contact = world.contact(world.configuration({}))
     return set() if contact is None else set(contact.pair)
 
@@ -59,7 +59,7 @@ def test_the_proof_compares_the_housing_with_everything_but_its_flange_and_itsel
 ) -> None:
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, Scene("", (), ()))
-    table = Table(cell, tree, bodies)
+    table = PairTable(cell, tree, bodies)
     moves = np.zeros(tree.model.nq, bool)
     moves[tree.columns["left"]] = True
     joints = np.array([body.joint for body in bodies])

@@ -12,14 +12,14 @@ from workbench.model.motion import MotionModel
 from workbench.planning.collision.motion import (
     NARROW,
     RESOLUTION,
+    bound_curves,
     chain_contact,
     segment,
     straight,
-    walked,
 )
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.proof.claims.motion import sweep_path
 
 
@@ -57,7 +57,7 @@ def test_whatever_a_controller_makes_of_a_corner_is_walked_nearby(
     """Rounded by less than allowed, or cut between two samples: wherever along it one looks."""
     path = np.random.default_rng(seed).uniform(-2.0, 2.0, (count, 3))
     motion = MotionModel("some", corners=corners, period=0.004)
-    curves = walked(path, motion, zone)
+    curves = bound_curves(path, motion, zone)
     assert np.all(np.diff(curves.waypoints) >= 0)
     for number, points in enumerate(straight(path).points):
         assert points.tolist() in curves.points[curves.waypoints == number].tolist()
@@ -89,7 +89,7 @@ def test_what_the_proof_checks_farthest_from_a_corner_is_walked(seed, zone):
         if np.allclose(np.sqrt(np.abs(shares) / zone).sum(axis=0), 1.0, atol=1e-5):
             chords.append((start, end))
     assert len(chords) > 1
-    curves = walked(path, motion, zone).points
+    curves = bound_curves(path, motion, zone).points
     for start, end in chords:
         ends = np.abs(curves[:, [0, 2]] - np.stack([start, end])).max(axis=(1, 2))
         assert ends.min() < 1e-9
@@ -98,7 +98,7 @@ def test_what_the_proof_checks_farthest_from_a_corner_is_walked(seed, zone):
 def test_a_rounding_that_the_proof_would_refuse_is_not_clear(cell):
     """The widest rounding passes the wall at 5.0 mm, the proof's chords of it at 4.9 mm."""
     empty = World(cell, ())
-    empty.enter(Phase(frozenset({"left"}), {"left": 0.04}))
+    empty.enter(LegPhase(frozenset({"left"}), {"left": 0.04}))
     path = np.deg2rad(
         [
             [0.0, -130.0, 135.0, 30.0, 0.0, 40.0, 0.0],
@@ -109,14 +109,14 @@ def test_a_rounding_that_the_proof_would_refuse_is_not_clear(cell):
     columns, base = empty.kinematics.columns["left"], empty.configuration({})
     motion = MotionModel("some", corners="blend")
     assert chain_contact(empty, columns, base, straight(path)) is None
-    contact, _, waypoint = chain_contact(empty, columns, base, walked(path, motion, 0.2))
+    contact, _, waypoint = chain_contact(empty, columns, base, bound_curves(path, motion, 0.2))
     assert (contact.pair, waypoint) == (("left finger_a", "bin_wall_left"), 0)
     assert 0.0049 < contact.distance < contact.margin
 
 
 def test_a_controller_that_stops_makes_nothing_of_a_corner():
     path = np.random.default_rng(0).uniform(-2.0, 2.0, (5, 3))
-    stopping = walked(path, MotionModel("some", corners="stop"), 0.2)
+    stopping = bound_curves(path, MotionModel("some", corners="stop"), 0.2)
     np.testing.assert_array_equal(stopping.points, straight(path).points)
 
 
@@ -125,7 +125,7 @@ def test_a_controller_that_stops_makes_nothing_of_a_corner():
 def test_timing_respects_speed_and_acceleration(seed, zone):
     path = np.random.default_rng(seed).uniform(-1.0, 1.0, (6, 4))
     velocity, acceleration = np.array([1.0, 2.0, 1.5, 3.0]), np.full(4, 8.0)
-    times = timed(path, velocity, acceleration, zone)
+    times = compute_times(path, velocity, acceleration, zone)
     assert times[0] == 0.0 and np.all(np.diff(times) > 0)
     mean_speed = np.abs(np.diff(path, axis=0)) / np.diff(times)[:, None]
     # A rounded corner is shorter than the waypoints make it look, never by more than its zone.
@@ -136,7 +136,7 @@ def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
     """From one side of the bin's wall to the other: both ends clear, the way not."""
     arm = cell.arm("right")
     chain, columns = world.chains["right"], world.kinematics.columns["right"]
-    world.enter(Phase(frozenset({"right"})))
+    world.enter(LegPhase(frozenset({"right"})))
     base = world.configuration({})
     rng = np.random.default_rng(0)
     blocked = 0
@@ -175,7 +175,7 @@ def test_compiled_and_measured_checks_agree(cell, detections):
         end = np.clip(start + rng.normal(0, 0.4, len(start)), chain.lower, chain.upper)
         found = []
         for world in (fast, measured):
-            world.enter(Phase(frozenset({name}), {name: 0.03}))
+            world.enter(LegPhase(frozenset({name}), {name: 0.03}))
             base = world.configuration({})
             found.append(chain_contact(world, columns, base, segment(start, end)))
         assert (found[0] is None) == (found[1] is None)

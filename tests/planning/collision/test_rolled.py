@@ -17,10 +17,10 @@ from workbench.model.geometry import (
     Sphere,
     pose_from_rpy,
 )
-from workbench.model.part import GraspLibrary, Part, turned
+from workbench.model.part import GraspLibrary, Part, make_turn
 from workbench.model.scan import Detection, Obstacle
 from workbench.model.symmetry import Symmetry
-from workbench.planning.collision.rolled import BETWEEN, placed, room_of
+from workbench.planning.collision.rolled import BETWEEN, place_pieces, room_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import outline
 from workbench.proof.claims.scene import room_of as room_of_proof
@@ -52,7 +52,7 @@ def test_the_room_holds_every_piece_at_every_turn_and_touches_it(seed):
         inverse, shape = room.T_owner_shape.inverse(), room.shape
         assert isinstance(shape, Cylinder)
         for angle in rng.uniform(-np.pi, np.pi, 20):
-            T = inverse * turned(axis[1], float(angle), axis[0]) * piece.T_owner_shape
+            T = inverse * make_turn(axis[1], float(angle), axis[0]) * piece.T_owner_shape
             points = outline(piece.shape) @ T.rotation.T + T.translation
             assert np.linalg.norm(points[:, :2], axis=1).max() <= shape.radius + 1e-9
             assert np.abs(points[:, 2]).max() <= shape.length / 2 + 1e-9
@@ -76,7 +76,7 @@ def test_a_known_roll_needs_no_more_room_than_the_part(cell, detections):
     aside = replace(rolled, roll_axis=np.array([[0.001, 0.0, 0.0], [0.0, 0.0, 1.0]]))
     assert room_of(part, aside)[0].shape.radius == pytest.approx(0.016)
     turns = int(np.ceil(np.pi * radii[-1] / BETWEEN))
-    assert [len(piece) for piece in placed(part, rolled)] == [1, 1, turns]
+    assert [len(piece) for piece in place_pieces(part, rolled)] == [1, 1, turns]
 
 
 def lying(cell, y: float) -> Detection:

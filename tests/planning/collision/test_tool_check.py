@@ -51,7 +51,9 @@ def compared(cell, pile, arm, obstacles=()):
             else:
                 opening = grasp.grip if fit.is_closed else fit.opening
                 T = one.T_world_part * grasp.T_part_tcp
-                told.append(check.told(arm, T, opening if arm.tool.fingers else 0.0, fit.pair))
+                told.append(
+                    check.measure_pair(arm, T, opening if arm.tool.fingers else 0.0, fit.pair)
+                )
                 assert fit.is_touching == (told[-1][1] <= 0.0), told[-1]
             first, found = None, None
             for opening, turn in ways_of(cell, arm, grasp):

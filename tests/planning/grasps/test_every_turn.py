@@ -9,7 +9,7 @@ import trimesh
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
-from workbench.model.part import Grasp, GraspLibrary, Part, turned
+from workbench.model.part import Grasp, GraspLibrary, Part, make_turn
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.every_turn import uneven
@@ -64,7 +64,7 @@ def test_what_is_right_does_not_depend_on_the_turn_as_found(part, arm):
         grasp = named(part, name)
         told = [one is None for one in problems(part, arm, grasp)]
         for angle in (0.4, 2.0, 4.4):
-            other = replace(grasp, T_part_tcp=turned(Z, angle) * grasp.T_part_tcp)
+            other = replace(grasp, T_part_tcp=make_turn(Z, angle) * grasp.T_part_tcp)
             assert [one is None for one in problems(part, arm, other)] == told
 
 
@@ -89,7 +89,7 @@ def test_a_cup_has_to_seal_at_every_turn():
     (arm, *_), (puck, *_) = cell.arms, cell.parts
     assert set(problems(puck, arm, puck.grasps[0])) == {None}
     beside = pose_from_rpy((0.01, 0, 0)) * puck.grasps[0].T_part_tcp
-    tilted = turned(np.array([1.0, 0.0, 0.0]), 0.1)
+    tilted = make_turn(np.array([1.0, 0.0, 0.0]), 0.1)
     assert set(problems(puck, arm, replace(puck.grasps[0], T_part_tcp=tilted * beside))) != {None}
     wings, on_top = plate(0.02), Grasp("top", pose_from_rpy((0, 0, 0.03), (np.pi, 0, 0)), 0.0, 0.0)
     (text, *_) = problems(wings, arm, on_top)

@@ -8,7 +8,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh
 from workbench.planning.grasps.part_rays import (
     NOTHING,
-    Grid,
+    RayGrid,
     first_hits,
     nearest_points,
     normals_of,
@@ -111,7 +111,7 @@ def test_what_comes_down_a_ray_meets_the_first_face_below_its_limit():
             for z in (0.0, 1.0)
         ]
     )
-    grid = Grid(-0.25, -0.25, 0.25, (3, 3))
+    grid = RayGrid(-0.25, -0.25, 0.25, (3, 3))
     points, triangles = np.asarray(slabs.vertices), np.asarray(slabs.faces)
 
     def height(limit: float, sense: float) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import PartPlace, turned
+from workbench.model.part import PartPlace, make_turn
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 
@@ -39,7 +39,7 @@ def test_a_symmetry_beside_the_origin_turns_about_its_own_point():
     symmetry = Symmetry(Z, 2, point)
     _, other = ways_to_lie(PartPlace(HERE), symmetry)
     assert np.allclose(other.act(np.array(point)), HERE.act(np.array(point)), atol=1e-12)
-    assert other.isApprox(HERE * turned(Z, np.pi, np.array(point)), 1e-9)
+    assert other.isApprox(HERE * make_turn(Z, np.pi, np.array(point)), 1e-9)
 
 
 @pytest.mark.parametrize(

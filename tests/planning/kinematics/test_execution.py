@@ -11,7 +11,7 @@ from toppra import algorithm, constraint
 
 from workbench.model.errors import WorkbenchError
 from workbench.planning.kinematics import execution
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 12.0, 15.0])
 
@@ -29,7 +29,7 @@ def test_every_path_has_a_timing_that_keeps_to_the_speeds(seed, count, spread, z
     steps = rng.choice([-1, 1], (count, 3)) * rng.uniform(0, 1, (count, 3)) ** spread
     steps[:, 0] += 1e-4
     path = np.cumsum(steps, axis=0)
-    times = timed(path, VELOCITY, ACCELERATION, zone)
+    times = compute_times(path, VELOCITY, ACCELERATION, zone)
     assert times[0] == 0.0 and len(times) == count
     assert np.all(np.diff(times) > 0) and np.all(np.isfinite(times))
     speeds = np.abs(np.diff(path, axis=0)) / np.diff(times)[:, None]
@@ -39,21 +39,23 @@ def test_every_path_has_a_timing_that_keeps_to_the_speeds(seed, count, spread, z
 
 def test_a_long_way_takes_as_long_as_its_slowest_joint():
     path = np.array([[0.0, 0.0, 0.0], [2.0, 0.1, 0.1], [4.0, 0.2, 0.2]])
-    assert timed(path, VELOCITY, ACCELERATION, 0.2)[-1] == pytest.approx(2.0 + 0.2, rel=0.03)
+    assert compute_times(path, VELOCITY, ACCELERATION, 0.2)[-1] == pytest.approx(
+        2.0 + 0.2, rel=0.03
+    )
 
 
 @pytest.mark.parametrize("zone", [0.0, 0.2])
 @pytest.mark.parametrize("rows", [[0, 0], [0, 0, 0], [0, 0, 1], [0, 1, 1, 2]])
 def test_equal_waypoints_are_a_standstill(rows, zone):
     path = np.array([[row, 0.5 * row, 0.1] for row in rows], dtype=float)
-    times = timed(path, VELOCITY, ACCELERATION, zone)
+    times = compute_times(path, VELOCITY, ACCELERATION, zone)
     assert len(times) == len(rows) and np.isfinite(times).all()
     assert np.all(np.diff(times) > 0) and times[-1] < 10
 
 
 def test_limits_that_allow_no_motion_are_an_error():
     with pytest.raises(WorkbenchError, match="above zero"):
-        timed(np.array([[0.0], [1.0]]), np.zeros(1), np.ones(1), 0.2)
+        compute_times(np.array([[0.0], [1.0]]), np.zeros(1), np.ones(1), 0.2)
 
 
 def a_path(seed: int) -> tuple[np.ndarray, float]:
@@ -94,4 +96,4 @@ def test_it_is_about_as_fast_as_toppra_on_a_grid_that_is_twenty_times_finer(seed
     speeds = solver.compute_parameterization(0.0, 0.0)[1]
     assert speeds is not None
     fastest = np.sum(2 * np.diff(grid) / (speeds[1:] + speeds[:-1]))
-    assert 0.98 * fastest < timed(path, VELOCITY, ACCELERATION, zone)[-1] < 1.04 * fastest
+    assert 0.98 * fastest < compute_times(path, VELOCITY, ACCELERATION, zone)[-1] < 1.04 * fastest

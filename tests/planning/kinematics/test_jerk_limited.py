@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from ruckig import InputParameter, Ruckig, Trajectory
 
 from workbench.model.errors import WorkbenchError
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import Pace
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 12.0, 15.0])
@@ -39,12 +39,14 @@ def test_a_straight_way_takes_as_long_as_ruckig_says(seed):
         one = [limit[joint : joint + 1] for limit in limits]
         path = np.array([[0.0], far[joint : joint + 1]])
         least = by_ruckig(far[joint : joint + 1], *one)
-        assert timed(path, one[0], one[1], 0.2, one[2])[-1] == pytest.approx(least, rel=1e-9)
+        assert compute_times(path, one[0], one[1], 0.2, one[2])[-1] == pytest.approx(
+            least, rel=1e-9
+        )
     # Several joints leave the straight way where each has a profile of its own; `Pace` lets them.
     least = by_ruckig(far, *limits)
     assert Pace(*limits).seconds(far) == pytest.approx(least, rel=1e-9)
     path = np.array([0 * far, far])
-    assert timed(path, limits[0], limits[1], 0.2, limits[2])[-1] >= least * (1 - 1e-9)
+    assert compute_times(path, limits[0], limits[1], 0.2, limits[2])[-1] >= least * (1 - 1e-9)
 
 
 def a_path(seed: int) -> np.ndarray:
@@ -59,7 +61,9 @@ def a_path(seed: int) -> np.ndarray:
 @given(seed=st.integers(0, 9999), zone=st.sampled_from([0.0, 0.1, 0.2, 0.45]))
 def test_less_jerk_takes_longer(seed, zone):
     path = np.vstack([np.zeros(3), a_path(seed)])
-    found = [timed(path, VELOCITY, ACCELERATION, zone, ACCELERATION * k) for k in (1, 10, 1e4)]
+    found = [
+        compute_times(path, VELOCITY, ACCELERATION, zone, ACCELERATION * k) for k in (1, 10, 1e4)
+    ]
     for times in found:
         assert times[0] == 0.0 and np.isfinite(times).all() and (np.diff(times) > 0).all()
     ends = [times[-1] for times in found]
@@ -72,19 +76,19 @@ def test_less_jerk_takes_longer(seed, zone):
 def test_jerk_that_is_no_limit_changes_little(seed, zone):
     """Blends in time are shorter than parabolas as wide as the zone, and without push in them."""
     path = np.vstack([np.zeros(3), a_path(seed)])
-    without = timed(path, VELOCITY, ACCELERATION, zone)[-1]
-    without_limit = timed(path, VELOCITY, ACCELERATION, zone, np.full(3, 1e9))[-1]
+    without = compute_times(path, VELOCITY, ACCELERATION, zone)[-1]
+    without_limit = compute_times(path, VELOCITY, ACCELERATION, zone, np.full(3, 1e9))[-1]
     assert without_limit == pytest.approx(without, rel=0.25 if zone else 1e-3)
 
 
 def test_one_joint_may_have_no_limit():
     """Of two arms in step one has."""
     path, limits = a_path(5), np.array([50.0, np.inf, np.inf])
-    some = timed(path, VELOCITY, ACCELERATION, 0.2, limits)[-1]
-    assert some <= timed(path, VELOCITY, ACCELERATION, 0.2, np.full(3, 50.0))[-1]
+    some = compute_times(path, VELOCITY, ACCELERATION, 0.2, limits)[-1]
+    assert some <= compute_times(path, VELOCITY, ACCELERATION, 0.2, np.full(3, 50.0))[-1]
     assert np.isfinite(Pace(VELOCITY, ACCELERATION, limits).seconds(np.array([1.0, 1.0, 0.0])))
 
 
 def test_limits_that_allow_no_motion_are_an_error():
     with pytest.raises(WorkbenchError, match="jerk limits must be above zero"):
-        timed(np.array([[0.0], [1.0]]), np.ones(1), np.ones(1), 0.2, np.zeros(1))
+        compute_times(np.array([[0.0], [1.0]]), np.ones(1), np.ones(1), 0.2, np.zeros(1))

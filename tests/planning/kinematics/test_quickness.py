@@ -5,7 +5,7 @@ import pytest
 
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import LEAST, Pace, between, draw_towards, pace_of
 
 TURN = Pace(np.array([1.0, 2.0]), np.array([4.0, 4.0]))
@@ -29,8 +29,8 @@ def test_no_timing_is_quicker_and_a_straight_one_is_as_quick():
     for _ in range(20):
         path = np.cumsum(rng.normal(size=(3, 2)), axis=0)
         least = TURN.seconds(path[-1] - path[0])
-        assert timed(path, TURN.velocity, TURN.acceleration, 0.2)[-1] >= least - 1e-9
-        straight = timed(path[[0, -1]], TURN.velocity, TURN.acceleration, 0.2)[-1]
+        assert compute_times(path, TURN.velocity, TURN.acceleration, 0.2)[-1] >= least - 1e-9
+        straight = compute_times(path[[0, -1]], TURN.velocity, TURN.acceleration, 0.2)[-1]
         # All joints move in proportion there, so that two of them may hold it up in turn.
         assert least - 1e-9 <= straight <= 1.5 * least
 

@@ -13,7 +13,7 @@ from workbench.model.messages.plans import cycle_words
 from workbench.model.plan import Strategy
 from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.picking.least_time import least_cycle, least_seconds, share_work
 
 VELOCITY, ACCELERATION = np.array([2.0, 3.0, 4.0]), np.array([10.0, 2.0, 15.0])
@@ -50,10 +50,10 @@ def test_no_timing_of_any_legs_is_quicker(seed, zone):
     legs = [
         np.vstack([a, draw.uniform(-1, 1, (draw.integers(4), 3)), b]) for a, b in pairwise(ends)
     ]
-    taken = sum(timed(leg, VELOCITY, ACCELERATION, zone)[-1] for leg in legs)
+    taken = sum(compute_times(leg, VELOCITY, ACCELERATION, zone)[-1] for leg in legs)
     (least,) = least_seconds(ends[None], **LIMITS)
     assert least <= taken
-    alone = sum(timed(leg[[0, -1]], VELOCITY, ACCELERATION, zone)[-1] for leg in legs)
+    alone = sum(compute_times(leg[[0, -1]], VELOCITY, ACCELERATION, zone)[-1] for leg in legs)
     assert least <= alone <= 3.2 * least
 
 

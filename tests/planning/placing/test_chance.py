@@ -10,7 +10,7 @@ from workbench.model.geometry import Box, Cylinder, Sphere
 from workbench.model.part import PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.planning.placing.chance import counted, draw_errors, within
+from workbench.planning.placing.chance import draw_errors, select_counted, within
 
 HERE = pin.SE3.Identity()
 Z = np.array([0.0, 0.0, 1.0])
@@ -39,7 +39,7 @@ def test_what_is_known_exactly_is_drawn_as_nothing():
 
 
 def test_the_chance_is_that_of_the_maxwell_distribution_where_all_directions_are_alike():
-    shifts, turns = counted(box(), found(), PLACE).off(
+    shifts, turns = select_counted(box(), found(), PLACE).off(
         draw_errors(np.diag([1e-3**2] * 3 + [1e-9] * 3), 200_000, 0)
     )
     assert within((shifts, turns), PLACE) == pytest.approx(chi(3).cdf(2.0), abs=0.003)
@@ -52,7 +52,7 @@ def test_shift_and_turn_have_to_be_right_both():
 
 def test_of_a_round_part_turns_about_its_axis_do_not_count_wherever_that_is():
     beside = Symmetry(Z, 0, point=(0.02, 0.0, 0.0))
-    what = counted(plain(Cylinder(0.01, 0.03), beside), found(), PLACE)
+    what = select_counted(plain(Cylinder(0.01, 0.03), beside), found(), PLACE)
     # A turn about that axis shifts the origin, which lies beside it.
     turn = np.array([[0.0, -0.02 * 0.3, 0.0, 0.0, 0.0, 0.3], [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]])
     shifts, turns = what.off(turn)
@@ -62,7 +62,7 @@ def test_of_a_round_part_turns_about_its_axis_do_not_count_wherever_that_is():
 
 def test_of_a_ball_no_turn_counts():
     every = Symmetry(Z, 0, also=(SymmetryAxis(np.array([1.0, 0.0, 0.0]), 0),))
-    what = counted(plain(Sphere(0.01), every), found(), None)
+    what = select_counted(plain(Sphere(0.01), every), found(), None)
     assert what.off(np.array([[0.001, 0, 0, 0.2, 0.3, 0.4]]))[1] == pytest.approx([0.0])
 
 
@@ -70,11 +70,13 @@ def test_a_turn_about_an_axis_that_the_scan_does_not_show_does_not_count():
     axis = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     turn = np.array([[0.0, 0.0, 0.0, 0.3, 0.0, 0.0]])
     for roll_known, counts in ((True, 0.3), (False, 0.0)):
-        assert counted(box(), found(roll_known, axis), PLACE).off(turn)[1] == pytest.approx(counts)
+        assert select_counted(box(), found(roll_known, axis), PLACE).off(turn)[1] == pytest.approx(
+            counts
+        )
 
 
 def test_at_a_place_for_any_turn_none_about_its_z_counts():
     anyhow = PartPlace(HERE, free_rotation=np.pi)
     turn = np.array([[0.0, 0.0, 0.0, 0.0, 0.1, 0.3]])
-    assert counted(box(), found(), anyhow).off(turn)[1] == pytest.approx(0.1)
-    assert counted(box(), found(), PLACE).off(turn)[1] == pytest.approx(np.hypot(0.1, 0.3))
+    assert select_counted(box(), found(), anyhow).off(turn)[1] == pytest.approx(0.1)
+    assert select_counted(box(), found(), PLACE).off(turn)[1] == pytest.approx(np.hypot(0.1, 0.3))

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.planners.ease import ease_corners
 
 VELOCITY, ACCELERATION, ZONE = np.array([1.0, 1.0]), np.array([4.0, 4.0]), 0.2
@@ -24,7 +24,7 @@ def clear_of_the_box(a, b) -> bool:
 
 
 def seconds(path) -> float:
-    return float(timed(path, VELOCITY, ACCELERATION, ZONE)[-1])
+    return float(compute_times(path, VELOCITY, ACCELERATION, ZONE)[-1])
 
 
 def test_a_detour_takes_less_time_and_stays_clear():
@@ -53,7 +53,7 @@ def test_corners_that_nothing_needs_are_left_out():
 def test_by_the_pace_of_any_joints_it_takes_less_time(velocity):
     pace = np.array(velocity)
     before, after = (
-        timed(path, pace, ACCELERATION, ZONE)[-1]
+        compute_times(path, pace, ACCELERATION, ZONE)[-1]
         for path in (DETOUR, ease_corners(DETOUR, clear_of_the_box, pace, ACCELERATION, ZONE))
     )
     assert after < 0.9 * before

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workbench.planning.planners.shorten import TINY, merged, resample, shorten_path
+from workbench.planning.planners.shorten import TINY, merge_corners, resample, shorten_path
 from workbench.planning.planners.trees import sample_around
 from workbench.plugins.planner import planner_named, planner_names
 
@@ -96,7 +96,7 @@ def test_resampling_keeps_every_corner(corners, count, seed):
 def test_merging_keeps_the_ends_and_leaves_no_tiny_segment_in_the_open(seed, corners):
     rng = np.random.default_rng(seed)
     path = np.cumsum(rng.uniform(0, 1, (corners, 3)) ** 6, axis=0)
-    short = merged(path, lambda a, b: True)
+    short = merge_corners(path, lambda a, b: True)
     assert np.array_equal(short[0], path[0]) and np.array_equal(short[-1], path[-1])
     if len(short) > 2:
         assert np.abs(np.diff(short, axis=0)).max(axis=1).min() >= TINY
@@ -104,7 +104,7 @@ def test_merging_keeps_the_ends_and_leaves_no_tiny_segment_in_the_open(seed, cor
 
 def test_nothing_is_merged_through_a_wall():
     path = np.array([[0.0, 0.0], [1.0, 0.0], [1.001, 0.0], [1.0, 1.0]])
-    assert np.array_equal(merged(path, lambda a, b: False), path)
+    assert np.array_equal(merge_corners(path, lambda a, b: False), path)
 
 
 @every_planner

@@ -17,7 +17,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.legs import stretches
 from workbench.planning.collision.motion import chain_contact, segment
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.plugins.robot_link import spoken_to_by
 
 PROTOCOLS = ["abb-socket", "abb-socket/2"]
@@ -144,7 +144,7 @@ def test_a_plan_for_a_controller_that_stops_takes_the_time_of_the_stops(cell, de
         arm = cell.arm(one.arm)
         speed = cell.robot.limits(arm.joints)[2] * cell.policy.speed
         for leg in one.legs:
-            stops = timed(np.asarray(leg.q), speed, np.asarray(arm.acceleration), 0.0)
+            stops = compute_times(np.asarray(leg.q), speed, np.asarray(arm.acceleration), 0.0)
             np.testing.assert_allclose(leg.t, stops)
 
 

@@ -17,7 +17,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.scan import Detection, Scene
 from workbench.perception.simulation.synthesize import synthesize
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.placing.pallets import open_places
 from workbench.proof.claims.places.layers import _falls_over, fall, kept_box, occupation, place_at
@@ -197,7 +197,7 @@ def test_what_is_put_in_the_same_plan_is_in_the_way_and_carries_nothing(cell):
     result = planned(cell, put_at_places(cell, 0, 1, 2)).plan.arms[0]
     q = result.leg("place").q[-1]
     assert open_places(world, arm, 1) == (arm.part_places[3],)
-    phase = Phase(frozenset({"right"}), placed={"right": (0, result.T_tcp_part, q)})
+    phase = LegPhase(frozenset({"right"}), placed={"right": (0, result.T_tcp_part, q)})
     assert open_places(world, arm, 1, phase) == ()
 
 

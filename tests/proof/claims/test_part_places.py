@@ -13,7 +13,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.part import PartPlace, turned
+from workbench.model.part import PartPlace, make_turn
 from workbench.model.symmetry import Symmetry, SymmetryAxis
 from workbench.proof.claims.places.lying import place_offs
 
@@ -130,7 +130,7 @@ def drawn(symmetry: Symmetry, rng: np.random.Generator) -> pin.SE3:
     for _ in range(6):
         for one in symmetry.axes:
             share = rng.random() if one.fold == 0 else rng.integers(one.fold) / one.fold
-            T = T * turned(one.axis, 2 * np.pi * share, point)
+            T = T * make_turn(one.axis, 2 * np.pi * share, point)
     return T
 
 
@@ -144,7 +144,7 @@ def test_whatever_symmetry_and_place_leave_free_is_found(group, free, seed):
     rng = np.random.default_rng(seed)
     T = pose_from_rpy(rng.uniform(-1, 1, 3), rng.uniform(-1.5, 1.5, 3))
     place = PartPlace(T, free_rotation=free)
-    right = T * turned(Z, rng.uniform(-free, free)) * drawn(group, rng)
+    right = T * make_turn(Z, rng.uniform(-free, free)) * drawn(group, rng)
     assert min(max(off) for off in place_offs(place, group, right)) < 1e-5
     # And a small error beside it is found to be no more than it is.
     off = pin.SE3(pin.exp3(0.01 * X), 0.002 * Y)
@@ -163,7 +163,7 @@ def test_what_is_told_is_never_too_near(group, free, seed):
     R = pin.exp3(rng.normal(size=3))
     place = PartPlace(T, free_rotation=free)
     told = min(turn for _, turn in place_offs(place, group, T * pin.SE3(R, np.zeros(3))))
-    turns = [turned(Z, a).rotation for a in np.linspace(-free, free, 1 if free == 0 else 35)]
+    turns = [make_turn(Z, a).rotation for a in np.linspace(-free, free, 1 if free == 0 else 35)]
     right = np.einsum("aij,mjk->amik", turns, group.motions(180)[:, :3, :3]).reshape(-1, 3, 3)
     cosines = (np.einsum("nij,ij->n", right, R) - 1) / 2
     assert told > np.arccos(np.clip(cosines, -1, 1)).min() - np.deg2rad(2.1)

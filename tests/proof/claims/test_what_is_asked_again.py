@@ -12,7 +12,7 @@ from workbench.model.plan import Guarantee, Strategy
 from workbench.model.scan import Obstacle, Scene
 from workbench.proof.claims.prove import prove as prove_in
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.table import Situation, Table
+from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine import search
 from workbench.proof.engine.robot import tree_of
 
@@ -137,7 +137,7 @@ def test_a_held_part_keeps_its_distance_to_the_arm_that_holds_it(cell, result, s
     """As to anything else; links of one arm among themselves stand closer by design."""
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, result.plan.scene)
-    table = Table(cell, tree, bodies)
+    table = PairTable(cell, tree, bodies)
     one = result.plan.arm("right")
     moves = np.zeros(tree.model.nq, bool)
     moves[tree.columns["right"][:7]] = True

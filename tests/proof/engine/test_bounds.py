@@ -9,7 +9,7 @@ from workbench.model.motion import MotionModel
 from workbench.proof.claims.motion import sweep_path
 from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import steps_of
-from workbench.proof.claims.table import Situation, Table
+from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.claims.walk import Walk
 from workbench.proof.engine.frames import SetExtents, poses
 from workbench.proof.engine.robot import tree_of
@@ -27,7 +27,7 @@ def tree(cell):
 @pytest.fixture(scope="module")
 def space(cell, tree, result):
     bodies = bodies_of(cell, tree, result.plan.scene)
-    return Space(tree, bodies, Table(cell, tree, bodies))
+    return Space(tree, bodies, PairTable(cell, tree, bodies))
 
 
 def anywhere(tree, rng, count):

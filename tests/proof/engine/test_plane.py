@@ -7,7 +7,7 @@ import pytest
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Sphere
 from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import steps_of
-from workbench.proof.claims.table import Situation, Table
+from workbench.proof.claims.table import PairTable, Situation
 from workbench.proof.engine.batch import firsts, spread
 from workbench.proof.engine.frames import poses
 from workbench.proof.engine.robot import tree_of
@@ -21,7 +21,7 @@ from workbench.proof.engine.space import Space
 def space(cell, result):
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, result.plan.scene)
-    return Space(tree, bodies, Table(cell, tree, bodies))
+    return Space(tree, bodies, PairTable(cell, tree, bodies))
 
 
 def within(space, base, blocks, rows, commons):
@@ -119,9 +119,9 @@ def test_nothing_in_a_set_is_nearer_than_is_said(cell, result, space, corners, a
                 q[block.columns] = shares @ block.corners[0, :corners]
             space.look(q)
             smallest = np.minimum(smallest, [space.distance(int(row)) for row in rows])
-        for bounds in (along, close.told, close.lower - close.moves):
+        for bounds in (along, close.whole_bounds, close.lower - close.moves):
             worst = min(worst, float((smallest - bounds)[smallest > 0].min()))
-        assert (np.maximum(along, close.told)[smallest <= 0] <= 0).all()
+        assert (np.maximum(along, close.whole_bounds)[smallest <= 0] <= 0).all()
         is_apart = middle > 0
         told += int(is_apart.sum())
         better += int((along > middle - close.moves)[is_apart].sum())

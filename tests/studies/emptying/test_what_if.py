@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.emptying.changes import changed
+from workbench.app.emptying.changes import apply_change
 from workbench.app.emptying.empty import fallen
-from workbench.app.emptying.what_if import ranked, tasks_with_changes
+from workbench.app.emptying.what_if import rank_changes, tasks_with_changes
 from workbench.cli.measuring.emptying import kinds_of
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import FileError, InputError
@@ -42,7 +42,7 @@ def test_changes_are_ranked_by_what_they_gain_on_the_same_piles():
     changes = list(dict.fromkeys(task.change for task in tasks))
     assert changes[0] is None and ChangeText.NEAR_MARGIN() in changes and len(changes) >= 5
     assert [task.seed for task in tasks] == [3, 4] * len(changes)
-    rows = ranked([made(task) for task in tasks], scan_seconds=1.0, approval_seconds=0.0)
+    rows = rank_changes([made(task) for task in tasks], scan_seconds=1.0, approval_seconds=0.0)
     assert [row["parts_gained"] for row in rows] == sorted(
         (row["parts_gained"] for row in rows), reverse=True
     )
@@ -68,7 +68,7 @@ def test_a_word_that_is_no_kind_of_change_is_refused():
 def test_the_pile_lies_in_a_bin_that_is_moved_as_in_the_one_that_is_not():
     task = replace(PILE, change=ChangeText.BIN_TURNED(by=float(np.deg2rad(90))))
     cell = read_cell("yumi")
-    other = changed(cell, task.change)
+    other = apply_change(cell, task.change)
     for a, b in zip(fallen(cell, cell, PILE), fallen(cell, other, task), strict=True):
         at = cell.bin.T_world_bin.actInv(a.T_world_part)
         assert at.isApprox(other.bin.T_world_bin.actInv(b.T_world_part), 1e-9)

@@ -24,7 +24,7 @@ from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import LocalizationResult, ScaleCheck
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
-from workbench.web.api.reads import READS, Source
+from workbench.web.api.reads import READS, AnswerSource
 
 PROBLEM = "application/problem+json"
 
@@ -252,7 +252,7 @@ def test_a_stop_waits_for_no_readers(site, monkeypatch):
     site.post("/approve", plan=digest)
     site.effects.hold.set()
     assert site.post("/send", plan=digest).json()["phase"] == "sending"
-    monkeypatch.setattr(Source, "state", property(counted))
+    monkeypatch.setattr(AnswerSource, "state", property(counted))
     # More than the threads that an event loop has on any machine.
     with ThreadPoolExecutor(40) as readers:
         for _ in range(40):

@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from workbench.web.server import tell_of_loop
+from workbench.web.server import log_loop_problem
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ from workbench.web.server import tell_of_loop
 def test_only_what_somebody_has_to_look_at_is_told(caplog, error, is_told):
     async def fail():
         loop = asyncio.get_running_loop()
-        loop.set_exception_handler(tell_of_loop)
+        loop.set_exception_handler(log_loop_problem)
 
         def broken():
             raise error
@@ -38,4 +38,4 @@ def test_only_what_somebody_has_to_look_at_is_told(caplog, error, is_told):
 
 def test_the_front_tells_so(front):
     running = front._running
-    assert running.loop.get_exception_handler() is tell_of_loop
+    assert running.loop.get_exception_handler() is log_loop_problem

@@ -9,7 +9,7 @@ from workbench.web.http.connection_limits import (
     WAIT_SECONDS,
     WORK_SECONDS,
     ConnectionLimits,
-    Room,
+    ConnectionRoom,
     room_for,
 )
 from workbench.web.http.origins import network_of
@@ -59,7 +59,9 @@ class Door:
 
     def __init__(self, strangers=3, known=3):
         self.now = 0.0
-        self.limits = ConnectionLimits(self.is_login, lambda: self.now, Room(strangers, known))
+        self.limits = ConnectionLimits(
+            self.is_login, lambda: self.now, ConnectionRoom(strangers, known)
+        )
 
     async def is_login(self, request):
         if request.has_login == "cannot tell":

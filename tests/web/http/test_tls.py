@@ -7,7 +7,7 @@ from attackers import PASSWORD, run
 
 from workbench.model.errors import FileError
 from workbench.studies.load.raw_browser import raw_browser
-from workbench.web.http.listening import Certificate
+from workbench.web.http.listening import TlsCertificate
 from workbench.web.page.connections import OVER
 
 
@@ -48,6 +48,6 @@ def test_a_certificate_that_cannot_be_used_is_named(tmp_path, certificate, conte
     if content is not None:
         broken.write_bytes(content)
     with pytest.raises(FileError, match=r"broken\.pem.*PEM.*expected"):
-        Certificate(broken, certificate.key).context()
+        TlsCertificate(broken, certificate.key).context()
     with pytest.raises(FileError, match="PEM"):
-        Certificate(certificate.certificate, broken).context()
+        TlsCertificate(certificate.certificate, broken).context()

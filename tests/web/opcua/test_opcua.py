@@ -21,7 +21,7 @@ from workbench.journal.journal import Journal
 from workbench.model.errors import InputError
 from workbench.web.access.lockout import MOST, WHILE
 from workbench.web.opcua import server as opcua_server
-from workbench.web.opcua.admission import Door, Options
+from workbench.web.opcua.admission import Door, OpcUaOptions
 from workbench.web.opcua.server import MOST_CLIENTS, NAMESPACE, OpcUa
 from workbench.web.opcua.values import VARIABLES
 
@@ -34,7 +34,7 @@ def serve(site):
     served = []
 
     def one(**options) -> str:
-        served.append(OpcUa(site.bench, Options(0, PLC, **options)))
+        served.append(OpcUa(site.bench, OpcUaOptions(0, PLC, **options)))
         return served[-1].url
 
     yield one
@@ -47,7 +47,7 @@ def serve(site):
 def shared(results, tmp_path_factory):
     """The address of a server for those who change nothing, or nothing for long."""
     bench = Bench(results.cell, Journal(tmp_path_factory.mktemp("shared")), effects=Idle)
-    server = OpcUa(bench, Options(0, PLC))
+    server = OpcUa(bench, OpcUaOptions(0, PLC))
     yield server.url
     server.close()
     bench.close()
@@ -134,7 +134,7 @@ def test_a_plc_sends_what_a_person_approved_once_and_approves_nothing(site, serv
         await cell.call("MakePlan", whole(0), "auto", 0.2)
         await cell.until("Phase", "planned")
         digest = await cell.read("PlanDigest")
-        site.bench.do(WatchPlan(digest, is_told=True), "Ada")
+        site.bench.do(WatchPlan(digest, is_reported=True), "Ada")
         site.bench.do(Approve(digest), "Ada")
         await cell.until("ApprovedBy", "Ada")
         done, says = await cell.call("Send", "0" * 64)
@@ -233,7 +233,7 @@ def test_passwords_are_not_tried_one_after_the_other(serve):
 
 def test_the_door_opens_again_after_a_while():
     clock = [0.0]
-    door = Door(Options(0, PLC, password="secret"), now=lambda: clock[0])
+    door = Door(OpcUaOptions(0, PLC, password="secret"), now=lambda: clock[0])
     for _ in range(MOST):
         assert door.get_user(None, "plc", "guess") is None
     assert door.get_user(None, "plc", "secret") is None
@@ -309,16 +309,16 @@ def test_a_message_in_many_chunks_is_cut_off(shared):
 
 def test_nobody_else_gets_at_it_without_a_password(site):
     with pytest.raises(InputError, match="give a password"):
-        OpcUa(site.bench, Options(0, PLC, host="0.0.0.0"))
+        OpcUa(site.bench, OpcUaOptions(0, PLC, host="0.0.0.0"))
 
 
 def test_a_port_that_is_taken_is_said(site, shared):
     with pytest.raises(InputError, match="choose another port"):
-        OpcUa(site.bench, Options(port_of(shared), PLC))
+        OpcUa(site.bench, OpcUaOptions(port_of(shared), PLC))
 
 
 def test_a_server_that_is_closed_while_it_has_something_to_tell_ends(site):
-    server = OpcUa(site.bench, Options(0, PLC))
+    server = OpcUa(site.bench, OpcUaOptions(0, PLC))
 
     async def change_and_end():
         server._changed.set()
@@ -346,7 +346,7 @@ def test_a_crowd_is_not_taken_in(serve, monkeypatch):
 
 def test_who_does_not_log_in_is_not_kept_for_long(site, monkeypatch):
     monkeypatch.setattr(opcua_server, "LOGIN_SECONDS", 0.2)
-    server = OpcUa(site.bench, Options(0, PLC))
+    server = OpcUa(site.bench, OpcUaOptions(0, PLC))
     with contextlib.closing(server), contextlib.ExitStack() as opened:
         for one in [opened.enter_context(connected(server.url)) for _ in range(MOST_CLIENTS)]:
             assert one.recv(1) == b""

@@ -12,7 +12,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import Person, Role
 from workbench.app.core.state import Phase
 from workbench.gui.cycle.approval import row_of
-from workbench.web.opcua.admission import Options
+from workbench.web.opcua.admission import OpcUaOptions
 from workbench.web.opcua.server import OpcUa
 from workbench.web.opcua.values import VARIABLES, values_of
 
@@ -28,7 +28,7 @@ def results():
 
 @pytest.fixture
 def url(site):
-    server = OpcUa(site.bench, Options(0, Person("plc", Role.OPERATOR)))
+    server = OpcUa(site.bench, OpcUaOptions(0, Person("plc", Role.OPERATOR)))
     yield server.url
     server.close()
 

@@ -9,7 +9,7 @@ from waiting import PATIENCE
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.people import Person, Role
-from workbench.web.opcua.admission import Options
+from workbench.web.opcua.admission import OpcUaOptions
 from workbench.web.opcua.methods import METHODS
 from workbench.web.opcua.server import NAMESPACE, OpcUa
 from workbench.web.opcua.values import values_of
@@ -21,7 +21,7 @@ def results():
 
 
 def test_a_plc_reads_the_recipes_and_chooses_one_by_number(site):
-    server = OpcUa(site.bench, Options(0, Person("plc", Role.OPERATOR)))
+    server = OpcUa(site.bench, OpcUaOptions(0, Person("plc", Role.OPERATOR)))
 
     async def choose():
         async with Client(server.url, timeout=PATIENCE) as client:

@@ -23,7 +23,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
-from workbench.web.opcua.admission import Options
+from workbench.web.opcua.admission import OpcUaOptions
 from workbench.web.opcua.robotics.tables import types
 from workbench.web.opcua.server import OpcUa
 
@@ -68,7 +68,7 @@ def moving(results, tmp_path_factory):
         cell = dataclasses.replace(results.cell, controller=controller)
         here = dataclasses.replace(results, cell=cell)
         bench = Bench(cell, Journal(session), effects=lambda cell, do, now: Linked(here, do))
-        server = OpcUa(bench, Options(0, Person("plc", Role.OPERATOR)))
+        server = OpcUa(bench, OpcUaOptions(0, Person("plc", Role.OPERATOR)))
         yield bench, server.url
         server.close()
         bench.close()

@@ -24,7 +24,7 @@ from workbench.model.errors import FileError, InputError
 from workbench.web.access.lockout import Lockout
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
-from workbench.web.opcua.admission import Door, Logins, Options
+from workbench.web.opcua.admission import Door, OpcUaLogins, OpcUaOptions
 from workbench.web.opcua.bounds import CALLER, Caller
 from workbench.web.opcua.certificates import (
     MOST_REJECTED,
@@ -61,7 +61,7 @@ def logins(tmp_path_factory):
         users = Users(store)
         for name, role in (("Ada", Role.ENGINEER), ("Bob", Role.OPERATOR), ("Vic", Role.VIEWER)):
             users.add(name, role, WORD)
-        yield Logins(users, Lockout(store))
+        yield OpcUaLogins(users, Lockout(store))
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def rig(made, results, logins, tmp_path_factory):
     bench = Bench(
         results.cell, Journal(folder / "session"), effects=lambda cell, do, now: Canned(results, do)
     )
-    options = Options(0, PLC, password="secret", certificates=made / "server", logins=logins)
+    options = OpcUaOptions(0, PLC, password="secret", certificates=made / "server", logins=logins)
     server = OpcUa(bench, options)
     yield bench, server.url
     server.close()
@@ -173,7 +173,9 @@ def test_without_protection_nobody_comes_in(url):
 
 @pytest.mark.parametrize("is_plain", [False, True])
 def test_a_channel_without_protection_is_taken_only_when_that_was_asked_for(made, is_plain):
-    options = Options(0, PLC, password="secret", certificates=made / "server", is_plain=is_plain)
+    options = OpcUaOptions(
+        0, PLC, password="secret", certificates=made / "server", is_plain=is_plain
+    )
     door = Door(options)
     CALLER.set(Caller("127.0.0.1", ua.MessageSecurityMode.None_))
     assert (door.get_user(None, "plc", "secret") is not None) == is_plain
@@ -241,4 +243,4 @@ def test_a_key_that_is_none_ends_the_start_with_its_name(site, made, tmp_path):
     (tmp_path / "server.der").write_bytes((made / "server" / "server.der").read_bytes())
     (tmp_path / "server_key.pem").write_text("nothing")
     with pytest.raises(FileError, match="server_key"):
-        OpcUa(site.bench, Options(0, PLC, certificates=tmp_path))
+        OpcUa(site.bench, OpcUaOptions(0, PLC, certificates=tmp_path))

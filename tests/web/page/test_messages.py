@@ -14,7 +14,7 @@ from workbench.web.page.messages import (
     is_press,
     read,
     subject,
-    written,
+    write_frame,
 )
 
 POINT, TURN = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
@@ -77,7 +77,7 @@ def packed(message):
 
 @pytest.mark.parametrize("message", LOOKING + WORKING, ids=lambda message: message["type"])
 def test_what_the_page_says_reaches_viser_as_it_was(message):
-    passed = written(read(packed(message), Role.ENGINEER))
+    passed = write_frame(read(packed(message), Role.ENGINEER))
     assert msgspec.msgpack.decode(passed) == msgspec.msgpack.decode(packed(message))
     # viser itself reads it, and knows all of its fields.
     assert type(theirs.Message.deserialize(passed)).__name__ == message["type"]

@@ -9,7 +9,7 @@ from attackers import PASSWORD, run
 from workbench.studies.load.raw_browser import raw_browser
 from workbench.web.page.pieces import PATH, PIECES, cut
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 PAGE = '<head><script data-p="{}" data-ss="1">const a=de(d.p);</script></head>'
 
@@ -93,7 +93,7 @@ def test_who_is_at_the_login_fetches_the_pieces_and_nothing_else_ahead(front):
 
 def test_the_login_is_there_though_the_page_behind_it_does_not_answer(tmp_path):
     nobody = Upstream("http://127.0.0.1:9", "secret")
-    front = serve_front(nobody, tmp_path / "users.sqlite", Options(port=0), title="alone")
+    front = serve_front(nobody, tmp_path / "users.sqlite", ServerOptions(port=0), title="alone")
     try:
 
         async def look():

@@ -12,7 +12,7 @@ from workbench.studies.load.raw_browser import PROTOCOL, raw_browser
 from workbench.web.page.conversation import MOST_REFUSED
 from workbench.web.page.rate_limit import AT_ONCE
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 GIZMO = {"name": "/gizmo", "wxyz": (1.0, 0.0, 0.0, 0.0)}
 
@@ -106,7 +106,7 @@ def test_a_viser_that_does_not_answer_is_said(users, file, monkeypatch):
     monkeypatch.setattr("workbench.web.page.relay.ANSWER_SECONDS", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as mute:
         upstream = Upstream(f"http://127.0.0.1:{mute.getsockname()[1]}", SECRET)
-        front = serve_front(upstream, file, Options(port=0), title="mute")
+        front = serve_front(upstream, file, ServerOptions(port=0), title="mute")
 
         async def look():
             async with raw_browser(front.url) as browser:

@@ -9,7 +9,7 @@ from slow_line import can_be_had, slow_line
 
 from workbench.studies.load.raw_browser import raw_browser
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 FEW = 900_000
 """Bytes of the page at its first load; 1 Mbit/s carries them in 7 s."""
@@ -26,7 +26,7 @@ def line():
 @pytest.fixture
 def far_front(users, file, scene, line, monkeypatch):
     monkeypatch.setattr("workbench.web.server.listen", lambda host, port: line.bound)
-    front = serve_front(Upstream(scene.url, SECRET), file, Options(), title="far")
+    front = serve_front(Upstream(scene.url, SECRET), file, ServerOptions(), title="far")
     yield line
     front.close()
 

@@ -9,7 +9,7 @@ from waiting import PATIENCE
 
 from workbench.studies.load.raw_browser import raw_browser
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Options, serve_front
+from workbench.web.server import ServerOptions, serve_front
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def stoppable(users, file, scene, stops):
         return "" if person.name == "Otto" else "a viewer stops nothing"
 
     front = serve_front(
-        Upstream(scene.url, SECRET), file, Options(port=0), title="stopped", stop=stop
+        Upstream(scene.url, SECRET), file, ServerOptions(port=0), title="stopped", stop=stop
     )
     yield front
     front.close()

@@ -17,7 +17,7 @@ from workbench.perception.calibration.sureness import point_errors
 from workbench.planning.kinematics.robot import Kinematics
 
 
-def calibrated(cell: Cell, observations: Sequence[PlateObservation]) -> Calibration:
+def compute_calibration(cell: Cell, observations: Sequence[PlateObservation]) -> Calibration:
     """Where the scanner is, by the robot's kinematics and what was seen of the plate.
 
     Raises:

@@ -1,7 +1,8 @@
 """What a command is: its values, its right, its check and what it does, in one class.
 
 A subject (scanning, rows, control) is a file with its commands and what they need.
-`decide.allowed` asks `check`, `decide.decide` calls `apply`; neither knows any single command.
+`decide.check_allowed` asks `check`, `decide.decide` calls `apply`; neither knows any single
+command.
 """
 
 from abc import ABC, abstractmethod

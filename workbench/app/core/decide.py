@@ -21,7 +21,7 @@ from workbench.model.messages.refusals import Refusal
 NOT_REPORTED: Mapping[str, float] = MappingProxyType({})
 
 
-def allowed(
+def check_allowed(
     state: State,
     command: Command,
     actor: str,
@@ -57,7 +57,7 @@ def decide(state: State, entry: Entry) -> Decision:
 
     Args:
         state: before.
-        entry: a command that `allowed` lets pass in this state.
+        entry: a command that `check_allowed` lets pass in this state.
 
     Raises:
         CommandRefused: an approval that `approval.approve` does not give.

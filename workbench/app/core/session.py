@@ -32,7 +32,7 @@ class Started(Command):
     is_trial: bool = False
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return started(state, self), ()
+        return apply_start(state, self), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +68,7 @@ class AcknowledgeChanges(Command):
         refuse(changes_problem(state, self.ran))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return acknowledged(state, entry.actor), ()
+        return acknowledge_changes(state, entry.actor), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +105,7 @@ class PosesRefused(Command):
         return replace(state, message=StateText.POSES_REFUSED(problem=plain(self.problem))), ()
 
 
-def started(state: State, start: Started) -> State:
+def apply_start(state: State, start: Started) -> State:
     """The state after a start: what had changed by then stays until it is acknowledged."""
     changed = tuple(dict.fromkeys((*state.changed, *start.changes)))
     since = state.changed_since or start.since
@@ -121,7 +121,7 @@ def opened_again(state: State) -> State:
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = StateText.OPENED_AGAIN()
-    return replace(without_approval(state), watched=(), told=(), message=message)
+    return replace(without_approval(state), watched=(), watched_elsewhere=(), message=message)
 
 
 def changes_problem(state: State, ran: str) -> Message | None:
@@ -134,7 +134,7 @@ def changes_problem(state: State, ran: str) -> Message | None:
     return None
 
 
-def acknowledged(state: State, actor: str) -> State:
+def acknowledge_changes(state: State, actor: str) -> State:
     """The state after somebody has acknowledged what has changed."""
     message = StateText.CHANGES_ACKNOWLEDGED(person=actor, since=state.changed_since)
     return replace(state, changed=(), changed_since="", message=message)

@@ -16,7 +16,7 @@ from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
 from workbench.model.release import Approval, PartReport, Receipt, Vote
-from workbench.model.scan import Detection, Obstacle, Remark, Scan, Search, SearchOverrides
+from workbench.model.scan import Detection, Obstacle, Remark, Scan, SearchOverrides, SearchRecord
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -185,7 +185,7 @@ class ScanState(SessionState):
     """What a new scan makes void: the scan and the searches in it, the latest last."""
 
     scan: Scan | None = None
-    searches: tuple[Search, ...] = ()
+    searches: tuple[SearchRecord, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -236,12 +236,12 @@ class PlanState(PartsState):
 class ReleaseState(PlanState):
     """What lets the plan out.
 
-    `watched` names those before whose eyes it was played to its end, `told` those of them of whom
-    only a program says so; `votes` are given for it, enough of them or not.
+    `watched` names those before whose eyes it was played to its end, `watched_elsewhere` those of
+    them of whom only a program says so; `votes` are given for it, enough of them or not.
     """
 
     watched: tuple[str, ...] = ()
-    told: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
+    watched_elsewhere: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
     votes: tuple[Vote, ...] = ()
     approval: Approval | None = None
 
@@ -294,8 +294,8 @@ class State(RunState):
     """All that an auditor would ask for.
 
     Its stages are the classes above, in the order in which one is made from the other: what a
-    stage holds stays until one before it, or the same, begins anew (`begun`), so that what is here
-    always belongs together.  A field belongs to the stage whose class it stands in.
+    stage holds stays until one before it, or the same, begins anew (`begin_stage`), so that what is
+    here always belongs together.  A field belongs to the stage whose class it stands in.
 
     What stands here is of this moment: `fault` is set exactly in phase fault; `message` tells a
     person what happened last.
@@ -307,7 +307,7 @@ class State(RunState):
     message: Message | str = ""
 
 
-def begun(state: State, stage: type[SessionState], **fields: Any) -> State:
+def begin_stage(state: State, stage: type[SessionState], **fields: Any) -> State:
     """The state as a stage begins anew: it and all after it are void, but for `fields`."""
     earlier = cast(type[SessionState], stage.__base__)
     kept = {
@@ -322,7 +322,7 @@ def stale_by(state: State, why: Message) -> Message | None:
     return None if state.plan is None else StaleText.PLAN(plan=state.plan.digest[:12], why=why)
 
 
-def counted(number: int, noun: str) -> str:
+def format_count(number: int, noun: str) -> str:
     """So many of something, as sentences have it."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 

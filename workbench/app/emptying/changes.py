@@ -87,7 +87,7 @@ def _of_surroundings() -> Iterator[Change]:
     yield Change("arms", ChangeText.PLACES_TURNED(by=turn), partial(_places, rise=0.0, turn=turn))
 
 
-def changed(cell: Cell, said: Message | None) -> Cell:
+def apply_change(cell: Cell, said: Message | None) -> Cell:
     """The cell with the change that is called so; with none it is as it was."""
     if said is None:
         return cell

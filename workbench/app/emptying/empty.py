@@ -62,7 +62,7 @@ class _Tally:
     warned_touches: int = 0
 
 
-def emptied(
+def empty_pile(
     cell: Cell,
     task: PileTask,
     pile: Sequence[Detection],

@@ -1,8 +1,8 @@
 """Piles emptied one after the other, with single changes of the cell where that is wanted."""
 
 from workbench.app.core.cell.emptying import TryEmptying
-from workbench.app.emptying.changes import changed
-from workbench.app.emptying.empty import emptied, fallen
+from workbench.app.emptying.changes import apply_change
+from workbench.app.emptying.empty import empty_pile, fallen
 from workbench.app.emptying.film import Film, Filmed, Numbered, Shot
 from workbench.app.emptying.what_if import tasks_with_changes
 from workbench.app.picking.pile_check import check_pile, with_kinds
@@ -42,19 +42,21 @@ def emptied_piles(cell: Cell, command: TryEmptying, report: Report, cancelled: C
     tried = plain
     for number, task in enumerate(tasks):
         if number and task.change != tasks[number - 1].change:
-            tried = changed(plain, task.change)
+            tried = apply_change(plain, task.change)
         says = _message(task, number % command.piles + 1, command.piles)
 
-        def tell(
+        def report_step(
             done: float, note: Message | str, number: int = number, says: Message = says
         ) -> None:
             report((number + done) / len(tasks), PileText.STEP(pile=says, step=note))
 
-        tell(0.0, ProgressText.FALLING())
+        report_step(0.0, ProgressText.FALLING())
         pile = fallen(plain, tried, task)
         shots: list[Shot] = []
         piles.append(
-            emptied(tried, task, pile, report=tell, cancelled=cancelled, film=shots.append)
+            empty_pile(
+                tried, task, pile, report=report_step, cancelled=cancelled, film=shots.append
+            )
         )
         if not task.change:
             films.append(_film(task, tuple(enumerate(pile)), tuple(shots)))

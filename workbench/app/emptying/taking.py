@@ -12,7 +12,7 @@ from workbench.model.plan import ArmPlan, LegName, Plan
 from workbench.model.scan import Detection
 from workbench.perception.localization.pose_error import pose_error
 from workbench.planning.collision.motion import path_contact
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.kinematics.quickness import hand_acceleration
@@ -67,7 +67,7 @@ def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part:
     T_world_tcp = chain.pose(q_grasp)
     number, is_straight = _between_fingers(cell, truth, part, T_world_tcp * arm_plan.T_tcp_part)
     moving = frozenset({arm_plan.arm})
-    comes = Phase(
+    comes = LegPhase(
         moving,
         {arm_plan.arm: arm_plan.leg("approach").opening},
         targets={} if number is None else {arm_plan.arm: number},
@@ -78,7 +78,7 @@ def carried_out(cell: Cell, truth: Sequence[Detection], arm_plan: ArmPlan, part:
         return Taking(None, False, (), touches)
     T_tcp_part = T_world_tcp.actInv(truth[number].T_world_part)
     extract = arm_plan.leg("extract")
-    lifts = Phase(
+    lifts = LegPhase(
         moving,
         {arm_plan.arm: extract.opening},
         held={arm_plan.arm: (number, T_tcp_part)},
@@ -161,7 +161,7 @@ def _between_fingers(
     return best, distance <= NEAR and turn <= TURNED
 
 
-def _meets(world: World, arm_plan: ArmPlan, leg: LegName, phase: Phase) -> int:
+def _meets(world: World, arm_plan: ArmPlan, leg: LegName, phase: LegPhase) -> int:
     """1 when something meets on a straight leg that is not meant to, else 0."""
     path, columns = np.asarray(arm_plan.leg(leg).q), world.kinematics.columns[arm_plan.arm]
     world.enter(phase)

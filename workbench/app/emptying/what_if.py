@@ -29,7 +29,7 @@ def tasks_with_changes(
     ]
 
 
-def ranked(
+def rank_changes(
     scenes: Sequence[EmptiedPile], *, scan_seconds: float, approval_seconds: float
 ) -> list[dict[str, Any]]:
     """What each change brought, the most first, as it is printed as JSON.
@@ -50,7 +50,7 @@ def ranked(
     rows = [
         {
             "change": str(said),
-            "said": said.told,
+            "said": said.program_form,
             "taken_share_before": before["taken_share"],
             "taken_share": answer["taken_share"],
             "parts_gained": answer["taken"] - before["taken"],

@@ -80,8 +80,8 @@ def write_bundle(
         journal.save_copy(copy)
         try:
             entries = verify.entries_of(copy)
-            derived = verify.derived(entries)
-        except verify.Problem as problem:
+            derived = verify.derive_files(entries)
+        except verify.VerificationError as problem:
             raise JournalError(f"{journal.folder}: {problem}") from problem
         _check_session(journal, entries)
         content: dict[str, Path | bytes] = {verify.JOURNAL: copy}
@@ -150,7 +150,7 @@ def _moments(journal: Journal, count: int) -> tuple[list[Moment], str]:
     return moments, ""
 
 
-def _check_session(journal: Journal, entries: list[verify.Entry]) -> None:
+def _check_session(journal: Journal, entries: list[verify.JournalEntry]) -> None:
     if "cell" not in json.loads(entries[0].body):
         raise JournalError(
             f"{journal.folder}: is no session, but perhaps the record of `workbench send`; "
@@ -158,7 +158,7 @@ def _check_session(journal: Journal, entries: list[verify.Entry]) -> None:
         )
 
 
-def _head(journal: Journal, entries: list[verify.Entry], at: float) -> Mapping[str, str]:
+def _head(journal: Journal, entries: list[verify.JournalEntry], at: float) -> Mapping[str, str]:
     first: Any = json.loads(entries[0].body)
     last: Any = json.loads(entries[-1].body)
     about = {
@@ -177,7 +177,7 @@ def _head(journal: Journal, entries: list[verify.Entry], at: float) -> Mapping[s
 
 def _manifest(
     session: str,
-    entries: list[verify.Entry],
+    entries: list[verify.JournalEntry],
     at: float,
     content: Mapping[str, Path | bytes],
     packed: str,

@@ -48,7 +48,7 @@ def _times(factor: int, point: Any) -> Any:
     return result
 
 
-def _packed(point: Any) -> bytes:
+def _pack(point: Any) -> bytes:
     inverse = pow(point[2], P - 2, P)
     x, y = point[0] * inverse % P, point[1] * inverse % P
     return (y | (x & 1) << 255).to_bytes(32, "little")
@@ -67,4 +67,4 @@ def is_signed(public_key: bytes, signature: bytes, message: bytes) -> bool:
         return False
     h = int.from_bytes(hashlib.sha512(half + public_key + message).digest(), "little") % ORDER
     negative = (P - key[0], key[1], 1, P - key[3])
-    return _packed(_sum(_times(s, BASE), _times(h, negative))) == half
+    return _pack(_sum(_times(s, BASE), _times(h, negative))) == half

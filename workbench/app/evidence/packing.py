@@ -16,11 +16,11 @@ MANIFEST, SIGNATURE = "manifest.json", "manifest.sig"
 LARGEST_MANIFEST = 64 * 2**20
 
 
-class Problem(Exception):
+class VerificationError(Exception):
     """What ends the verification, as a sentence."""
 
 
-class Bundle:
+class PackedFiles:
     """The files in the zip file of a bundle, by name; ValueError when anything else is in it."""
 
     def __init__(self, file: IO[bytes]) -> None:
@@ -36,21 +36,21 @@ class Bundle:
         return b"".join(self.blocks(name)) if self.members[name].size <= most else b""
 
 
-def manifest_of(bundle: Bundle) -> tuple[bytes, dict[str, Any]]:
+def manifest_of(bundle: PackedFiles) -> tuple[bytes, dict[str, Any]]:
     """The manifest as bytes and as values."""
     try:
         content = bundle.read(MANIFEST, LARGEST_MANIFEST)
         manifest = json.loads(content)
         if manifest["format"] != FORMAT:
-            raise Problem(f"the format is {manifest['format']!r}, expected {FORMAT!r}")
+            raise VerificationError(f"the format is {manifest['format']!r}, expected {FORMAT!r}")
         if not all({"size", "sha256"} <= set(about) for about in manifest["files"].values()):
             raise KeyError("size or sha256")
         return content, manifest
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
-        raise Problem("there is no manifest, or it cannot be read") from None
+        raise VerificationError("there is no manifest, or it cannot be read") from None
 
 
-def packing_problems(bundle: Bundle, manifest: dict[str, Any]) -> Iterator[str]:
+def packing_problems(bundle: PackedFiles, manifest: dict[str, Any]) -> Iterator[str]:
     """Where the zip file is not, byte for byte, the one whose packing was signed.
 
     The manifest says what all bytes before it are; what comes after it follows from what it says.
@@ -68,7 +68,7 @@ def packing_problems(bundle: Bundle, manifest: dict[str, Any]) -> Iterator[str]:
         yield "the files are not packed as they were when they were signed"
 
 
-def file_problems(bundle: Bundle, manifest: dict[str, Any]) -> Iterator[str]:
+def file_problems(bundle: PackedFiles, manifest: dict[str, Any]) -> Iterator[str]:
     """Files that are not as the manifest has them, are missing, or that it does not name."""
     there = set(bundle.members) - {MANIFEST, SIGNATURE}
     for name in sorted(set(manifest["files"]) - there):

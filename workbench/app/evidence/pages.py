@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from html import escape
 
-from workbench.app.evidence.report import Table
+from workbench.app.evidence.report import ReportTable
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #1b1e23; max-width: 72rem; margin: 2rem auto;
@@ -37,7 +37,7 @@ INCHES = (8.27, 11.69)
 FONT = "DejaVu Sans Mono"
 
 
-def html_page(title: str, tables: Iterable[Table]) -> bytes:
+def html_page(title: str, tables: Iterable[ReportTable]) -> bytes:
     """The report as one HTML file; every text in it is escaped."""
     body = "".join(_section(table) for table in tables)
     policy = "default-src 'none'; style-src 'unsafe-inline'"
@@ -49,7 +49,7 @@ def html_page(title: str, tables: Iterable[Table]) -> bytes:
     ).encode()
 
 
-def _section(table: Table) -> str:
+def _section(table: ReportTable) -> str:
     says = f"<p>{escape(table.says)}</p>" if table.says else ""
     if not table.rows:
         return f"<h2>{escape(table.title)}</h2>{says}<p>None.</p>"
@@ -70,7 +70,7 @@ def _row(row: tuple[str, ...], *, is_named: bool) -> str:
     return f"<tr>{''.join(cells)}</tr>"
 
 
-def pdf_pages(title: str, tables: Iterable[Table]) -> bytes | None:
+def pdf_pages(title: str, tables: Iterable[ReportTable]) -> bytes | None:
     """The report as a PDF file; None where Matplotlib is not installed."""
     try:
         import matplotlib
@@ -104,7 +104,7 @@ def pdf_pages(title: str, tables: Iterable[Table]) -> bytes | None:
     return content.getvalue()
 
 
-def _lines(title: str, tables: Iterable[Table]) -> Iterator[tuple[str, bool]]:
+def _lines(title: str, tables: Iterable[ReportTable]) -> Iterator[tuple[str, bool]]:
     """The lines of the report, and which of them are headings."""
     yield title, True
     for table in tables:

@@ -20,7 +20,7 @@ from workbench.app.core.cycle.sending import LinkEnded, NextStep, SendPlan, Sent
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import MACHINES
 from workbench.app.core.session import AcknowledgeChanges, Started
-from workbench.app.core.state import Phase, State, counted
+from workbench.app.core.state import Phase, State, format_count
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.release import manner_words
 from workbench.model.scan import Scan
@@ -43,7 +43,7 @@ USUAL = (
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ReportTable:
     """A table with what it says in a sentence or two; without columns, rows are name and value."""
 
     title: str
@@ -55,7 +55,9 @@ class Table:
 Moment = tuple[Entry, State]
 
 
-def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "") -> list[Table]:
+def tables_of(
+    head: Mapping[str, str], moments: Iterable[Moment], broke: str = ""
+) -> list[ReportTable]:
     """The report of a session.
 
     Args:
@@ -71,7 +73,7 @@ def tables_of(head: Mapping[str, str], moments: Iterable[Moment], broke: str = "
     )
     if broke:
         says += f" The session could not be computed again to its end: {broke}."
-    tables = [Table("Session", says, (), tuple(head.items()))]
+    tables = [ReportTable("Session", says, (), tuple(head.items()))]
     tables.append(_starts(entries))
     tables.append(_people(entries))
     for number, cycle in enumerate(_cycles(entries), 1):
@@ -86,7 +88,7 @@ def clock(at: float) -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(at)) + f".{int(at * 1000) % 1000:03d}"
 
 
-def _starts(entries: list[Moment]) -> Table:
+def _starts(entries: list[Moment]) -> ReportTable:
     rows: list[tuple[str, ...]] = []
     for entry, state in entries:
         match entry.command:
@@ -105,13 +107,13 @@ def _starts(entries: list[Moment]) -> Table:
     says = "At every start; the inventory is in the journal with all its digests."
     if not rows:
         says = "Nothing is on record: the session is from before that was."
-    return Table("What ran", says, ("when", "who", "what"), tuple(rows))
+    return ReportTable("What ran", says, ("when", "who", "what"), tuple(rows))
 
 
-def _people(entries: list[Moment]) -> Table:
+def _people(entries: list[Moment]) -> ReportTable:
     counts = Counter((e.actor, str(e.role)) for e, _ in entries if e.actor not in MACHINES)
     rows = tuple((name, role, str(count)) for (name, role), count in sorted(counts.items()))
-    return Table("Who acted", "", ("name", "role", "commands"), rows)
+    return ReportTable("Who acted", "", ("name", "role", "commands"), rows)
 
 
 def _cycles(entries: list[Moment]) -> Iterator[list[Moment]]:
@@ -129,7 +131,7 @@ def _cycles(entries: list[Moment]) -> Iterator[list[Moment]]:
         yield cycle
 
 
-def _cycle(number: int, cycle: list[Moment]) -> Table:
+def _cycle(number: int, cycle: list[Moment]) -> ReportTable:
     sent = next((place for place, (e, _) in enumerate(cycle) if isinstance(e.command, SendPlan)), 0)
     entry, state = cycle[sent]
     before = cycle[:sent]
@@ -142,7 +144,7 @@ def _cycle(number: int, cycle: list[Moment]) -> Table:
     sender = f"by {entry.actor}" if isinstance(entry.command, SendPlan) else "after the one before"
     rows.append(("sent", f"{clock(entry.at)} {sender} (entry {entry.number})"))
     rows += _list_reports(cycle[sent + 1 :])
-    return Table(f"Sending {number}", "", (), tuple(rows))
+    return ReportTable(f"Sending {number}", "", (), tuple(rows))
 
 
 def _in_row(state: State) -> Iterator[tuple[str, str]]:
@@ -153,7 +155,7 @@ def _in_row(state: State) -> Iterator[tuple[str, str]]:
 
 
 def _plan(plan: Plan, proof: Proof) -> Iterator[tuple[str, str]]:
-    of = counted(len(plan.arms), "part")
+    of = format_count(len(plan.arms), "part")
     yield "plan", f"{plan.digest}: {of}, strategy {plan.strategy}, {plan.guarantee}"
     yield "cell", plan.cell_digest
     yield "scan", plan.scan_digest
@@ -179,7 +181,7 @@ def _list_shown(before: list[Moment], state: State) -> Iterator[tuple[str, str]]
     for entry, _ in before:
         command = entry.command
         if isinstance(command, WatchPlan) and command.plan_digest == digest:
-            how = "told by a program" if command.is_told else "drawn by a browser to its end"
+            how = "told by a program" if command.is_reported else "drawn by a browser to its end"
             yield "shown", f"{clock(entry.at)} to {entry.actor}, {how} (entry {entry.number})"
 
 
@@ -215,7 +217,7 @@ def _list_reports(after: list[Moment]) -> Iterator[tuple[str, str]]:
                 yield "stop", f"{clock(entry.at)} by {entry.actor} (entry {entry.number})"
             case LinkEnded(fault=fault, parts_placed=placed, parts=parts):
                 said = f"fault: {fault}" if fault else str(state.message)
-                put = counted(placed, "part")
+                put = format_count(placed, "part")
                 yield "the robot said", f"{clock(entry.at)} {said}; {put} placed"
                 for part in parts:
                     became = {True: "picked", False: "failed", None: "not known"}[part.is_picked]
@@ -225,7 +227,7 @@ def _list_reports(after: list[Moment]) -> Iterator[tuple[str, str]]:
                 pass
 
 
-def _interventions(entries: list[Moment]) -> Table:
+def _interventions(entries: list[Moment]) -> ReportTable:
     rows: list[tuple[str, ...]] = []
     for entry, state in entries:
         command = entry.command
@@ -236,10 +238,10 @@ def _interventions(entries: list[Moment]) -> Table:
             rows.append((str(entry.number), clock(entry.at), entry.actor, kind, str(state.message)))
     says = "What people did besides scanning, planning, watching, approving, sending; and faults."
     columns = ("entry", "when", "who", "what", "what came of it")
-    return Table("Interventions and faults", says, columns, tuple(rows))
+    return ReportTable("Interventions and faults", says, columns, tuple(rows))
 
 
-def _log(entries: list[Moment]) -> Table:
+def _log(entries: list[Moment]) -> ReportTable:
     shown = [(e, s) for e, s in entries if not isinstance(e.command, Sent)]
     rows = tuple(
         (str(e.number), clock(e.at), e.actor, _kind(e), str(s.phase), str(s.message))
@@ -247,7 +249,7 @@ def _log(entries: list[Moment]) -> Table:
     )
     left_out = len(entries) - len(shown)
     says = f"Every entry after the first but {left_out} messages to the robot, which wire.txt has."
-    return Table("Log", says, ("entry", "when", "who", "what", "phase", "says"), rows)
+    return ReportTable("Log", says, ("entry", "when", "who", "what", "phase", "says"), rows)
 
 
 def _kind(entry: Entry) -> str:

@@ -68,7 +68,7 @@ def step_problems(entries: Iterable[tuple[int, str, Any]]) -> Iterator[str]:
             place = 0 if kind == "SendPlan" else place + 1
             approval, let, last_step = _fields(body.get("approval")), 0, 0
             now = row[place] if place < len(row) else None
-            times = _told_times(now, approval.get("speed_share", 1.0))
+            times = _compute_waypoint_times(now, approval.get("speed_share", 1.0))
         elif kind == "NextStep":
             if not approval.get("is_stepped") or command.get("number") != let + 1:
                 yield f"entry {number} lets a step run that was not to run then"
@@ -142,7 +142,7 @@ def _fields(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-def _told_times(plan: Any, share: float) -> list[float]:
+def _compute_waypoint_times(plan: Any, share: float) -> list[float]:
     """From waypoint to waypoint [ms], in the order in which they are reported."""
     if not isinstance(plan, dict):
         return []

@@ -26,8 +26,8 @@ from typing import Any, NamedTuple
 from workbench.app.evidence.ed25519 import is_signed
 from workbench.app.evidence.packing import (
     SIGNATURE,
-    Bundle,
-    Problem,
+    PackedFiles,
+    VerificationError,
     file_problems,
     manifest_of,
     packing_problems,
@@ -55,7 +55,7 @@ BACK = 1.0
 MOST_PROBLEMS = 50
 
 
-class Entry(NamedTuple):
+class JournalEntry(NamedTuple):
     """An entry of the journal; `body` is what was written."""
 
     number: int
@@ -78,7 +78,7 @@ def hash_of(previous: str, number: int, kind: str, body: bytes, files: Iterable[
     return chain.hexdigest()
 
 
-def entries_of(database: Path) -> list[Entry]:
+def entries_of(database: Path) -> list[JournalEntry]:
     """The entries of a journal, in order; Problem when it is none."""
     try:
         with closing(
@@ -86,7 +86,9 @@ def entries_of(database: Path) -> list[Entry]:
         ) as open_:
             found = set(open_.execute("SELECT type, name FROM sqlite_master WHERE sql IS NOT NULL"))
             if not found <= KNOWN:
-                raise Problem("the journal has tables, views or triggers that no journal has")
+                raise VerificationError(
+                    "the journal has tables, views or triggers that no journal has"
+                )
             files: dict[int, list[str]] = {}
             for number, digest in open_.execute("SELECT entry, digest FROM entry_files"):
                 files.setdefault(number, []).append(digest)
@@ -94,25 +96,29 @@ def entries_of(database: Path) -> list[Entry]:
                 "SELECT number, kind, body, previous, hash FROM entries ORDER BY number"
             )
             entries = [
-                Entry(number, kind, body, tuple(sorted(files.pop(number, ()))), previous, chained)
+                JournalEntry(
+                    number, kind, body, tuple(sorted(files.pop(number, ()))), previous, chained
+                )
                 for number, kind, body, previous, chained in rows
             ]
             if files:
-                raise Problem(f"files are named for entry {min(files)}, which is not there")
+                raise VerificationError(
+                    f"files are named for entry {min(files)}, which is not there"
+                )
             highest = open_.execute("SELECT seq FROM sqlite_sequence WHERE name = 'entries'")
             last = next((seq for (seq,) in highest), 0)
             if entries and last > entries[-1].number:
-                raise Problem(f"the entries up to {last} are missing at the end")
+                raise VerificationError(f"the entries up to {last} are missing at the end")
             return entries
     except (sqlite3.Error, TypeError, UnicodeDecodeError) as error:
-        raise Problem(f"the journal cannot be read: {error}") from None
+        raise VerificationError(f"the journal cannot be read: {error}") from None
 
 
-def _rehashed(entry: Entry) -> str:
+def _rehash(entry: JournalEntry) -> str:
     return hash_of(entry.previous, entry.number, entry.kind, entry.body, entry.files)
 
 
-def chain_problems(entries: list[Entry]) -> Iterator[str]:
+def chain_problems(entries: list[JournalEntry]) -> Iterator[str]:
     """Where the chain does not hold, or entries contradict one another."""
     if not entries:
         yield "the journal has no entry"
@@ -122,7 +128,7 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
             yield f"entry {entry.number} stands where entry {expected} should"
         if entry.previous != previous:
             yield f"entry {entry.number} does not follow from the one before it"
-        if _rehashed(entry) != entry.hash:
+        if _rehash(entry) != entry.hash:
             yield f"entry {entry.number} was changed after it was written"
         expected, previous = entry.number + 1, entry.hash
     bodies = [(member.number, member.kind, body_of(member)) for member in entries]
@@ -130,7 +136,7 @@ def chain_problems(entries: list[Entry]) -> Iterator[str]:
     yield from step_problems(bodies)
 
 
-def clock_remarks(entries: list[Entry]) -> Iterator[str]:
+def clock_remarks(entries: list[JournalEntry]) -> Iterator[str]:
     """Where the clock was set back: no change of the record, but somebody should know."""
     before = 0.0
     for entry in entries:
@@ -141,7 +147,9 @@ def clock_remarks(entries: list[Entry]) -> Iterator[str]:
             before = at
 
 
-def anchor_problems(entries: list[Entry], session: str, anchors: Iterable[Any]) -> Iterator[str]:
+def anchor_problems(
+    entries: list[JournalEntry], session: str, anchors: Iterable[Any]
+) -> Iterator[str]:
     """Where the journal is not the one whose heads were kept elsewhere."""
     hashes, found = {entry.number: entry.hash for entry in entries}, 0
     for anchor in anchors:
@@ -177,18 +185,18 @@ def anchors_from(text: str) -> tuple[list[Any], list[str]]:
 # What is made from the journal
 
 
-def body_of(entry: Entry) -> dict[str, Any]:
+def body_of(entry: JournalEntry) -> dict[str, Any]:
     """The content of an entry."""
     try:
         body = json.loads(entry.body)
     except ValueError:
         body = None
     if not isinstance(body, dict):
-        raise Problem(f"entry {entry.number} has no content that can be read")
+        raise VerificationError(f"entry {entry.number} has no content that can be read")
     return body
 
 
-def derived(entries: list[Entry]) -> dict[str, bytes]:
+def derive_files(entries: list[JournalEntry]) -> dict[str, bytes]:
     """The files that are made from the journal alone, by name."""
     log: list[Any] = []
     approvals: list[Any] = []
@@ -218,7 +226,7 @@ def derived(entries: list[Entry]) -> dict[str, bytes]:
 
 
 def journal_problems(
-    bundle: Bundle, manifest: dict[str, Any], entries: list[Entry]
+    bundle: PackedFiles, manifest: dict[str, Any], entries: list[JournalEntry]
 ) -> Iterator[str]:
     """Where journal, manifest and what was made from the journal do not agree."""
     yield from chain_problems(entries)
@@ -230,7 +238,7 @@ def journal_problems(
             name = f"{FILES}/{digest[:2]}/{digest}"
             if manifest["files"].get(name, {}).get("sha256") != digest:
                 yield f"the file {digest[:12]} of entry {entry.number} is missing or another one"
-    for name, content in derived(entries).items():
+    for name, content in derive_files(entries).items():
         if name not in manifest["files"] or bundle.read(name, len(content)) != content:
             yield f"{name} does not tell what the journal tells"
 
@@ -246,9 +254,9 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
     try:
         with path.open("rb") as file, tempfile.TemporaryDirectory() as folder:
             try:
-                bundle = Bundle(file)
+                bundle = PackedFiles(file)
             except ValueError as error:
-                raise Problem(f"the zip file cannot be read: {error}") from None
+                raise VerificationError(f"the zip file cannot be read: {error}") from None
             content, manifest = manifest_of(bundle)
             problems.extend(_signature_problems(bundle, content, key, missing))
             problems.extend(packing_problems(bundle, manifest))
@@ -265,7 +273,7 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
                 problems.extend(anchor_problems(entries, manifest["session"], anchors))
             remarks.append(f"session {manifest['session']}, {len(entries)} entries, head")
             remarks.append(f"  {manifest['head']}")
-    except Problem as problem:
+    except VerificationError as problem:
         problems.append(str(problem))
     except (OSError, LookupError, TypeError, ValueError, RuntimeError) as error:
         problems.append(f"cannot be read: {error}")
@@ -273,7 +281,7 @@ def problems_of(path: Path, key: bytes | None, anchors: list[Any] | None) -> tup
 
 
 def _signature_problems(
-    bundle: Bundle, content: bytes, key: bytes | None, missing: list[str]
+    bundle: PackedFiles, content: bytes, key: bytes | None, missing: list[str]
 ) -> Iterator[str]:
     if SIGNATURE not in bundle.members:
         missing.append("the bundle is not signed: anybody may have made it")

@@ -31,7 +31,7 @@ HOLDING = 12
 CUP, REACH = 0.008, 0.06
 """[m] How wide the cup is that is tried instead of fingers, and how long."""
 
-TOLD = 3
+MOST_CHANGES = 3
 """Changes that are named."""
 
 
@@ -74,7 +74,7 @@ def advice(
 
 
 def _best(found: list[tuple[Message, int]]) -> tuple[tuple[Message, int], ...]:
-    return tuple(sorted(found, key=lambda counted_change: -counted_change[1])[:TOLD])
+    return tuple(sorted(found, key=lambda counted_change: -counted_change[1])[:MOST_CHANGES])
 
 
 def _others(cell: Cell) -> Iterator[tuple[Message, Cell]]:

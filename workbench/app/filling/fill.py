@@ -17,7 +17,7 @@ from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, kept
 from workbench.app.filling.naming import named
 from workbench.app.filling.work import FALL, WORK, Work
-from workbench.formats.meshes.repair import examined
+from workbench.formats.meshes.repair import examine_surface
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
@@ -144,7 +144,7 @@ def check_mesh(part: Part) -> None:
     Raises:
         InputError: it has not.
     """
-    if examined(part.mesh).is_inside_out:
+    if examine_surface(part.mesh).is_inside_out:
         raise InputError(PileText.INSIDE_OUT(part=part.name))
 
 

@@ -70,17 +70,19 @@ def families_for(
     rng = np.random.default_rng(0)
     looked = count = added = 0
     # The latest first: the cell was as it is now.
-    for one in reversed(left):
+    for remaining in reversed(left):
         if work.is_over() or not hands:
             break
-        if one.part != name or any(detection.part not in kinds for detection in one.pile):
+        if remaining.part != name or any(
+            detection.part not in kinds for detection in remaining.pile
+        ):
             continue
-        world = World(cell, one.pile)
-        work.add(WORLD * len(one.pile) * len(part.pieces))
+        world = World(cell, remaining.pile)
+        work.add(WORLD * len(remaining.pile) * len(part.pieces))
         looked += 1
-        family = takes(hands, world, one.number, 0, rng)
+        family = takes(hands, world, remaining.number, 0, rng)
         if family is None:
-            taken_anew = add_family(hands, world, one.number, 0, rng) is None
+            taken_anew = add_family(hands, world, remaining.number, 0, rng) is None
         else:
             taken_anew = id(family) not in known
             count += not taken_anew

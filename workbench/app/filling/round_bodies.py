@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats
-from workbench.model.part import Part, turned
+from workbench.model.part import Part, make_turn
 from workbench.model.symmetry import ANY_TURN
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import opposite_points
@@ -34,7 +34,7 @@ class RoundBody:
 
     def turned(self, angle: float) -> pin.SE3:
         """The motion by an angle [rad] about it."""
-        return turned(self.axis, angle, self.point)
+        return make_turn(self.axis, angle, self.point)
 
 
 def round_bodies(part: Part, checker: GraspChecker) -> tuple[RoundBody, ...]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.app.core.cell.making import ImportPart
-from workbench.formats.files.whole_files import uploaded
+from workbench.formats.files.whole_files import write_upload
 from workbench.formats.meshes.cad_files import PLASTIC
 from workbench.formats.meshes.pieces import convex_pieces
 from workbench.formats.parts.new_part import (
@@ -139,7 +139,7 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
         InputError: the file cannot be used, see `make_part`.
     """
     # Its own name goes into the part's file.
-    with uploaded(command.file, command.content.data) as file:
+    with write_upload(command.file, command.content.data) as file:
 
         def go_on(done: float, note: Message | str) -> None:
             if cancelled():

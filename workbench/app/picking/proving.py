@@ -26,7 +26,7 @@ def prove(
 
     Args:
         cell: as it is now.
-        plan: as planned, or as another program made it; see `adopted`.
+        plan: as planned, or as another program made it; see `adopt_plan`.
         detections: see `scene_of`.
         scan: see `scene_of`.
         resolution: [m] see `docs/proof.md`.
@@ -85,7 +85,7 @@ def _select_shown(cell: Cell, scan: Scan, parts: tuple[Detection, ...]) -> tuple
                  if is_shown)  # fmt: skip
 
 
-def adopted(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
+def adopt_plan(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
     """A plan of another program, which knows no digests, as one for this cell and scan.
 
     What the plan states itself stays, so that a plan for another cell is found out.  Loads that it

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from workbench.app.picking.pipeline import AS_THE_CELL, NOTHING, plan_pick
-from workbench.app.picking.stations import Search, Stand, cell_with
+from workbench.app.picking.stations import Stand, StationSearch, cell_with
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import Cell, PlanOverrides, Policy
 from workbench.model.messages.message import Message, all_of
@@ -68,7 +68,7 @@ def plan_regrasp(
         return refused
     began, policy = working_time(), overrides.on(cell.policy)
     until = processor_time() + policy.seconds
-    search = Search(cell, scene, policy, arms, seed, until, cancelled)
+    search = StationSearch(cell, scene, policy, arms, seed, until, cancelled)
     picks = dict(strategy=strategy, overrides=overrides, seed=seed, cancelled=cancelled, **asked)
     stands: dict[str, list[Stand]] = {}
     why = StationNote.NO_POSE()

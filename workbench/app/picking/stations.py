@@ -52,7 +52,7 @@ class Stand:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Search:
+class StationSearch:
     """What both halves of the search are asked with; `until` [s] of processor time they give up."""
 
     cell: Cell
@@ -145,7 +145,7 @@ def station_problems(cell: Cell) -> Iterator[Message]:
     """What speaks against the stations of a cell: those from which no part can be taken anew."""
     arms = [arm.name for arm in cell.arms]
     scene = Scene("", ())
-    search = Search(cell, scene, cell.policy, arms, 0, math.inf, never)
+    search = StationSearch(cell, scene, cell.policy, arms, 0, math.inf, never)
     for station in cell.stations:
         for part in cell.parts:
             poses = resting_poses(part)

@@ -7,7 +7,7 @@ from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import DrawnText
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.plugins.progress import Cancelled, Report
 
@@ -43,7 +43,7 @@ def met_at_home(cell: Cell, arm: str) -> str:
     links = {link.name for link in cell.robot.links}
     at_home = world.configuration({})
     for opening in tool.stroke:
-        world.enter(Phase(frozenset({arm}), {arm: opening}))
+        world.enter(LegPhase(frozenset({arm}), {arm: opening}))
         for contact in world.contacts(at_home):
             met = set(contact.pair) & links
             if contact.distance <= 0.0 and met and labels & set(contact.pair):

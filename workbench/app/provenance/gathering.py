@@ -28,7 +28,7 @@ def inventory(cell: Cell, users: Mapping[str, str]) -> Inventory:
         python=f"{platform.python_implementation()} {platform.python_version()}",
         processor=processor(PROCESSORS),
         system=" ".join((platform.system(), platform.release(), *platform.libc_ver())).strip(),
-        distributions=tuple(installed()),
+        distributions=tuple(find_installed()),
         cell=cell.name,
         cell_digest=cell.digest,
         parts={part.name: part.digest for part in cell.parts},
@@ -37,7 +37,7 @@ def inventory(cell: Cell, users: Mapping[str, str]) -> Inventory:
     )
 
 
-def installed() -> Iterator[Distribution]:
+def find_installed() -> Iterator[Distribution]:
     """What is installed, in the order of the names."""
     for name, distribution in sorted(by_name().items()):
         listed = distribution.read_text("RECORD")

@@ -23,7 +23,7 @@ from workbench.app.core.value_checks import (
     check_number,
     check_text,
 )
-from workbench.app.records.forms import large_arrays, restored
+from workbench.app.records.forms import large_arrays, restore_value
 from workbench.formats.files.archives import unpack, write_archive
 from workbench.formats.files.whole_files import (
     MB,
@@ -31,11 +31,11 @@ from workbench.formats.files.whole_files import (
     read_whole,
 )
 from workbench.model.cell import Cell
-from workbench.model.digest import Told, canonical, digest_of
+from workbench.model.digest import FactsRepr, canonical, digest_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.model.messages.commands import NameText
 from workbench.model.messages.files import FileProblem
-from workbench.model.scan import Detection, Scan, Search
+from workbench.model.scan import Detection, Scan, SearchRecord
 
 FORMAT = "workbench-case/1"
 
@@ -52,7 +52,7 @@ UNREADABLE = (
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Case(Told):
+class Case(FactsRepr):
     """What a search found in a scan, and what a person says lies there.
 
     `at` [s since the epoch] `by` somebody, whose `comment` says what was wrong.  `search` is what
@@ -67,7 +67,7 @@ class Case(Told):
     is_complete: bool
     cell: Cell
     scan: Scan
-    search: Search
+    search: SearchRecord
     truth: tuple[Detection, ...]
     workbench: str = __version__
 
@@ -155,7 +155,7 @@ def _read(path: Path, place: Path) -> Case:
         raise InputError(f"its format is {head.get('format')!r:.60}, not {FORMAT!r}")
     known = {field.name for field in fields(Case)}
     values = {name: value for name, value in head.items() if name in known}
-    case: Case = restored(
+    case: Case = restore_value(
         Case, {**values, "cell": form("cell.json"), "scan": form("scan.json")}, array
     )
     _check(case, head)

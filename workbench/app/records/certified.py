@@ -8,7 +8,7 @@ from typing import Any
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.session import Started
 from workbench.app.provenance.inventory import Inventory
-from workbench.app.records.forms import ReadFile, restored
+from workbench.app.records.forms import ReadFile, restore_value
 from workbench.app.records.record import SESSION, entry_of
 from workbench.formats.plans.certificates import LIBRARIES, certificate_bytes
 from workbench.journal.journal import Row
@@ -51,7 +51,7 @@ def certificates(
             if row.kind == SESSION:
                 made_with = {"workbench": str(body["workbench"])}
             elif row.kind == Started.__name__:
-                made_with = _made_with(restored(Inventory, body["command"]["ran"], read))
+                made_with = _made_with(restore_value(Inventory, body["command"]["ran"], read))
             elif row.kind == JobEnded.__name__ and "plan" in body["command"]["result"]:
                 planned.append((row, made_with))
             if body.get("approval"):

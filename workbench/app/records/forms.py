@@ -44,7 +44,7 @@ def large_arrays(value: Any) -> dict[str, memoryview]:
     return found
 
 
-def restored(kind: Any, form: Any, read: ReadFile) -> Any:
+def restore_value(kind: Any, form: Any, read: ReadFile) -> Any:
     """The value of type `kind` whose canonical form this is.
 
     Args:
@@ -76,7 +76,7 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
             raise ValueError(f"fields {sorted(form)} where {sorted(names)} were expected")
         hints = _hints(kind)
         known = names & set(form)
-        value = kind(**{name: restored(hints[name], form[name], read) for name in known})
+        value = kind(**{name: restore_value(hints[name], form[name], read) for name in known})
         if "digest" in made and _has_grown(kind, known):
             # What an older version wrote keeps the digest under which it is on record.
             object.__setattr__(value, "digest", digest_of(recorded))
@@ -95,16 +95,19 @@ def restored(kind: Any, form: Any, read: ReadFile) -> Any:
             return form
         if form is None and len(present) < len(arguments):
             return None
-        return restored(present[0] if len(present) == 1 else _kind_of(present, form), form, read)
+        return restore_value(
+            present[0] if len(present) == 1 else _kind_of(present, form), form, read
+        )
     if origin is frozenset:
-        return frozenset(restored(arguments[0], item, read) for item in form)
+        return frozenset(restore_value(arguments[0], item, read) for item in form)
     if origin is tuple:
         kinds = [arguments[0]] * len(form) if arguments[1:] == (...,) else arguments
         return tuple(
-            restored(item_kind, item, read) for item_kind, item in zip(kinds, form, strict=True)
+            restore_value(item_kind, item, read)
+            for item_kind, item in zip(kinds, form, strict=True)
         )
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        return {key: restored(arguments[1], item, read) for key, item in form.items()}
+        return {key: restore_value(arguments[1], item, read) for key, item in form.items()}
     if kind in PLAIN or origin is typing.Literal:
         # A whole number in a float's place stays one: otherwise the digest would differ.
         return form

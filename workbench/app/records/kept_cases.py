@@ -17,7 +17,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, FileError
 from workbench.model.messages.message import Message
 from workbench.model.messages.work import CaseRefusal
-from workbench.model.scan import Search
+from workbench.model.scan import SearchRecord
 
 FOLDER = "cases"
 """In the folder of a session."""
@@ -105,7 +105,7 @@ def keep_case(
     return folder / name
 
 
-def _corrected_search(state: State) -> Search:
+def _corrected_search(state: State) -> SearchRecord:
     """The search that people have corrected: others may have been made only to be compared."""
     first = state.parts_before[-1] if state.parts_before else state.detections or ()
     wanted = digest_of(first)

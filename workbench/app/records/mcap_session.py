@@ -15,7 +15,7 @@ from workbench.app.core.command import Entry
 from workbench.app.core.cycle.sending import SendPlan
 from workbench.app.core.state import Phase, State
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import told
+from workbench.app.records.session_archive import list_session
 from workbench.app.records.sessions import cell_of
 from workbench.formats.mcap import foxglove
 from workbench.formats.mcap.writing import McapFile, mcap_file
@@ -45,7 +45,7 @@ def export_mcap(journal: Journal, path: Path) -> None:
         raise JournalError(f"{journal.folder}: {problems[0]}; a changed session is not exported")
     cell = cell_of(journal)
     with mcap_file(path) as file:
-        file.describe({key: str(value) for key, value in told(journal).head.items()})
+        file.describe({key: str(value) for key, value in list_session(journal).head.items()})
         played = _Motion(file)
         last: State | None = None
         for entry, state in replay(journal, cell):

@@ -18,8 +18,8 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.scanning import UseObservations
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import State
-from workbench.app.records.forms import Content, ReadFile, large_arrays, restored
-from workbench.formats.files.json_pieces import encoded
+from workbench.app.records.forms import Content, ReadFile, large_arrays, restore_value
+from workbench.formats.files.json_pieces import encode_json
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.digest import canonical, digest_of
@@ -238,7 +238,7 @@ def _result_form(result: Result) -> Any:
 def _command(kind: str, form: Any, read: ReadFile) -> Command:
     if kind == JobEnded.__name__:
         return JobEnded(form["number"], _result(form["result"], read))
-    return restored(COMMANDS[kind], form, read)
+    return restore_value(COMMANDS[kind], form, read)
 
 
 def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
@@ -250,9 +250,9 @@ def _result(form: Mapping[str, Any], read: ReadFile) -> Result:
         return (JobCancelled if cancelled else WorkbenchError)(why)
     for result, name in RESULTS.items():
         if name == kind:
-            return restored(result, content, read)
+            return restore_value(result, content, read)
     raise ValueError(f"a result of kind {kind!r} is not known")
 
 
 def _json(body: Mapping[str, Any]) -> bytes:
-    return encoded(body, allow_nan=True)
+    return encode_json(body, allow_nan=True)

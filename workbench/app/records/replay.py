@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from workbench.app.core.command import Entry
-from workbench.app.core.decide import allowed, decide
+from workbench.app.core.decide import check_allowed, decide
 from workbench.app.core.state import State
 from workbench.app.picking.facts import with_facts
 from workbench.app.records.record import check_session, entry_of, summary
@@ -33,7 +33,7 @@ def replay(journal: Journal, cell: Cell) -> Iterator[tuple[Entry, State]]:
     for row in rows:
         entry, recorded = entry_of(row.number, row.kind, row.body, journal.read)
         try:
-            allowed(state, entry.command, entry.actor, entry.at, entry.joints, entry.role)
+            check_allowed(state, entry.command, entry.actor, entry.at, entry.joints, entry.role)
             state, _ = decide(state, replace(entry, command=with_facts(state, entry.command)))
         except CommandRefused as error:
             raise JournalError(

@@ -59,7 +59,7 @@ class Unpacked:
 
 
 @contextlib.contextmanager
-def unpacked(file: Path, root: Path) -> Generator[Unpacked]:
+def unpack_backup(file: Path, root: Path) -> Generator[Unpacked]:
     """Unpack a backup on the disk of a working directory, and read everything in it.
 
     It works in that directory meanwhile, so it is for processes with one thread.
@@ -184,7 +184,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
     except FileError as error:
         # Where the file lies for now says nothing to anybody.
         raise InputError(FileText.PROBLEM(path=file.name, problem=error.problem)) from None
-    return tuple(Thing(**fields) for fields in answer.told)
+    return tuple(Thing(**fields) for fields in answer.value)
 
 
 def looked_into(file: Path, root: str, is_put: bool) -> Answer:
@@ -194,7 +194,7 @@ def looked_into(file: Path, root: str, is_put: bool) -> Answer:
         InputError: as `look_apart` has it.
     """
     try:
-        with unpacked(file, Path(root)) as backup:
+        with unpack_backup(file, Path(root)) as backup:
             if backup.users is not None:
                 raise InputError(FileProblem.HOLDS_USERS())
             if is_put:

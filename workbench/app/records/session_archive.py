@@ -32,14 +32,14 @@ KNOWN = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class SessionListing:
     """What happened in a session, entry by entry, as people are told it."""
 
     head: Mapping[str, Any]
     entries: tuple[Mapping[str, Any], ...]
 
 
-def opened(folder: Path) -> Journal:
+def open_journal(folder: Path) -> Journal:
     """The journal of a session's folder.
 
     Raises:
@@ -55,7 +55,9 @@ def sessions_in(root: Path) -> tuple[Path, ...]:
     return tuple(sorted(file.parent for file in root.glob(f"*/{DATABASE}")))
 
 
-def told(journal: Journal, certified: Mapping[int, str] = MappingProxyType({})) -> Told:
+def list_session(
+    journal: Journal, certified: Mapping[int, str] = MappingProxyType({})
+) -> SessionListing:
     """Each entry in a few words.
 
     Args:
@@ -90,7 +92,7 @@ def told(journal: Journal, certified: Mapping[int, str] = MappingProxyType({})) 
         )
         if row.number in certified:
             entries[-1]["certificate"] = certified[row.number]
-    return Told(head, tuple(entries))
+    return SessionListing(head, tuple(entries))
 
 
 def export_session(
@@ -135,7 +137,7 @@ def _readable(journal: Journal, still: Journal) -> dict[str, Path | bytes]:
         for certificate in proven
     }
     counted = statistics(still.entries())
-    said = told(still, names)
+    said = list_session(still, names)
     head = {**said.head, "session": journal.folder.name, "entries": still.count}
     head |= {"cycles": len(counted.cycles), "picked": counted.picked}
     return {
@@ -146,7 +148,7 @@ def _readable(journal: Journal, still: Journal) -> dict[str, Path | bytes]:
     }
 
 
-def _text(head: Mapping[str, Any], said: Told) -> str:
+def _text(head: Mapping[str, Any], said: SessionListing) -> str:
     lines = [f"{key.replace('_', ' ')}: {value}" for key, value in head.items()]
     lines += ["", "time (UTC)           who              what             says"]
     for entry in said.entries:

@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from workbench.app.records.forms import restored
+from workbench.app.records.forms import restore_value
 from workbench.app.records.record import SESSION, session_record
 from workbench.formats.files.whole_files import plain_name
 from workbench.journal.journal import Journal
@@ -62,7 +62,7 @@ def cell_of(journal: Journal) -> Cell:
         raise JournalError(f"{journal.folder}: the session is empty")
     try:
         content: Any = json.loads(first.body) if first.kind == SESSION else None
-        return restored(Cell, content["value"], journal.read)
+        return restore_value(Cell, content["value"], journal.read)
     except (KeyError, TypeError, ValueError, WorkbenchError) as error:
         raise JournalError(f"{journal.folder}: its beginning cannot be read: {error}") from error
 

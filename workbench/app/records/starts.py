@@ -9,7 +9,7 @@ from typing import Any
 
 from workbench.app.core.session import Started
 from workbench.app.provenance.inventory import Inventory, differences
-from workbench.app.records.forms import restored
+from workbench.app.records.forms import restore_value
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import JournalError, WorkbenchError
 
@@ -77,7 +77,7 @@ def _starts_in(journal: Journal, cell: str) -> Iterator[tuple[float, Before]]:
         if command["is_trial"] or command["ran"]["cell"] != cell:
             return
         after: Any = json.loads(last.body)["after"]
-        ran = restored(Inventory, command["ran"], journal.read)
+        ran = restore_value(Inventory, command["ran"], journal.read)
         changed = tuple(after.get("changed") or ())
         yield float(entry["at"]), Before(journal.folder.name, ran, changed)
     except (AttributeError, KeyError, TypeError, ValueError, WorkbenchError) as error:

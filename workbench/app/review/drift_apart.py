@@ -22,12 +22,12 @@ def drift(
 ) -> RecordedDrift:
     """What the sessions in `folders` say of the scanner of a cell."""
 
-    def told(done: float, note: Message | str) -> None:
+    def report_or_stop(done: float, note: Message | str) -> None:
         if cancelled():
             raise JobCancelled("the look at recorded scans was given up")
         report(done, note)
 
-    return recorded_drift([Path(folder) for folder in arguments["folders"]], cell, told)
+    return recorded_drift([Path(folder) for folder in arguments["folders"]], cell, report_or_stop)
 
 
 JOBS: Mapping[str, JobFunction] = {"drift": drift}

@@ -29,7 +29,7 @@ class Comparison:
     says: str
 
 
-def recomputed(journal: Journal) -> Iterator[Comparison]:
+def recompute_tasks(journal: Journal) -> Iterator[Comparison]:
     """Every task of a session that ended well, run again on the inputs that were recorded.
 
     No result enters the next task: parts are searched for in the scan that was kept.  A scan of a

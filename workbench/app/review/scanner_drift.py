@@ -13,7 +13,7 @@ from workbench.app.core.cycle.sending import LinkEnded
 from workbench.app.core.state import State
 from workbench.app.picking.pallets import at_rest
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.model.calibration import CalibrationRecord
 from workbench.model.cell import Cell
@@ -24,7 +24,7 @@ from workbench.model.scan import Detection
 from workbench.perception.calibration.refinement import Drift, drift_of
 from workbench.perception.calibration.things import (
     PutPart,
-    Sighting,
+    ThingSighting,
     motion_of,
     moved_to,
     put_slopes,
@@ -63,13 +63,13 @@ def recorded_drift(folders: Sequence[Path], cell: Cell, report: Report) -> Recor
         InputError: the scanner was never calibrated, or a folder holds no session.
     """
     record = _record(cell)
-    sightings: list[Sighting] = []
+    sightings: list[ThingSighting] = []
     problems: list[str] = []
     sessions = scans = 0
     for number, folder in enumerate(folders):
         report(number / len(folders), folder.name)
         try:
-            with closing(opened(folder)) as journal:
+            with closing(open_journal(folder)) as journal:
                 began_with = cell_of(journal)
                 if began_with.name != cell.name:
                     continue
@@ -131,7 +131,7 @@ def _largest(covariance: Floats) -> float:
 
 def of_session(
     states: Iterator[tuple[Entry, State]], cell: Cell, since: float
-) -> Iterator[list[Sighting]]:
+) -> Iterator[list[ThingSighting]]:
     """What each scan that counts shows.
 
     Args:

@@ -85,14 +85,14 @@ class Anchors:
         self._owed: dict[str, list[Anchor]] = {name: [] for name in places}
         self._failing: set[str] = set()
         self._lock = threading.Lock()
-        self._end = bench.subscribe(self._tell)
+        self._end = bench.subscribe(self._pass_on_anchored)
 
     def close(self) -> None:
         """Tell what is owed, once more, and no more after that."""
         self._end()
-        self._tell(self._bench.state, self._bench.state)
+        self._pass_on_anchored(self._bench.state, self._bench.state)
 
-    def _tell(self, old: State, new: State) -> None:
+    def _pass_on_anchored(self, old: State, new: State) -> None:
         with self._lock:
             try:
                 for row in self._bench.entries(self._last):

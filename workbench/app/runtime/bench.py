@@ -14,7 +14,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
-from workbench.app.core.decide import NOT_REPORTED, allowed, decide
+from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
 from workbench.app.core.session import Opened, Started
@@ -146,7 +146,7 @@ class Bench:
         # How the robot stands counts where a plan is let out, and is on record there.
         joints = self.live.joints if self._asks_for_joints(command) else NOT_REPORTED
         # Looked at before anything is made of its content, which may be anything.
-        allowed(self._state, command, actor, self._now(), joints, role)
+        check_allowed(self._state, command, actor, self._now(), joints, role)
         check_installed(self._state, command)
         command = with_facts(self._state, command)
         # A scan takes a while to become bytes, and to reach the disk: nobody else waits for that,
@@ -157,7 +157,7 @@ class Bench:
             if self._is_ending and actor not in MACHINES:
                 raise CommandRefused(JobText.CLOSING())
             before, now = self._state, self._now()
-            allowed(before, command, actor, now, joints, role)
+            check_allowed(before, command, actor, now, joints, role)
             if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
                 raise CommandRefused(problem)
             if isinstance(command, LinkEnded) and (problem := self._ages.lapsed(before)):

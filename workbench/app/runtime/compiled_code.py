@@ -73,7 +73,7 @@ def forget_the_old() -> None:
     # Nobody can write where nothing is kept, either.
     with contextlib.suppress(OSError), only_one("seeing"), only_one("planning"):
         if not any(map(is_ready, USES)) and not _is_of_these_sources(_origin()):
-            for place in _kept():
+            for place in _find_caches():
                 for file in place.glob("*.nb[ic]"):
                     file.unlink(missing_ok=True)
             _origin().write_text(_fingerprint())
@@ -100,7 +100,7 @@ def take_shipped() -> None:
         log.warning("what was compiled before could not be copied: %s", error)
 
 
-def _kept() -> Iterator[Path]:
+def _find_caches() -> Iterator[Path]:
     """Where numba keeps what it compiles of these sources."""
     kept = os.environ.get("NUMBA_CACHE_DIR")
     if kept is None:

@@ -176,7 +176,7 @@ class EffectRunner:
             command,
             CELL_FILE,
             giving_up=self._closing,
-            tell=self._tell_unrecorded,
+            show_problem=self._show_unrecorded,
             is_waiting=True,
         )
         if command.cell is not None:
@@ -191,7 +191,7 @@ class EffectRunner:
         if self._cell_file is None:
             raise InputError(JobText.NO_CELL_FILE())
         folders = part_folders(self._cell_file, [part.name for part in effect.cell.parts])
-        told, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
+        saved, before = list[Message](), read_whole(self._cell_file, LARGEST_FILE)
         filed = tuple(read_part(folders[part.name]) for part in effect.cell.parts)
         # Asked before anything is written: half of it would look like a change from outside.
         written_cell(self._cell_file, replace(effect.cell, parts=filed))
@@ -205,12 +205,12 @@ class EffectRunner:
                 remark=effect.remark,
             )
             if version is not None:
-                told.append(JobText.GRASPS(part=part.name, version=version))
+                saved.append(JobText.GRASPS(part=part.name, version=version))
         save_cell(self._cell_file, effect.cell)
-        if not told or read_whole(self._cell_file, LARGEST_FILE) != before:
-            told.append(JobText.THE_CELL())
+        if not saved or read_whole(self._cell_file, LARGEST_FILE) != before:
+            saved.append(JobText.THE_CELL())
         log_change(self._cell_file, effect.cell, effect.actor, effect.at, effect.remark)
-        return read_cell(self._cell_file), JobText.SAVED(things=told)
+        return read_cell(self._cell_file), JobText.SAVED(things=saved)
 
     def _show(self, **changes: Any) -> None:
         if joints := changes.get("joints"):
@@ -242,7 +242,7 @@ class EffectRunner:
             self._insist(JobEnded(number, WorkbenchError(internal_error(error))))
 
     def _insist(self, ended: JobEnded) -> None:
-        insist(self._do, ended, WORKER, giving_up=self._closing, tell=self._tell_unrecorded)
+        insist(self._do, ended, WORKER, giving_up=self._closing, show_problem=self._show_unrecorded)
 
-    def _tell_unrecorded(self, problem: Message | None) -> None:
+    def _show_unrecorded(self, problem: Message | None) -> None:
         self._show(unrecorded=problem)

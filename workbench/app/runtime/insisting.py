@@ -21,7 +21,7 @@ def insist(
     actor: str,
     *,
     giving_up: threading.Event,
-    tell: Callable[[Message | None], None],
+    show_problem: Callable[[Message | None], None],
     is_waiting: bool = False,
 ) -> None:
     """Have what has happened recorded, however long that takes: a disk may be full for a while.
@@ -31,27 +31,27 @@ def insist(
         command: states what has happened.
         actor: the machine that reports it.
         giving_up: set when the bench closes; then it is tried no more.
-        tell: called with why it is not on record yet, and with None that it is now.
+        show_problem: called with why it is not on record yet, and with None that it is now.
         is_waiting: whether to try again as well while it is not in order, a task running say.
 
     Raises:
         Exception: what `do` raises besides `CommandRefused`.
     """
-    has_told = False
+    has_shown = False
     while True:
         try:
             do(command, actor)
         except NotRecorded as error:
-            if not has_told:
+            if not has_shown:
                 log.error("%s is not recorded yet: %s", type(command).__name__, error)
-            has_told = True
-            tell(error.message)
+            has_shown = True
+            show_problem(error.message)
             if not giving_up.wait(RETRY):
                 continue
         except CommandRefused as error:
             if is_waiting and not giving_up.wait(RETRY):
                 continue
             log.error("%s is not recorded: %s", type(command).__name__, error)
-        if has_told:
-            tell(None)
+        if has_shown:
+            show_problem(None)
         return

@@ -29,7 +29,7 @@ from workbench.app.runtime.worker import (
     Success,
     Unable,
     in_parts,
-    packed,
+    pack_cell,
     receive,
     run_worker,
     send,
@@ -103,7 +103,7 @@ class Jobs:
         self._ended = ended
         self._progressed = progressed
         self._prepared = prepared
-        self._cell = packed(cell)
+        self._cell = pack_cell(cell)
         self._make_worker = lambda: _Worker(module)
         self._lock = threading.Lock()
         self._waiting: deque[Request] = deque()
@@ -140,7 +140,7 @@ class Jobs:
     def use(self, cell: Cell) -> None:
         """Have all jobs that start from now on work on another cell."""
         with self._lock:
-            self._cell = packed(cell)
+            self._cell = pack_cell(cell)
 
     def cancel(self, number: int) -> None:
         """End that job: by its own will within `GRACE`, else by killing the worker."""
@@ -224,7 +224,7 @@ class Jobs:
             for request in dropped:
                 self._waiting.remove(request)
         for request in dropped:
-            self._tell_end(request, _cancelled(request.name))
+            self._notify_end(request, _make_cancelled(request.name))
         if self._running is not None and self._running.number in numbers and self._worker:
             self._worker.to_cancel.value = self._running.number
             self._kill_at = time.monotonic() + GRACE
@@ -258,7 +258,7 @@ class Jobs:
         with self._lock:
             dropped, self._questions = self._questions, {}
         for question in dropped.values():
-            self._tell(question.answered, error)
+            self._notify(question.answered, error)
 
     def _listen(self, worker: "_Worker") -> None:
         try:
@@ -274,17 +274,17 @@ class Jobs:
             return
         match message:
             case GettingReady():
-                self._tell(self._prepared, message)
+                self._notify(self._prepared, message)
             case Ready():
                 worker.is_ready = True
                 self._failed_starts = 0
-                self._tell(self._prepared, None)
+                self._notify(self._prepared, None)
             case Unable(error=error, trace=trace):
                 # It ends now: see _bury.
                 log.error("%s\n%s", error, trace)
                 self._failed_starts, self._unable = ATTEMPTS, error
             case Progress(number=number, done=done, note=note):
-                self._tell(self._progressed, number, done, note)
+                self._notify(self._progressed, number, done, note)
             case Success(result=result):
                 self._running_ended(result)
             case Failure(error=error, trace=trace):
@@ -302,11 +302,11 @@ class Jobs:
         how = self._worker.kill(patience=0.0 if was_cancelled else GRACE)
         if not self._worker.is_ready:
             self._failed_starts += 1
-            self._tell(self._prepared, None)
+            self._notify(self._prepared, None)
         if self._running is not None:
             name = self._running.name
             self._running_ended(
-                _cancelled(name)
+                _make_cancelled(name)
                 if was_cancelled
                 else WorkbenchError(JobText.ENDED(how=how, task=task_message(name)))
             )
@@ -321,23 +321,23 @@ class Jobs:
     def _running_ended(self, result: Any) -> None:
         if self._running is not None:
             ended, self._running, self._kill_at = self._running, None, None
-            self._tell_end(ended, result)
+            self._notify_end(ended, result)
 
     def _refuse_waiting(self, error: WorkbenchError) -> None:
         with self._lock:
             refused, self._waiting = self._waiting, deque()
         for request in refused:
-            self._tell_end(request, error)
+            self._notify_end(request, error)
         self._drop_questions(error)
 
-    def _tell_end(self, request: Request, result: Any) -> None:
+    def _notify_end(self, request: Request, result: Any) -> None:
         if request.number > 0:
-            self._tell(self._ended, request.number, result)
+            self._notify(self._ended, request.number, result)
         elif self._asked is not None:
             asked, self._asked = self._asked, None
-            self._tell(asked.answered, result)
+            self._notify(asked.answered, result)
 
-    def _tell(self, listener: Callable[..., None], *what: Any) -> None:
+    def _notify(self, listener: Callable[..., None], *what: Any) -> None:
         if self._closing:
             return
         try:
@@ -351,7 +351,7 @@ def internal_error(error: Exception) -> MessageText:
     return JobText.INTERNAL(kind=type(error).__name__, error=str(error))
 
 
-def _cancelled(task: str) -> JobCancelled:
+def _make_cancelled(task: str) -> JobCancelled:
     return JobCancelled(JobText.CANCELLED(task=task_message(task)))
 
 

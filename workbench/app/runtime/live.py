@@ -53,7 +53,7 @@ class Live:
             return ()
         return tuple(scale.words for scale in self.findings.scales if scale.words is not None)
 
-    def told_of(self, job: int) -> tuple[float, Message | str]:
+    def progress_of(self, job: int) -> tuple[float, Message | str]:
         """Share done and note of the job with that number, or of what it waits for."""
         if self.getting_ready is not None:
             return self.getting_ready.done, self.getting_ready.note

@@ -31,7 +31,7 @@ from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.grasps.grasp_trial import Trial
 from workbench.planning.grasps.part_rays import nearest_points
 from workbench.planning.kinematics.chain import chain_of
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.planners.ease import ease_corners
 from workbench.plugins.planner import planner_named
@@ -78,7 +78,7 @@ def plan() -> None:
     )
     ease_corners(np.zeros((3, 2)), lambda a, b: False, far_corner, far_corner, 0.2)
     path = np.array([[0.0, 0.0], [1.0, 0.5], [0.5, 1.0]])
-    times = np.diff(timed(path, far_corner, far_corner, 0.2, far_corner))
+    times = np.diff(compute_times(path, far_corner, far_corner, 0.2, far_corner))
     find_segment_over_jerk_limit(
         np.diff(path, axis=0), times * [1.0, 1.5], Limits(far_corner, far_corner, far_corner), 0.2
     )

@@ -31,7 +31,7 @@ KINDS = frozenset({".txt", ".json", ".tuple", ".tup"})
 PATIENCE = 10.0
 """[s] For which a file waits to be taken while that is not in order, a task running say."""
 
-MOST_TOLD = 300
+LONGEST_PROBLEM = 300
 """Characters of a problem that are reported."""
 
 
@@ -140,6 +140,6 @@ class PosesWatch:
         return True
 
 
-def _shorten(text: str, longest: int = MOST_TOLD) -> str:
+def _shorten(text: str, longest: int = LONGEST_PROBLEM) -> str:
     """A text that can be recorded and shown, whatever the name of the file in it holds."""
     return "".join(letter if letter.isprintable() else "?" for letter in text[:longest])

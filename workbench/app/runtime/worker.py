@@ -125,7 +125,7 @@ LARGE = 2**16
 """[bytes] Arrays with more are not copied."""
 
 
-def packed(cell: Cell) -> bytes:
+def pack_cell(cell: Cell) -> bytes:
     """Bytes of a cell for the other process.
 
     Protocol 5 brings read-only arrays back as read-only ones; the older default does not.

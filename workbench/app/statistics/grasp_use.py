@@ -40,7 +40,7 @@ Uses = Mapping[tuple[str, str], GraspUse]
 NO_USES: Uses = MappingProxyType({})
 
 
-def judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Uses:
+def count_judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Uses:
     """How often each grasp was tried and would have worked, from recorded candidates.
 
     Args:
@@ -57,7 +57,7 @@ def judged(parts: Sequence[str], candidates: Iterable[Mapping[str, Any]]) -> Use
     return {key: GraspUse(count, possible[key]) for key, count in tried.items()}
 
 
-def taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
+def count_taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     """How often plans went by each grasp, and what became of it.
 
     Args:
@@ -71,7 +71,7 @@ def taken(picks: Iterable[tuple[str, str, str]]) -> Uses:
     return uses
 
 
-def added(*several: Uses) -> dict[tuple[str, str], GraspUse]:
+def add_uses(*several: Uses) -> dict[tuple[str, str], GraspUse]:
     """All of them together."""
     sums: dict[tuple[str, str], GraspUse] = {}
     for uses in several:

@@ -107,12 +107,12 @@ def _hindrance(verdict: Mapping[str, Any]) -> Hindrance:
         case Reason.APPROACH_BLOCKED | Reason.EXTRACT_BLOCKED:
             return "ways"
         case Reason.TOOL_COLLISION | Reason.IN_COLLISION:
-            return _met(verdict["pair"] or ())
+            return _find_hindrance(verdict["pair"] or ())
         case _:
             return "other"
 
 
-def _met(pair: Sequence[str]) -> Hindrance:
+def _find_hindrance(pair: Sequence[str]) -> Hindrance:
     """What a tool or an arm meets, by the names of two bodies."""
     if any(WALL in body for body in pair):
         return "walls"

@@ -17,7 +17,7 @@ from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
-from workbench.app.statistics.grasp_use import NO_USES, Uses, added, judged, taken
+from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
 from workbench.app.statistics.rows import numbers_of_row, picks_of_row
 from workbench.app.statistics.turns import Turns
@@ -134,9 +134,9 @@ class Statistics:
 
     def grasps(self) -> Uses:
         """How each grasp of each part has done."""
-        return added(
+        return add_uses(
             self.judged,
-            taken((pick.part, pick.grasp, pick.result) for _, pick in self.picks),
+            count_taken((pick.part, pick.grasp, pick.result) for _, pick in self.picks),
         )
 
     def stage_medians(self) -> tuple[tuple[str, float, float], ...]:
@@ -196,7 +196,7 @@ class Count:
         for row in rows:
             self.last = row.number
             try:
-                for kind, number, body in self._turns.told(row):
+                for kind, number, body in self._turns.release_entries(row):
                     self._add(kind, number, body)
             except (AttributeError, LookupError, TypeError, ValueError) as error:
                 raise JournalError(
@@ -273,7 +273,7 @@ class Count:
 
     def _count_planned(self, at: float, result: Any) -> None:
         kinds = tuple(detection["part"] for detection in self._found)
-        self._judged = added(self._judged, judged(kinds, result["candidates"]))
+        self._judged = add_uses(self._judged, count_judged(kinds, result["candidates"]))
         verdicts = (candidate["verdict"] for candidate in result["candidates"])
         self._refusals.update(
             kind_of(Reason(verdict["reason"]), is_apart=(verdict["distance"] or 0.0) > 0)
@@ -382,7 +382,7 @@ def together(parts: Iterable[Statistics]) -> Statistics:
     for part in parts:
         cycles += part.cycles
         refusals.update(dict(part.refusals))
-        uses = added(uses, part.judged)
+        uses = add_uses(uses, part.judged)
     return Statistics(
         tuple(sorted(cycles, key=lambda cycle: cycle.at)),
         tuple(refusals.most_common()),

@@ -13,7 +13,7 @@ from workbench.app.core.cycle.jobs import CancelJob, JobEnded
 from workbench.app.core.cycle.sending import LinkEnded, Sent
 from workbench.journal.journal import Row
 
-Told = tuple[str, int, Any]
+TurnEntry = tuple[str, int, Any]
 """An entry: its kind, its number, and what it holds."""
 
 
@@ -27,9 +27,9 @@ class Turns:
         """Only entries of these kinds are reported."""
         self._kinds = kinds
         # While it is wanted to go on: the entry that has begun the scan, and ends of tasks.
-        self._held: list[Told] | None = None
+        self._held: list[TurnEntry] | None = None
 
-    def told(self, row: Row) -> Iterator[Told]:
+    def release_entries(self, row: Row) -> Iterator[TurnEntry]:
         """What there is to tell once this entry has come.
 
         Where a cycle was begun beside the one before, its first entry `began` before it is `at`.

@@ -181,7 +181,7 @@ class BenchShort:
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class BenchCommands:
     """Measure how fast and how reliable planning is, and how the page holds."""
 
     what: (

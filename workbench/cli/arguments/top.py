@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 from tyro.conf import Positional, arg, subcommand
 
 from workbench.cli.arguments.access import USERS, UserCommands
-from workbench.cli.arguments.bench import Bench
+from workbench.cli.arguments.bench import BenchCommands
 from workbench.cli.arguments.cell import CellCommands, PoseFormatName
 from workbench.cli.arguments.names import (
     CellName,
@@ -32,7 +32,7 @@ from workbench.cli.arguments.rapid import RapidCommands
 from workbench.cli.arguments.scanner import ScannerCommands
 from workbench.cli.arguments.session import SessionCommands
 from workbench.cli.arguments.studies import Study
-from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Plugins, Statistics
+from workbench.cli.arguments.upkeep import Compile, Doctor, Evidence, Plugins, StatisticsArguments
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ class Demo:
 
 
 @dataclass(frozen=True, slots=True)
-class Scan:
+class ScanArguments:
     """Drop parts into the bin and scan them with the simulated scanner."""
 
     cell: Positional[CellName]
@@ -183,7 +183,7 @@ class Calibrate:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PlanArguments:
     """Judge every grasp, plan the pick, and prove the plan."""
 
     cell: Positional[CellName]
@@ -237,7 +237,7 @@ class Explain:
 
 
 @dataclass(frozen=True, slots=True)
-class Send:
+class SendArguments:
     """Prove a plan, approve it by its digest, and send it to a robot controller.
 
     What there is to know of the plan is printed first.  At a terminal the digest is asked for; in a
@@ -273,7 +273,7 @@ class Send:
 
 
 @dataclass(frozen=True, slots=True)
-class Controller:
+class ControllerArguments:
     """Run the simulated robot controller until it is interrupted; it speaks both protocols."""
 
     cell: CellName = "yumi"
@@ -367,19 +367,19 @@ Arguments = (
     Annotated[Serve, subcommand("serve")]
     | Annotated[Demo, subcommand("demo")]
     | Annotated[Plugins, subcommand("plugins")]
-    | Annotated[Scan, subcommand("scan")]
+    | Annotated[ScanArguments, subcommand("scan")]
     | Annotated[Localize, subcommand("localize")]
     | Annotated[Calibrate, subcommand("calibrate")]
     | Annotated[ScannerCommands, subcommand("scanner")]
-    | Annotated[Plan, subcommand("plan")]
+    | Annotated[PlanArguments, subcommand("plan")]
     | Annotated[Explain, subcommand("explain")]
     | Annotated[Prove, subcommand("prove")]
     | Annotated[Verify, subcommand("verify")]
-    | Annotated[Send, subcommand("send")]
-    | Annotated[Controller, subcommand("controller")]
+    | Annotated[SendArguments, subcommand("send")]
+    | Annotated[ControllerArguments, subcommand("controller")]
     | Annotated[RapidCommands, subcommand("rapid")]
     | Annotated[ExportWorld, subcommand("export-world")]
-    | Annotated[Bench, subcommand("bench")]
+    | Annotated[BenchCommands, subcommand("bench")]
     | Annotated[Study, subcommand("study")]
     | Annotated[CellCommands, subcommand("cell")]
     | Annotated[PartCommands, subcommand("part")]
@@ -388,7 +388,7 @@ Arguments = (
     | Annotated[SessionCommands, subcommand("session")]
     | Annotated[UserCommands, subcommand("user")]
     | Annotated[OpcUaCommands, subcommand("opcua")]
-    | Annotated[Statistics, subcommand("statistics")]
+    | Annotated[StatisticsArguments, subcommand("statistics")]
     | Annotated[Evidence, subcommand("evidence")]
     | Annotated[Backup, subcommand("backup")]
     | Annotated[Restore, subcommand("restore")]

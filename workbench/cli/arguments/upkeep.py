@@ -9,7 +9,7 @@ from workbench.cli.arguments.names import Json, Maybe
 
 
 @dataclass(frozen=True, slots=True)
-class Statistics:
+class StatisticsArguments:
     """Tell what sessions have brought: parts per hour, success, times, causes of refusal."""
 
     sessions: Positional[tuple[Path, ...]] = ()

@@ -74,9 +74,9 @@ def _form(found: Filled, file: Path) -> dict[str, object]:
         ],
         "parts": found.parts,
         "taken": found.taken,
-        "stays": [{"said": reason.told, "parts": count} for reason, count in found.stays],
-        "helps": [{"said": change.told, "parts": count} for change, count in found.helps],
-        "said": [message.told for message in filled_words(found)],
+        "stays": [{"said": reason.program_form, "parts": count} for reason, count in found.stays],
+        "helps": [{"said": change.program_form, "parts": count} for change, count in found.helps],
+        "said": [message.program_form for message in filled_words(found)],
         "seconds": round(found.seconds, 1),
         "added_to": str(file) if found.entries else None,
     }

@@ -11,7 +11,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
 from workbench.cli.authoring.first_tools import gripper, suction_cup
-from workbench.cli.authoring.new_cell_report import Made, tell
+from workbench.cli.authoring.new_cell_report import Made, print_report
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, progress
 from workbench.formats.cells.writer import write_cell
@@ -25,7 +25,7 @@ from workbench.formats.klampt.world_reader import (
 )
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
-from workbench.formats.robots.urdf_package import simplified
+from workbench.formats.robots.urdf_package import simplify_robot
 from workbench.model.cell import POLICIES, Arm, Cell, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -68,7 +68,7 @@ def new_cell(typed: CellNew) -> int:
         report(0.0, "reading the robot")
         world, description = _read(typed)
         arms = _arms(typed, description)
-        robot, excess = simplified(
+        robot, excess = simplify_robot(
             arms.robot,
             tolerance=typed.tolerance_mm / 1000,
             most=typed.pieces,
@@ -88,7 +88,7 @@ def new_cell(typed: CellNew) -> int:
         path = write_cell(folder, found.cell, unchecked)
     decisions = (*description.notes, *arms.notes, ACCELERATION, MASS, *found.notes)
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
-    tell(made, as_json=typed.json)
+    print_report(made, as_json=typed.json)
     return SUCCESS
 
 

@@ -24,7 +24,7 @@ class Made:
     decisions: Sequence[str]
 
 
-def tell(made: Made, *, as_json: bool) -> None:
+def print_report(made: Made, *, as_json: bool) -> None:
     """Print tables and, last, the list of what a person has to decide; or JSON."""
     cell = made.cell
     if as_json:

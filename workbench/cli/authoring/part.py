@@ -10,9 +10,9 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartImport, PartList
 from workbench.cli.authoring.part_check import (
     count_pieces,
-    counted,
     counted_pieces,
     exactness,
+    format_count,
     millimetres,
 )
 from workbench.cli.exits import SUCCESS
@@ -109,7 +109,7 @@ def _print_import(typed: PartImport, made: MadePart) -> None:
     closed = "watertight" if surface.is_watertight else "open"
     print(
         f"size {millimetres(surface.size)} mm, {surface.volume * 1e6:.4g} cm3, "
-        f"{surface.triangles} triangles, {closed}, {counted(surface.components, 'body')}"
+        f"{surface.triangles} triangles, {closed}, {format_count(surface.components, 'body')}"
     )
     if is_unusual(imported.mesh):
         print("parts in bins are 5 to 600 mm large: check the unit (--unit)")

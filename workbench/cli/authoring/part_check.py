@@ -12,7 +12,7 @@ from workbench.cli.arguments.part import PartCheck
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.formats.meshes.repair import SurfaceReport, examine_surface, joined_corners
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, finest
@@ -37,7 +37,7 @@ def check_part(typed: PartCheck) -> int:
         report(0.0, "grasps")
         checks = _grasp_checks(part, cell)
         covered = coverage(cell, part, report=lambda done, note: report(0.1 + 0.9 * done, note))
-    surface = examined(joined_corners(part.mesh)[0])
+    surface = examine_surface(joined_corners(part.mesh)[0])
     problems = list(_problems(part, cell, surface, checks))
     least = f"{LEAST_COVERED:.0%} are the least"
     if part.library.grasps and covered.share < LEAST_COVERED:
@@ -74,7 +74,7 @@ def check_part(typed: PartCheck) -> int:
 
 
 def _problems(
-    part: Part, cell: Cell, surface: Surface, checks: dict[str, list[GraspCheck]]
+    part: Part, cell: Cell, surface: SurfaceReport, checks: dict[str, list[GraspCheck]]
 ) -> Iterator[str]:
     """What speaks against a part, one line each."""
     off, allowed = deviation_of(part.mesh, part.symmetry), tolerance_of(part.mesh)
@@ -97,7 +97,7 @@ def _problems(
 
 def _form(
     part: Part,
-    surface: Surface,
+    surface: SurfaceReport,
     checks: dict[str, list[GraspCheck]],
     covered: Coverage,
     seen: Visibility,
@@ -228,7 +228,7 @@ def count_pieces(part: Part) -> int:
 
 def counted_pieces(part: Part) -> str:
     """The same, in words."""
-    return counted(count_pieces(part), "convex piece")
+    return format_count(count_pieces(part), "convex piece")
 
 
 def exactness(excess: float) -> str:
@@ -236,7 +236,7 @@ def exactness(excess: float) -> str:
     return f"The bodies used for distances are at most {excess * 1000:.2f} mm larger than the mesh."
 
 
-def counted(count: int, what: str) -> str:
+def format_count(count: int, what: str) -> str:
     """How many of something, in words."""
     plural = {"body": "bodies"}.get(what, f"{what}s")
     return f"{count} {what if count == 1 else plural}"

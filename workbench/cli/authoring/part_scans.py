@@ -11,7 +11,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, progress
 from workbench.formats.clouds.part_views import read_views
 from workbench.formats.files.whole_files import write_whole
-from workbench.formats.meshes.repair import Surface, examined
+from workbench.formats.meshes.repair import SurfaceReport, examine_surface
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.model.errors import FileError
 from workbench.perception.reconstruction.depth_views import Bounds
@@ -46,7 +46,7 @@ def from_scans(typed: PartFromScans) -> int:
     surface = triangles_of(made.mesh)
     surface.apply_scale(1000)
     write_whole(typed.out, export_ply(surface) if kind == ".ply" else stl_of(surface))
-    look = examined(made.mesh)
+    look = examine_surface(made.mesh)
     if typed.json:
         print_json(_form(typed, made, look))
     else:
@@ -54,7 +54,7 @@ def from_scans(typed: PartFromScans) -> int:
     return SUCCESS
 
 
-def _form(typed: PartFromScans, made: Reconstruction, look: Surface) -> dict[str, Any]:
+def _form(typed: PartFromScans, made: Reconstruction, look: SurfaceReport) -> dict[str, Any]:
     given, used = made.apart
     return {
         "ok": True,
@@ -69,7 +69,7 @@ def _form(typed: PartFromScans, made: Reconstruction, look: Surface) -> dict[str
     }
 
 
-def _print(typed: PartFromScans, made: Reconstruction, look: Surface, count: int) -> None:
+def _print(typed: PartFromScans, made: Reconstruction, look: SurfaceReport, count: int) -> None:
     given, used = made.apart
     print(f"{count} scans, voxels of {made.voxel * 1000:.2f} mm")
     said = f"{given * 1000:.2f} mm apart in the median with the poses as given"

@@ -32,7 +32,7 @@ def pose(typed: CellPose) -> int:
     if typed.json:
         form = {"arm": arm.name, "joints_deg": _axes_deg(cell, arm, q), "format": typed.format}
         form |= {"numbers": list(written.names)}
-        form |= {"poses": [{"what": what, "shown": _rounded(written, T)} for what, T in rows]}
+        form |= {"poses": [{"what": what, "shown": _round_pose(written, T)} for what, T in rows]}
         form |= {"causes": [_form(written, cause) for cause in causes]}
         print_json(form)
     else:
@@ -66,7 +66,7 @@ def _axis_units(cell: Cell, arm: Arm) -> Floats:
     return np.array(units)[list(arm.axis_order)]
 
 
-def _rounded(written: PoseConvention, T: pin.SE3) -> list[float]:
+def _round_pose(written: PoseConvention, T: pin.SE3) -> list[float]:
     return [round(number, 6) + 0.0 for number in written.shown(T)]
 
 
@@ -83,7 +83,7 @@ def _form(written: PoseConvention, cause: Cause) -> dict[str, object]:
     form: dict[str, object] = {"kind": cause.kind, "frame": cause.frame}
     if cause.kind == "joint":
         form |= {"joint": cause.name, "offset": cause.offset}
-    return form if cause.T is None else form | {"pose": _rounded(written, cause.T)}
+    return form if cause.T is None else form | {"pose": _round_pose(written, cause.T)}
 
 
 def _sentence(written: PoseConvention, cause: Cause, cell: Cell, arm: Arm) -> str:

@@ -30,16 +30,16 @@ def rapid(typed: RapidCommands) -> int:
     if typed.json:
         print_json(_form(checked, merged))
     else:
-        _tell(checked)
+        _print_findings(checked)
         if merged is not None:
-            _tell_merged(merged)
+            _print_merged(merged)
     if checked.of(UNREADABLE):
         return BAD_INPUT
     is_right = not checked.of(WRONG) and not (merged and merged.clashes)
     return SUCCESS if is_right else NO_PLAN
 
 
-def _tell(checked: Checked) -> None:
+def _print_findings(checked: Checked) -> None:
     unreadable, wrong, remarks = (checked.of(kind) for kind in (UNREADABLE, WRONG, REMARK))
     unknown, left_out = checked.names(UNKNOWN_NAME), checked.names(LEFT_OUT)
     for problem in unreadable:
@@ -84,7 +84,7 @@ def _line(name: Name) -> str:
     return f"{name.name}{as_what}: {uses}, first in {where}{there}"
 
 
-def _tell_merged(merged: Merged) -> None:
+def _print_merged(merged: Merged) -> None:
     _list("both declare", merged.clashes)
     _list("both use", merged.shared)
     _list("to be done", merged.steps)

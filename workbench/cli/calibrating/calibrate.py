@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.calibration.calibration import calibrated, check_stands, with_calibration
+from workbench.app.calibration.calibration import (
+    check_stands,
+    compute_calibration,
+    with_calibration,
+)
 from workbench.app.calibration.held_plate import simulated_sight, suggested_poses
 from workbench.app.calibration.next_pose import next_poses
 from workbench.app.core.value_checks import SEED_LIMIT
@@ -16,8 +20,8 @@ from workbench.cli.arguments import top as arguments
 from workbench.cli.calibrating.pairs import calibrate_by_pairs, is_pairs
 from workbench.cli.calibrating.report import (
     between,
+    format_numbers,
     in_cell_form,
-    listed,
     poses_form,
     print_in_cell,
     print_poses,
@@ -77,7 +81,7 @@ def calibrate(typed: arguments.Calibrate) -> int:
     if not typed.json:
         for problem in missed:
             print(f"left out: {problem}")
-    calibration = calibrated(cell, observations)
+    calibration = compute_calibration(cell, observations)
     following = _next(cell, observations, calibration) if typed.next else ()
     if typed.json:
         form = poses_form(calibration) | in_cell_form(cell, calibration) | {"not_seen": missed}
@@ -185,7 +189,7 @@ def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
         f"that would bring the worst corner from {best.error * 1000:.2f} "
         f"to {best.error_with * 1000:.2f} mm"
     )
-    print(f"joints_deg = {listed(np.rad2deg(arm.to_axes(best.q)), 1)}")
+    print(f"joints_deg = {format_numbers(np.rad2deg(arm.to_axes(best.q)), 1)}")
 
 
 def _next_form(arm: Arm, pose: NextPose) -> dict[str, object]:

@@ -40,8 +40,8 @@ def print_poses(calibration: Calibration) -> None:
         )
     T = calibration.T_world_scanner
     rpy = np.rad2deg(pin.rpy.matrixToRpy(T.rotation))
-    print(f"position_mm = {listed(T.translation * 1000, 2)}")
-    print(f"rpy_deg = {listed(rpy, 3)}")
+    print(f"position_mm = {format_numbers(T.translation * 1000, 2)}")
+    print(f"rpy_deg = {format_numbers(rpy, 3)}")
     print(
         f"sure to {calibration.position_error * 1000:.2f} mm and "
         f"{np.rad2deg(calibration.angle_error):.3f} degrees (standard errors, worst direction)"
@@ -127,6 +127,6 @@ def between(T: pin.SE3) -> str:
     return f"{distance * 1000:.2f} mm and {np.rad2deg(angle):.3f} degrees"
 
 
-def listed(values: Floats, digits: int) -> str:
+def format_numbers(values: Floats, digits: int) -> str:
     """Numbers (n,), no unit of their own, as a cell file has them."""
     return f"[{', '.join(f'{value + 0.0:.{digits}f}' for value in values)}]"

@@ -61,7 +61,7 @@ def _print(cell: Cell, found: RecordedDrift) -> None:
         ]
         rows.append(("change", *_format(course.change)))
         rows.append(("deviation", *_format(course.deviation)))
-        marks = ("told" if is_told else "" for is_told in course.is_told)
+        marks = ("told" if is_significant else "" for is_significant in course.is_significant)
         print_table(
             f"Where {course.thing} has the scanner, "
             "from where the cell has it, at the bin's middle",
@@ -97,7 +97,7 @@ def _course_form(cell: Cell, course: Course) -> dict[str, Any]:
         "moved_mm_deg": [_numbers(row) for row in course.moved],
         "change_mm_deg": _numbers(course.change),
         "deviation_mm_deg": _numbers(course.deviation),
-        "is_told": course.is_told.tolist(),
+        "is_told": course.is_significant.tolist(),
         "at_corners_mm": round(at_corners(cell, course.change) * 1000, 4),
     }
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked, tasks_with_changes
+from workbench.app.emptying.what_if import rank_changes, tasks_with_changes
 from workbench.app.picking.pipeline import check_strategy
 from workbench.app.picking.row import check_picks
 from workbench.app.runtime.readiness import make_ready
@@ -28,7 +28,7 @@ LONGEST = 3600.0
 COMPARED = ("taken_share", "parts_per_hour", "cycles", "scans", "failed_picks", "touches")
 """The report of the same piles, emptied by one plan a look."""
 
-MOST_TOLD = 30
+MOST_LISTED = 30
 """Parts that stayed are computed up to here; --json prints all."""
 
 
@@ -81,7 +81,7 @@ def emptying(typed: StudyEmptying) -> int:
         found["one_pick"] = {key: single[key] for key in COMPARED}
     if kinds:
         changed = [scene for scene in scenes if scene.task.picks == typed.picks]
-        found["what_if"] = ranked(changed, **seconds)
+        found["what_if"] = rank_changes(changed, **seconds)
     title = f"{cell.name}: {typed.scenes} piles of {typed.parts}, {found['taken_share']:.0%} taken"
     if typed.plot is not None:
         draw_emptying(typed.plot, found, title)
@@ -189,9 +189,9 @@ def _print(found: dict[str, Any], title: str) -> None:
         return
     reasons = ", ".join(f"{count} {kind}" for kind, count in found["left_by_reason"].items())
     print(f"{len(left)} parts stayed: {reasons}")
-    for seed, part in left[:MOST_TOLD]:
+    for seed, part in left[:MOST_LISTED]:
         fix = part["nearest_fix"] or "no small change of a grasp takes it"
         bound = f"; {part['any_grasp']}" if part["any_grasp"] else ""
         print(f"  seed {seed}, {part['part']}: {part['reason']}; {fix}{bound}")
-    if len(left) > MOST_TOLD:
-        print(f"  and {len(left) - MOST_TOLD} more: see --json")
+    if len(left) > MOST_LISTED:
+        print(f"  and {len(left) - MOST_LISTED} more: see --json")

@@ -155,4 +155,8 @@ def _reasons(candidates: tuple[Candidate, ...], stage: Stage) -> str:
 
 
 def _fix_form(fix: Fix) -> dict[str, object]:
-    return {**candidate_form(fix.candidate), "change": str(fix.change), "said": fix.change.told}
+    return {
+        **candidate_form(fix.candidate),
+        "change": str(fix.change),
+        "said": fix.change.program_form,
+    }

@@ -31,7 +31,7 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.progress import never
 
 
-def scan(typed: arguments.Scan) -> int:
+def scan(typed: arguments.ScanArguments) -> int:
     """Write a simulated scan and, when asked for, where the parts truly are."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
@@ -92,7 +92,7 @@ def localize(typed: arguments.Localize) -> int:
         print_table(
             "Rejected", columns, [_rejected_words(rejection) for rejection in findings.rejected]
         )
-    _tell_sizes(typed, findings.scales, sizes)
+    _report_sizes(typed, findings.scales, sizes)
     noise = sensor_model(cloud.points).noise
     if noise is not None:
         print(f"scanner: noise of {noise * 1000:.2f} mm at 1 m in this scan")
@@ -101,7 +101,7 @@ def localize(typed: arguments.Localize) -> int:
     return 0
 
 
-def _tell_sizes(
+def _report_sizes(
     typed: arguments.Localize, checks: Sequence[ScaleCheck], sizes: Mapping[str, float]
 ) -> None:
     """Print sizes that differ from the CAD files, or write them into the parts."""

@@ -44,7 +44,7 @@ from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
 
-def plan(typed: arguments.Plan) -> int:
+def plan(typed: arguments.PlanArguments) -> int:
     """Plan for poses from a file; write the plan only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     if typed.threshold is not None:
@@ -176,7 +176,7 @@ def _print_form(
             "ok": is_good,
             "file": str(out) if is_good else None,
             "verdict": str(result.verdict),
-            "said": result.verdict.message.told,
+            "said": result.verdict.message.program_form,
             "plan": None if result.plan is None else plan_form(result.plan, result.bound),
             "proof": None if result.proof is None else proof_form(result.proof),
             "beside": [
@@ -192,7 +192,7 @@ def _print_form(
                 }
                 for number, proven_plan in enumerate(result.row, 2)
             ],
-            "row_ends": None if result.row_ends is None else result.row_ends.told,
+            "row_ends": None if result.row_ends is None else result.row_ends.program_form,
             "obstacles": len(result.obstacles),
             "candidates": [candidate_form(candidate) for candidate in result.candidates],
             "start_ms": milliseconds(ready),

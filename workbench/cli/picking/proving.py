@@ -51,7 +51,7 @@ def _proven(
         scan = None if typed.scan is None else read_scan(typed.scan, cell.scanner)
         poses = None if typed.poses is None else detections_from(cell, typed.poses, typed.part)
         if not stated:
-            plan = proving.adopted(cell, plan, scan)
+            plan = proving.adopt_plan(cell, plan, scan)
         proof = proving.prove(cell, plan, detections=poses, scan=scan)
     if stated and stated != plan.digest:
         edited = Violation(ProofText.EDITED(stated=stated[:12], actual=plan.digest[:12]))

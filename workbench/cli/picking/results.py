@@ -20,7 +20,7 @@ def verdict_form(verdict: Verdict) -> dict[str, Any]:
         "pair": None if verdict.pair is None else list(verdict.pair),
         "distance_mm": _mm(verdict.distance),
         "note": "" if verdict.note is None else str(verdict.note),
-        "said": verdict.message.told,
+        "said": verdict.message.program_form,
     }
 
 
@@ -46,7 +46,7 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
         "note": "; ".join(map(str, plan.remarks)),
-        "notes": [remark.told for remark in plan.remarks],
+        "notes": [remark.program_form for remark in plan.remarks],
     }
 
 
@@ -123,7 +123,7 @@ def stages_words(seconds: dict[str, float]) -> str:
 def _place_form(place: Violation) -> dict[str, Any]:
     return {
         "problem": str(place.problem),
-        "said": place.message.told,
+        "said": place.message.program_form,
         "arm": place.arm,
         "leg": place.leg,
         "waypoint": place.waypoint,

@@ -9,7 +9,7 @@ from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.klampt.robot_writer import write_rob
-from workbench.formats.klampt.worlds import PlacedPart, Snapshot, robot_with_tools, write_world
+from workbench.formats.klampt.worlds import Snapshot, WorldPart, robot_with_tools, write_world
 from workbench.formats.plans.plan_files import read_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -41,13 +41,13 @@ def export_world(typed: arguments.ExportWorld) -> int:
 def _snapshots(cell: Cell, plan: Plan) -> Iterator[tuple[str, Snapshot]]:
     """The cell at every leg, named by its number, arm and leg."""
     placed = [
-        PlacedPart(part_label(number), cell.part(detection.part), detection.T_world_part)
+        WorldPart(part_label(number), cell.part(detection.part), detection.T_world_part)
         for number, detection in enumerate(plan.detections)
     ]
     for number, stretch in enumerate(stretches(plan), start=1):
         phase = stretch.phase
         held = {
-            arm: PlacedPart(placed[detection].name, placed[detection].part, T_tcp_part)
+            arm: WorldPart(placed[detection].name, placed[detection].part, T_tcp_part)
             for arm, (detection, T_tcp_part) in phase.held.items()
         }
         away = {detection for detection, _ in phase.held.values()}

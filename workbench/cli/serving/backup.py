@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.records.keeping import KINDS, write_backup
-from workbench.app.records.restoring import KEPT_USERS, LARGEST, Thing, put_in_place, unpacked
+from workbench.app.records.restoring import KEPT_USERS, LARGEST, Thing, put_in_place, unpack_backup
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
@@ -36,7 +36,7 @@ def _users_of(path: Path) -> Mapping[str, Any]:
 def restore(typed: arguments.Restore) -> int:
     """Read everything in the backup, and only then put it instead of what is there."""
     root = Path.cwd()
-    with unpacked(typed.file, root) as kept:
+    with unpack_backup(typed.file, root) as kept:
         users = _users_in(typed.file, kept.users)
         names = _restored_users(typed, users)
         things = [

@@ -53,7 +53,7 @@ def _list(folder: Path, *, as_json: bool) -> None:
         REJECTED,
         TRUSTED,
         application_uri,
-        kept,
+        read_certificates,
         thumbprint,
     )
 
@@ -66,7 +66,7 @@ def _list(folder: Path, *, as_json: bool) -> None:
             f"{certificate.not_valid_after_utc:%Y-%m-%d}",
         )
         for name in ("", TRUSTED, REJECTED)
-        for _, certificate in kept(folder / name)
+        for _, certificate in read_certificates(folder / name)
     ]
     columns = ("whose", "thumbprint", "subject", "uri", "until")
     if as_json:

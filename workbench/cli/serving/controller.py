@@ -8,7 +8,7 @@ from collections.abc import Callable
 from queue import SimpleQueue
 
 from workbench.cli.arguments import top as arguments
-from workbench.cli.serving.ending import told_to_end
+from workbench.cli.serving.ending import queue_end_signals
 from workbench.cli.terminal import check_number, check_whole, print_json
 from workbench.formats.cells.reading import read_cell
 from workbench.plugins.robot_link import Running, Simulation, link_named
@@ -16,7 +16,7 @@ from workbench.plugins.robot_link import Running, Simulation, link_named
 HIGHEST_PORT = 65535
 
 
-def controller(typed: arguments.Controller) -> int:
+def controller(typed: arguments.ControllerArguments) -> int:
     """Run the simulated controller until SIGINT, SIGTERM, or the end of standard input."""
     state_port = typed.state_port
     if state_port is None:
@@ -62,7 +62,7 @@ def controller(typed: arguments.Controller) -> int:
 
 def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
     """Stop at SIGINT, SIGTERM, and perhaps the end of standard input."""
-    signals = told_to_end()
+    signals = queue_end_signals()
 
     def end() -> None:
         signals.get()
@@ -70,10 +70,10 @@ def _end_with(stop: Callable[[], None], at_eof: bool) -> None:
 
     threading.Thread(target=end, daemon=True).start()
     if at_eof:
-        threading.Thread(target=_tell_at_eof, args=(signals,), daemon=True).start()
+        threading.Thread(target=_signal_at_eof, args=(signals,), daemon=True).start()
 
 
-def _tell_at_eof(signals: "SimpleQueue[int]") -> None:
+def _signal_at_eof(signals: "SimpleQueue[int]") -> None:
     while sys.stdin.buffer.read(4096):
         pass
     signals.put(0)

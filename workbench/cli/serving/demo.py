@@ -156,7 +156,7 @@ class Cycle:
         self._see_it_at_the_start(plan)
         # Nobody looks: the record says who has let this plan out, a demonstration.
         row = tuple(proven_plan.plan.digest for proven_plan in state.row)
-        self._bench.do(WatchPlan(plan.digest, is_told=True, row=row), ACTOR)
+        self._bench.do(WatchPlan(plan.digest, is_reported=True, row=row), ACTOR)
         self._stage("approve", Approve(plan.digest, row=row), Phase.APPROVED)
         if then is not None:
             self._stage("send", SendPlan(plan.digest), *Phase, after=_next(state, then))
@@ -166,7 +166,7 @@ class Cycle:
         if state.phase is Phase.FAULT:
             raise LinkError(state.fault)
         is_over = state.phase is Phase.DONE
-        if is_over and self._are_parts_told(state) and state.parts_placed != len(plan.arms):
+        if is_over and self._reports_parts(state) and state.parts_placed != len(plan.arms):
             raise LinkError(str(state.message))
 
     def _plan(self, seed: int) -> State:
@@ -197,7 +197,7 @@ class Cycle:
         while view_problem(cell, self._bench.live.joints) and time.monotonic() < until:
             time.sleep(LOOK / 10)
 
-    def _are_parts_told(self, state: State) -> bool:
+    def _reports_parts(self, state: State) -> bool:
         """Whether the controller says what became of parts; of some only the end is known."""
         link = link_named(state.cell.controller.link)
         return getattr(link, "tells_of_parts", True)
@@ -213,7 +213,7 @@ class Cycle:
         # However long it takes: a worker that dies and a robot that is silent end it themselves.
         while not _is_settled(state):
             state = self._bench.wait(_is_settled, LOOK)
-            self._tell(name, before, state)
+            self._report_stage(name, before, state)
         live = self._bench.live
         seconds = time.time() - (live.started if live.job > before else began)
         self._rows.append(StageRow(self._number, name, str(state.message), seconds))
@@ -221,7 +221,7 @@ class Cycle:
             raise WorkbenchError(f"{name}: {state.message}")
         return state
 
-    def _tell(self, name: str, before: int, state: State) -> None:
+    def _report_stage(self, name: str, before: int, state: State) -> None:
         """Report how far a stage is that began after the entry `before`."""
         live = self._bench.live
         share, says = live.done if live.job > before else 0.0, str(state.message)

@@ -5,7 +5,7 @@ from queue import SimpleQueue
 from types import FrameType
 
 
-def told_to_end() -> "SimpleQueue[int]":
+def queue_end_signals() -> "SimpleQueue[int]":
     """A queue that holds the number of each SIGINT and SIGTERM from now on.
 
     A queue of this kind has no lock that Python knows: the one of a `threading.Event` may be held
@@ -13,9 +13,9 @@ def told_to_end() -> "SimpleQueue[int]":
     """
     signals: SimpleQueue[int] = SimpleQueue()
 
-    def tell(signum: int, frame: FrameType | None) -> None:
+    def put_signal(signum: int, frame: FrameType | None) -> None:
         signals.put(signum)
 
-    signal.signal(signal.SIGINT, tell)
-    signal.signal(signal.SIGTERM, tell)
+    signal.signal(signal.SIGINT, put_signal)
+    signal.signal(signal.SIGTERM, put_signal)
     return signals

@@ -9,17 +9,17 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
-from workbench.cli.serving.ending import told_to_end
+from workbench.cli.serving.ending import queue_end_signals
 from workbench.cli.terminal import check_number, check_whole
 from workbench.model.errors import InputError
 from workbench.model.prediction import Predictions
-from workbench.web.http.listening import Certificate
+from workbench.web.http.listening import TlsCertificate
 from workbench.web.page.bar import bar_of, stop_of
 from workbench.web.page.relay import Upstream
-from workbench.web.server import Front, Options, Routes, serve_front
+from workbench.web.server import Front, Routes, ServerOptions, serve_front
 
 
-def front_options(typed: Serve | SessionOpen) -> Options:
+def front_options(typed: Serve | SessionOpen) -> ServerOptions:
     """What was typed about the front.
 
     Raises:
@@ -29,17 +29,17 @@ def front_options(typed: Serve | SessionOpen) -> Options:
     check_number("--hours", typed.hours, 0.01, 24 * 31)
     certificate = None
     if typed.certificate is not None and typed.key is not None:
-        certificate = Certificate(typed.certificate, typed.key)
+        certificate = TlsCertificate(typed.certificate, typed.key)
     elif typed.certificate is not None or typed.key is not None:
         raise InputError("--certificate and --key go together: one of them is missing")
-    return Options(typed.host, typed.port, typed.name, certificate, typed.hours)
+    return ServerOptions(typed.host, typed.port, typed.name, certificate, typed.hours)
 
 
 @contextmanager
 def fronted(
     bench: Bench | History,
     users: Path,
-    options: Options,
+    options: ServerOptions,
     *,
     predictions: Predictions | None = None,
     folders: Mapping[str, Path] | None = None,
@@ -88,6 +88,6 @@ def fronted(
 
 def wait_for_the_end(*lines: str) -> None:
     """Print that all is there, and return at SIGINT or SIGTERM."""
-    signals = told_to_end()
+    signals = queue_end_signals()
     print(*lines, sep="\n", flush=True)
     signals.get()

@@ -2,7 +2,7 @@
 
 import logging
 
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.review.history import History
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.session import SessionOpen
@@ -16,7 +16,7 @@ from workbench.journal.journal import Journal
 def open_session(typed: SessionOpen) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(name)s: %(message)s")
-    return look_at(opened(typed.session), typed)
+    return look_at(open_journal(typed.session), typed)
 
 
 def look_at(journal: Journal, typed: SessionOpen | Serve) -> int:

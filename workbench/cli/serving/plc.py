@@ -35,7 +35,7 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
         return
     check_whole("--opcua", typed.opcua, 1, 65535)
     try:
-        from workbench.web.opcua.admission import Logins, Options
+        from workbench.web.opcua.admission import OpcUaLogins, OpcUaOptions
         from workbench.web.opcua.certificates import CERTIFICATE
         from workbench.web.opcua.server import OpcUa
     except ModuleNotFoundError as error:
@@ -45,14 +45,14 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
     operator = Person(typed.opcua_operator, Role.OPERATOR)
     has_certificate = (typed.opcua_certificates / CERTIFICATE).is_file()
     with closing(Store(typed.users)) as store:
-        options = Options(
+        options = OpcUaOptions(
             typed.opcua,
             operator,
             typed.host,
             os.environ.get(PASSWORD, ""),
             typed.opcua_certificates if has_certificate else None,
             is_plain=typed.opcua_plain,
-            logins=Logins(Users(store), Lockout(store)),
+            logins=OpcUaLogins(Users(store), Lockout(store)),
         )
         server = OpcUa(bench, options)
         how = "" if has_certificate else ", not encrypted: see workbench opcua certificate"

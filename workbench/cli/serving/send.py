@@ -10,7 +10,7 @@ from typing import Any
 
 from workbench.app.core.cycle.approval import approve, check_approvable
 from workbench.app.core.cycle.standing import left_on_station, moved_away
-from workbench.app.picking.proving import adopted
+from workbench.app.picking.proving import adopt_plan
 from workbench.app.picking.row import prove_row
 from workbench.app.records.approvals import CUT_SHORT, ApprovalRecord
 from workbench.app.runtime.readiness import make_ready
@@ -44,7 +44,7 @@ from workbench.plugins.robot_link import controller_by
 from workbench.plugins.robot_link import send as send_plan
 
 
-def send(typed: arguments.Send) -> int:
+def send(typed: arguments.SendArguments) -> int:
     """Prove, approve and send plans; nothing is sent unless everything before it holds."""
     check_whole("--port", typed.port, 1, HIGHEST_PORT)
     if typed.state_port is not None:
@@ -58,7 +58,7 @@ def send(typed: arguments.Send) -> int:
     usual = cell.controller
     cell = replace(cell, controller=_controller(cell, typed))
     if typed.row:
-        _check_told(cell)
+        _check_reports(cell)
     if typed.digest is not None:
         check_digest(plans, typed.digest)
     record = ApprovalRecord(typed.record)
@@ -117,11 +117,11 @@ def _read(files: Sequence[Path], name: str | None) -> tuple[Cell, tuple[Plan, ..
                 f"was changed after the plan was made: it states digest {stated[:12]}, its content "
                 f"has {plan.digest[:12]}; make a new plan",
             )
-        plans.append(plan if stated else adopted(cell_of(plan, name), plan))
+        plans.append(plan if stated else adopt_plan(cell_of(plan, name), plan))
     return cell_of(plans[0], name), tuple(plans)
 
 
-def _controller(cell: Cell, typed: arguments.Send) -> Controller:
+def _controller(cell: Cell, typed: arguments.SendArguments) -> Controller:
     """The controller that is meant: that of the cell, at another address."""
     protocol, options = typed.protocol or cell.controller.link, cell.controller.options
     if protocol != cell.controller.link:
@@ -129,13 +129,13 @@ def _controller(cell: Cell, typed: arguments.Send) -> Controller:
     return controller_by(protocol, typed.host, typed.port, typed.state_port, options)
 
 
-def _describe(typed: arguments.Send) -> str:
+def _describe(typed: arguments.SendArguments) -> str:
     """What the proof knew of the bin."""
     sources = [f"{path}" for path in (typed.scan, typed.poses) if path is not None]
     return f"compared with {' and '.join(sources)}" if sources else "by the plan's own word"
 
 
-def _check_told(cell: Cell) -> None:
+def _check_reports(cell: Cell) -> None:
     """Look whether anybody can know, between two plans, how it stands.
 
     Raises:
@@ -154,7 +154,7 @@ def _check_told(cell: Cell) -> None:
 
 
 def _sent_in_turn(
-    typed: arguments.Send,
+    typed: arguments.SendArguments,
     plans: Sequence[Plan],
     approvals: Sequence[Approval],
     cell: Cell,
@@ -215,7 +215,11 @@ def _end(record: ApprovalRecord, approval: Approval, receipts: list[Receipt], pr
 
 
 def _send(
-    typed: arguments.Send, plan: Plan, approval: Approval, cell: Cell, record: ApprovalRecord
+    typed: arguments.SendArguments,
+    plan: Plan,
+    approval: Approval,
+    cell: Cell,
+    record: ApprovalRecord,
 ) -> dict[str, Any]:
     """Send an approved plan, put on record what became of it, and tell it."""
     receipts: list[Receipt] = []

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from workbench.app.core.rights import changes_said
 from workbench.app.provenance.gathering import inventory
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.records.starts import start, start_before
 from workbench.app.runtime.anchors import Anchors, place
@@ -51,7 +51,7 @@ def serve(typed: arguments.Serve) -> int:
     if typed.session is not None:
         if typed.after is not None:
             raise InputError("--session goes on with a session, --after begins another: say one")
-        goes_on = opened(typed.session)
+        goes_on = open_journal(typed.session)
         try:
             goes_on.claim(time.time())
         except JournalError as error:
@@ -124,7 +124,7 @@ def _begin(cell: Cell, after: Path | None) -> Journal:
     """A new session; its first entry names the one that it comes `after`."""
     if after is None:
         return new_session(SESSIONS, cell, time.time())
-    with closing(opened(after)) as before:
+    with closing(open_journal(after)) as before:
         return new_session(SESSIONS, cell, time.time(), after=before)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from workbench.app.records.cases import LARGEST, Case, read_case
 from workbench.app.records.kept_cases import case_files
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.cli.arguments.session import SessionCases
 from workbench.cli.exits import BAD_INPUT, SUCCESS
 from workbench.cli.terminal import print_json, print_table
@@ -17,7 +17,7 @@ from workbench.model.errors import FileError
 
 def cases(typed: SessionCases) -> int:
     """List them, and copy them where that is wanted."""
-    opened(typed.session).close()
+    open_journal(typed.session).close()
     if typed.out is not None:
         make_folder(typed.out)
     rows, broken, copied = list[dict[str, Any]](), 0, 0

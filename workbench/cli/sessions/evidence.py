@@ -8,7 +8,7 @@ from pathlib import Path
 from workbench.app.evidence.bundle import verify_script, write_bundle
 from workbench.app.evidence.packing import signed_message
 from workbench.app.evidence.signing import make_key, read_key, time_stamp_request
-from workbench.app.records.session_archive import opened
+from workbench.app.records.session_archive import open_journal
 from workbench.cli.arguments.upkeep import Evidence
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import progress
@@ -27,7 +27,7 @@ def evidence(typed: Evidence) -> int:
         return _script(typed)
     out = typed.out or Path("evidence.zip")
     key = None if typed.sign is None else read_key(typed.sign)
-    with closing(opened(Path(typed.session))) as journal:
+    with closing(open_journal(Path(typed.session))) as journal:
         if out.resolve().is_relative_to(journal.folder.resolve()):
             raise InputError(f"{out}: lies in the session; evidence of it goes elsewhere")
         with progress("evidence") as report:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from workbench.app.core.state import State
 from workbench.app.records.replay import replay
-from workbench.app.records.session_archive import export_session, import_session, opened
+from workbench.app.records.session_archive import export_session, import_session, open_journal
 from workbench.app.records.sessions import cell_of
 from workbench.cli.arguments.session import SessionExport, SessionImport, SessionPrune
 from workbench.cli.exits import SUCCESS
@@ -26,7 +26,7 @@ MEGABYTE = 2**20
 
 def export(typed: SessionExport) -> int:
     """Write the zip file, or the one for Foxglove."""
-    with closing(opened(typed.session)) as journal:
+    with closing(open_journal(typed.session)) as journal:
         if typed.mcap:
             _as_mcap(journal, typed.out)
             return _report(typed.out)

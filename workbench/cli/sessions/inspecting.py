@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from workbench.app.evidence import verify
-from workbench.app.records.session_archive import opened, told
+from workbench.app.records.session_archive import list_session, open_journal
 from workbench.app.review.likeness import Likeness
-from workbench.app.review.recompute import recomputed
+from workbench.app.review.recompute import recompute_tasks
 from workbench.cli.arguments.session import SessionList, SessionReplay, SessionShow, SessionVerify
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
@@ -62,8 +62,8 @@ def _summary(folder: Path) -> tuple[str, ...]:
 
 def show_session(typed: SessionShow) -> int:
     """Tell what happened, entry by entry."""
-    with closing(opened(typed.session)) as journal:
-        entries = told(journal).entries
+    with closing(open_journal(typed.session)) as journal:
+        entries = list_session(journal).entries
     if typed.json:
         print_json({"entries": entries})
         return SUCCESS
@@ -87,7 +87,7 @@ def show_session(typed: SessionShow) -> int:
 
 def verify_session(typed: SessionVerify) -> int:
     """Tell whether it was changed."""
-    with closing(opened(typed.session)) as journal:
+    with closing(open_journal(typed.session)) as journal:
         problems = journal.verify()
         if typed.anchors is not None:
             problems = (*problems, *_unlike(journal, typed.anchors))
@@ -108,7 +108,7 @@ def _unlike(journal: Journal, path: Path) -> tuple[str, ...]:
     for remark in torn:
         print(remark)
     entries = [
-        verify.Entry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
+        verify.JournalEntry(row.number, row.kind, row.body, row.files, row.previous, row.hash)
         for row in journal.entries()
     ]
     return tuple(verify.anchor_problems(entries, journal.folder.resolve().name, anchors))
@@ -117,8 +117,8 @@ def _unlike(journal: Journal, path: Path) -> tuple[str, ...]:
 def replay_session(typed: SessionReplay) -> int:
     """Compute it again and compare."""
     found: Counter[Likeness] = Counter()
-    with closing(opened(typed.session)) as journal:
-        for comparison in recomputed(journal):
+    with closing(open_journal(typed.session)) as journal:
+        for comparison in recompute_tasks(journal):
             found[comparison.likeness] += 1
             print(f"entry {comparison.number}, {comparison.task}: {comparison.says}", flush=True)
     if not found:

@@ -4,8 +4,8 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-from workbench.app.core.state import counted as number_of
-from workbench.app.records.session_archive import opened, sessions_in
+from workbench.app.core.state import format_count as number_of
+from workbench.app.records.session_archive import open_journal, sessions_in
 from workbench.app.statistics.statistics import (
     GROUPS,
     Statistics,
@@ -20,7 +20,7 @@ from workbench.formats.files.whole_files import write_whole
 from workbench.model.errors import InputError
 
 
-def tell_statistics(typed: arguments.Statistics) -> int:
+def print_statistics(typed: arguments.StatisticsArguments) -> int:
     """Count what the sessions tell."""
     folders = typed.sessions or sessions_below(Path("sessions"))
     counted = together(_count(folder) for folder in folders)
@@ -48,7 +48,7 @@ def sessions_below(root: Path) -> tuple[Path, ...]:
 
 
 def _count(folder: Path) -> Statistics:
-    with closing(opened(folder)) as journal:
+    with closing(open_journal(folder)) as journal:
         return statistics(journal.entries())
 
 

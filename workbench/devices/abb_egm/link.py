@@ -85,7 +85,7 @@ class AbbEgm:
         # Every cell that is read loads this module; only who sends needs the library.
         from workbench.devices.abb_egm.channel import Channel, address_of
         from workbench.devices.abb_egm.orders import score_of
-        from workbench.devices.abb_egm.sending import Sending
+        from workbench.devices.abb_egm.sending import EgmSending
 
         def released() -> None:
             check_approval(plan, approval, cell, now())
@@ -102,7 +102,9 @@ class AbbEgm:
                     channel = Channel(cell, arm, host, port, silence, patience.clock)
                     channels[arm.name] = opened.enter_context(closing(channel))
             share = approval.speed_share
-            talk = Sending(channels, score, share, silence, now=now, show=show, patience=patience)
+            talk = EgmSending(
+                channels, score, share, silence, now=now, show=show, patience=patience
+            )
             yield from talk.run(released, cancelled)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:

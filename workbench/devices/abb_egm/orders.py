@@ -7,7 +7,7 @@ import numpy as np
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_loads import load_data
 from workbench.devices.jerk_limited_way import JerkLimitedWay
-from workbench.devices.streamed_way import Way, timed_way
+from workbench.devices.streamed_way import StreamedWay, timed_way
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.plan import Plan
@@ -43,13 +43,13 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class LegRun:
     """A leg of one arm; `number` counts legs from 1."""
 
     arm: str
     name: str
     number: int
-    way: Way | JerkLimitedWay
+    way: StreamedWay | JerkLimitedWay
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,16 +61,16 @@ class Score:
 
     ticket: float
     arms: tuple[str, ...]
-    items: tuple[Order | Run, ...]
+    items: tuple[Order | LegRun, ...]
 
     @property
     def total(self) -> int:
         """How many receipts there are."""
         return len(self.items)
 
-    def start(self, arm: str) -> Way | JerkLimitedWay:
+    def start(self, arm: str) -> StreamedWay | JerkLimitedWay:
         """The first way of an arm."""
-        return next(item.way for item in self.items if isinstance(item, Run) and item.arm == arm)
+        return next(item.way for item in self.items if isinstance(item, LegRun) and item.arm == arm)
 
 
 def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
@@ -80,7 +80,7 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
         InputError: a joint of the plan is beyond the cell's limits.
     """
     hands: dict[str, tuple[float, bool]] = {}
-    moves: list[Order | Run] = []
+    moves: list[Order | LegRun] = []
     legs = 0
     for step in plan.sequence:
         for name, leg_name in step.runs:
@@ -96,7 +96,7 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
                     load = load_data(loads.carried(leg.holding)).numbers
                 moves.append(Order(name, wire.GRIP, leg.opening, leg.holding, load))
             legs += 1
-            moves.append(Run(name, leg_name, legs, timed_way(cell, arm, leg)))
+            moves.append(LegRun(name, leg_name, legs, timed_way(cell, arm, leg)))
     arms = tuple(dict.fromkeys(arm.arm for arm in plan.arms))
     begins = [Order(arm, wire.BEGIN) for arm in arms]
     ends = [Order(arm, wire.END) for arm in arms]

@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.devices.abb_egm.guided import Guidance
 from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports, socket_beside
-from workbench.devices.rapid.controller import Controller, Operator
+from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.devices.rapid.motion import Mechanism
 from workbench.devices.rapid.tasks import Task
 from workbench.formats.rapid.setup import Setup, read_setup
@@ -22,7 +22,7 @@ UNHEARD = 0.001
 KINDS = ("motion", "states")
 
 
-class GuidedController(Controller):
+class GuidedController(RapidController):
     """A controller with EGM; `port` and `state_port` are UDP, those of the sensor's side.
 
     Faster than in real time it waits a little for each answer: nobody has to be as fast, and EGM

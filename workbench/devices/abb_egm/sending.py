@@ -14,7 +14,7 @@ import numpy as np
 
 from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
-from workbench.devices.abb_egm.orders import Order, Run, Score
+from workbench.devices.abb_egm.orders import LegRun, Order, Score
 from workbench.devices.streamed_way import Ride
 from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.geometry import Floats
@@ -52,7 +52,7 @@ SHOWN = 25
 """[reports] Between two looks for whoever watches."""
 
 
-class Sending:
+class EgmSending:
     """One conversation, by the channels of the arms that take part.
 
     `share` is that of the planned speed, and `silence` [s] is how old a report may be when it is
@@ -98,7 +98,7 @@ class Sending:
         has_ended = False
         try:
             for number, item in enumerate(self._score.items, start=1):
-                work = self._ride(item) if isinstance(item, Run) else self._order(item)
+                work = self._ride(item) if isinstance(item, LegRun) else self._order(item)
                 for _ in work:
                     if cancelled():
                         has_ended = True
@@ -107,7 +107,7 @@ class Sending:
                 # Whoever takes this does it while the robot stands.
                 yield self._receipt(item)
             has_ended = True
-            self._tell("ended")
+            self._report("ended")
         finally:
             if not has_ended:
                 with suppress(LinkError):
@@ -115,7 +115,7 @@ class Sending:
 
     @property
     def _where(self) -> Message:
-        legs = sum(isinstance(item, Run) for item in self._score.items)
+        legs = sum(isinstance(item, LegRun) for item in self._score.items)
         return DeviceText.LEG(number=self._leg, total=legs)
 
     def _look(self, cancelled: Cancelled) -> None:
@@ -142,7 +142,7 @@ class Sending:
             feedback = channel.last
             assert feedback is not None
             self._check_state(name, feedback)
-            if len(feedback.told) < 3 or feedback.told[0] != wire.VERSION:
+            if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
                 raise LinkError(DeviceText.MODULE_SILENT(arm=name))
             self._check_new(name, feedback)
             self._check_stands(name, self._score.start(name).at(0.0)[0], DeviceText.PLAN_START())
@@ -180,19 +180,19 @@ class Sending:
 
     def _check_new(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID has not begun this plan before: neither last, nor before others."""
-        has_begun = feedback.told[1] == self._score.ticket and not self._given[name]
+        has_begun = feedback.rapid_values[1] == self._score.ticket and not self._given[name]
         if has_begun or self._is_refused(feedback):
             raise LinkError(DeviceText.RUN_BEFORE())
 
     def _is_refused(self, feedback: wire.Feedback) -> bool:
-        return feedback.told[3:4] == (self._score.ticket,)
+        return feedback.rapid_values[3:4] == (self._score.ticket,)
 
     def _check_module(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID reports our ticket, and of no order but the last ones."""
-        if len(feedback.told) < 3 or feedback.told[0] != wire.VERSION:
+        if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
             raise LinkError(DeviceText.MODULE_SILENT(arm=name))
         self._check_new(name, feedback)
-        _, ticket, done = feedback.told[:3]
+        _, ticket, done = feedback.rapid_values[:3]
         before, given = self._done_by[name], self._given[name]
         if ticket != self._score.ticket:
             if before:
@@ -205,7 +205,7 @@ class Sending:
             )
         self._done_by[name] = int(done)
 
-    def _ride(self, run: Run) -> Iterator[None]:
+    def _ride(self, run: LegRun) -> Iterator[None]:
         """One reference for each report, then wait until the arm stands there."""
         self._leg = run.number
         ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
@@ -249,7 +249,7 @@ class Sending:
             heard.append(name)
             self._reports += 1
             if self._reports % SHOWN == 1:
-                self._tell("running" if self._riding is not None else "waiting")
+                self._report("running" if self._riding is not None else "waiting")
         return heard
 
     def _news(self) -> Iterator[tuple[str, list[wire.Feedback]]]:
@@ -312,7 +312,7 @@ class Sending:
             raise JobCancelled(StopText.AT(where=self._where, how=missing))
         took = self._patience.clock() - began
         words = StopText.STANDS(took=took)
-        self._tell("stopped", took, words)
+        self._report("stopped", took, words)
         raise JobCancelled(StopText.AT(where=self._where, how=words))
 
     def _come_to_rest(self) -> bool:
@@ -359,17 +359,19 @@ class Sending:
     def _has_done_all(self, name: str) -> bool:
         feedback = self._channels[name].last
         orders = (self._score.ticket, float(self._count[name]))
-        return feedback is not None and feedback.told[1:3] == orders
+        return feedback is not None and feedback.rapid_values[1:3] == orders
 
-    def _tell(self, phase: str, stopped: float | None = None, stop: Message | None = None) -> None:
+    def _report(
+        self, phase: str, stopped: float | None = None, stop: Message | None = None
+    ) -> None:
         joints = {name: channel.q for name, channel in self._channels.items()}
-        legs, at = sum(isinstance(item, Run) for item in self._score.items), self._now()
+        legs, at = sum(isinstance(item, LegRun) for item in self._score.items), self._now()
         heard = f"leg {self._leg}"
         self._show(
             LinkStatus("abb-egm", phase, self._leg, legs, heard, at, at, stopped, stop, joints)
         )
 
-    def _receipt(self, item: Order | Run) -> Receipt:
+    def _receipt(self, item: Order | LegRun) -> Receipt:
         at, total = self._now(), self._score.total
         if isinstance(item, Order):
             words = item.words

@@ -77,7 +77,7 @@ class Feedback:
     """What a controller reports of one arm.
 
     `number` counts messages and `at` [ms] is the controller's clock, both modulo 2^32; `axes` (n,)
-    [rad] in the controller's order; `told` are the numbers of the module in RAPID.
+    [rad] in the controller's order; `rapid_values` are the numbers of the module in RAPID.
     """
 
     number: int
@@ -87,7 +87,7 @@ class Feedback:
     mci: int
     rapid: int
     is_converged: bool
-    told: tuple[float, ...]
+    rapid_values: tuple[float, ...]
 
     @property
     def fault(self) -> str:
@@ -150,7 +150,7 @@ def feedback_bytes(feedback: Feedback) -> bytes:
     message.motorState.state, message.mciState.state = feedback.motors, feedback.mci
     message.rapidExecState.state = feedback.rapid
     message.mciConvergenceMet = feedback.is_converged
-    message.RAPIDfromRobot.dnum.extend(feedback.told)
+    message.RAPIDfromRobot.dnum.extend(feedback.rapid_values)
     return message.SerializeToString()
 
 

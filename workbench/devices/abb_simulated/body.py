@@ -15,7 +15,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
 
 
-class Body:
+class SimulatedBody:
     """Arms and hands.
 
     Lifetime: as long as the controller.

@@ -12,9 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from workbench.devices.abb_simulated.body import Body
+from workbench.devices.abb_simulated.body import SimulatedBody
 from workbench.devices.abb_simulated.faults import Fault, Faults
-from workbench.devices.abb_simulated.serve_program import TICK, ProgramClient, Station
+from workbench.devices.abb_simulated.serve_program import TICK, ProgramClient, ServedRobot
 from workbench.devices.abb_simulated.serve_requests import RequestClient
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.model.cell import Cell
@@ -78,8 +78,8 @@ class SimulatedController:
             LinkError: a port is taken.
         """
         self._stop = threading.Event()
-        self._body = Body(cell, speed, record, trace, Faults(faults))
-        self._station = Station(
+        self._body = SimulatedBody(cell, speed, record, trace, Faults(faults))
+        self._station = ServedRobot(
             self._body, self._stop.is_set, self._refuse_others, paces or {}, patience=patience
         )
         self._home_after = home_after

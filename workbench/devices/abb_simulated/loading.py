@@ -10,7 +10,7 @@ from typing import cast, get_args
 import numpy as np
 
 from workbench.devices.abb_loads import LoadData
-from workbench.devices.abb_socket.frames import FIRST_CRC, TEXT, Frame, crc_of
+from workbench.devices.abb_socket.frames import FIRST_CRC, TEXT, MessageFrame, crc_of
 from workbench.devices.abb_socket.messages import angles_within_limits
 from workbench.devices.abb_socket.program import (
     LONGEST_WAY,
@@ -20,9 +20,9 @@ from workbench.devices.abb_socket.program import (
     Hand,
     LoadOf,
     Mode,
-    Program,
     ProgramLeg,
     ProgramStep,
+    SocketProgram,
 )
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import ProtocolError
@@ -55,7 +55,7 @@ class Loading:
         self._seconds: list[float] = []
         self._stands: dict[str, Floats] = {}
 
-    def take(self, frame: Frame) -> Program | None:
+    def take(self, frame: MessageFrame) -> SocketProgram | None:
         """The next message; the program when it was the last one.
 
         Raises:
@@ -177,12 +177,12 @@ class Loading:
         self._points.append(q)
         self._seconds.append(seconds)
 
-    def _end(self, words: list[str]) -> Program:
+    def _end(self, words: list[str]) -> SocketProgram:
         self._close_leg()
         self._check_step()
         steps = tuple(ProgramStep(mode, tuple(legs)) for mode, legs in self._steps)
         begun = self._digest, self._ticket, self._starts
-        program = Program(*begun, steps, self._is_stepped, self._loads)
+        program = SocketProgram(*begun, steps, self._is_stepped, self._loads)
         points = sum(len(leg.seconds) for leg in program.legs)
         count = _whole(words[0], 1, MOST_POINTS * len(self._arms), "waypoints")
         if (len(program.legs), points, points) != (self._legs_told, self._points_told, count):

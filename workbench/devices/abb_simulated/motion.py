@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.devices.abb_simulated.body import Body
+from workbench.devices.abb_simulated.body import SimulatedBody
 from workbench.devices.abb_simulated.faults import STOPS
-from workbench.devices.abb_socket.program import Program, ProgramLeg, ProgramStep
+from workbench.devices.abb_socket.program import ProgramLeg, ProgramStep, SocketProgram
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
 
@@ -46,7 +46,9 @@ class Motion:
     Lifetime: from `run` until it is done or dropped.  Concurrency: one thread.
     """
 
-    def __init__(self, program: Program, body: Body, paces: Mapping[str, float]) -> None:
+    def __init__(
+        self, program: SocketProgram, body: SimulatedBody, paces: Mapping[str, float]
+    ) -> None:
         """Begin with the first step.
 
         Args:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from workbench.devices.abb_simulated.body import Body
+from workbench.devices.abb_simulated.body import SimulatedBody
 from workbench.devices.abb_simulated.faults import SLOW_SECONDS
 from workbench.devices.abb_simulated.motion import Motion
 from workbench.devices.abb_simulated.serving import LONGEST_WORDS, Serving
-from workbench.devices.abb_socket.frames import Frame
+from workbench.devices.abb_socket.frames import MessageFrame
 from workbench.devices.abb_socket.messages import in_degrees
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.plugins.robot_link import USUAL, LinkPatience
@@ -30,13 +30,13 @@ LEFT = "the client left while the robot moved"
 
 
 @dataclass(slots=True)
-class Station:
+class ServedRobot:
     """What stays from client to client: the robot, and what it remembers.
 
     `is_over` says that the controller is to end, `look_around` turns others away meanwhile.
     """
 
-    body: Body
+    body: SimulatedBody
     is_over: Callable[[], bool]
     look_around: Callable[[], None]
     paces: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -63,7 +63,7 @@ class ProgramClient:
     Lifetime: one connection.  Concurrency: one thread.
     """
 
-    def __init__(self, client: socket.socket, station: Station) -> None:
+    def __init__(self, client: socket.socket, station: ServedRobot) -> None:
         """`client` has been told `send`, and has not been answered yet."""
         self._client, self._station, self._body = client, station, station.body
         self._serving = Serving(self._body.cell, self._body.standing, station.tickets)
@@ -112,7 +112,7 @@ class ProgramClient:
                 return False
         return True
 
-    def _answer(self, frame: Frame, answer: str) -> bool:
+    def _answer(self, frame: MessageFrame, answer: str) -> bool:
         """Do what a message asks for, and answer it, unless a fault comes between."""
         faults, count, program = self._body.faults, self._messages, self._serving.program
         if frame.word == "end" and program is not None:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from workbench.devices.abb_simulated.faults import SLOW_SECONDS, STOPS
-from workbench.devices.abb_simulated.serve_program import TICK, Station
-from workbench.devices.abb_socket.messages import REQUEST, Commands, Message
+from workbench.devices.abb_simulated.serve_program import TICK, ServedRobot
+from workbench.devices.abb_socket.messages import REQUEST, Commands, SocketMessage
 from workbench.model.cell import Arm
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
@@ -23,7 +23,7 @@ class RequestClient:
     Lifetime: one connection.  Concurrency: one thread.
     """
 
-    def __init__(self, client: socket.socket, station: Station) -> None:
+    def __init__(self, client: socket.socket, station: ServedRobot) -> None:
         """`client` has been told `send` once."""
         self._client, self._station, self._body = client, station, station.body
         self._commands = Commands(self._body.cell)
@@ -36,7 +36,7 @@ class RequestClient:
         Raises:
             LinkError: it left within one, or said something else; nothing moves any more.
         """
-        last: Message | None = None
+        last: SocketMessage | None = None
         while not self._station.is_over():
             message = self._next()
             if message is None:
@@ -62,7 +62,7 @@ class RequestClient:
         self._client.sendall(REQUEST * (2 if faults.is_due("double-send", count) else 1))
         return True
 
-    def _next(self) -> Message | None:
+    def _next(self) -> SocketMessage | None:
         """The next message; None when the client leaves between two sequences.
 
         Between sequences it may take as long as it likes.
@@ -85,7 +85,7 @@ class RequestClient:
                 return message
         return None
 
-    def _execute(self, message: Message, last: Message | None) -> None:
+    def _execute(self, message: SocketMessage, last: SocketMessage | None) -> None:
         arm, body = self._body.cell.arm(message.arm), self._body
         body.arrived()
         body.record(message.arm, message.kind, message.q)

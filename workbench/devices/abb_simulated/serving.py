@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from workbench.devices.abb_simulated.loading import Loading
-from workbench.devices.abb_socket.frames import Frame, Frames, framed, number_after
-from workbench.devices.abb_socket.program import Program
+from workbench.devices.abb_socket.frames import Frames, MessageFrame, make_frame, number_after
+from workbench.devices.abb_socket.program import SocketProgram
 from workbench.devices.abb_socket.sending import VERSION, arms_of
 from workbench.devices.abb_socket.states import NEXT, ControllerPhase
 from workbench.model.cell import Cell
@@ -45,13 +45,13 @@ class Serving:
             tickets: those that were run; the next one is added.
         """
         self.phase: ControllerPhase = "greeted"
-        self.program: Program | None = None
+        self.program: SocketProgram | None = None
         self._cell, self._standing, self._tickets = cell, standing, tickets
         self._frames = Frames()
         self._loading = Loading(cell)
         self._number = self._waits = 0
 
-    def hear(self, data: bytes) -> Iterator[tuple[Frame, str]]:
+    def hear(self, data: bytes) -> Iterator[tuple[MessageFrame, str]]:
         """Take what arrived: each message that is in order, and the answer to it.
 
         Raises:
@@ -69,7 +69,7 @@ class Serving:
     def say(self, text: str) -> bytes:
         """A message of ours as a frame."""
         self._number = number_after(self._number)
-        return framed(self._number, text)
+        return make_frame(self._number, text)
 
     def refusal(self, error: LinkError) -> str:
         """What is said before the link is closed; nothing is in order after it."""
@@ -80,7 +80,7 @@ class Serving:
         """What the robot did: `done`, `fault`, or `wait` before the step `waits`."""
         self.phase, self._waits = NEXT[self.phase, event], waits
 
-    def _answer(self, frame: Frame) -> str:
+    def _answer(self, frame: MessageFrame) -> str:
         match frame.word:
             case "hello":
                 if frame.rest != VERSION:
@@ -102,7 +102,7 @@ class Serving:
                 pass
         return f"ok {frame.number:04d} {frame.crc}"
 
-    def _check_run(self, frame: Frame) -> None:
+    def _check_run(self, frame: MessageFrame) -> None:
         program = self.program
         if program is None or frame.rest != program.ticket:
             raise ProtocolError(f"run has ticket {frame.rest!r}, another one was loaded")

@@ -19,7 +19,7 @@ KEEPALIVE = {"TCP_KEEPIDLE": 1, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_
 """[s, s, times, ms] So that the system, too, notices a machine that is gone."""
 
 
-def connected(host: str, port: int, missing: DeviceText = DeviceText.NO_ANSWER) -> socket.socket:
+def connect(host: str, port: int, missing: DeviceText = DeviceText.NO_ANSWER) -> socket.socket:
     """A connection to a controller; `missing` says that nobody answers, and why.
 
     Raises:

@@ -32,7 +32,7 @@ NUMBERED = re.compile(r"(\d{4}) ([a-z]+)(?: (.*))?")
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class MessageFrame:
     """A message: its number, its word, the rest, and the check sum it travelled with."""
 
     number: int
@@ -61,7 +61,7 @@ def number_after(number: int) -> int:
     return number % LAST_NUMBER + 1
 
 
-def framed(number: int, text: str) -> bytes:
+def make_frame(number: int, text: str) -> bytes:
     """A frame, ready to be sent.
 
     Raises:
@@ -91,7 +91,7 @@ class Frames:
         """That of the last frame."""
         return self._number
 
-    def hear(self, data: bytes) -> Iterator[Frame]:
+    def hear(self, data: bytes) -> Iterator[MessageFrame]:
         """Take what arrived; the frames that are complete with it, one by one.
 
         Raises:
@@ -105,7 +105,7 @@ class Frames:
         if self._heard and not re.match(rb"\d{1,4}\Z|\d{4} ", self._heard):
             raise ProtocolError(f"{self._heard[:40]!r} does not begin like a frame")
 
-    def _frame(self, piece: bytes) -> Frame:
+    def _frame(self, piece: bytes) -> MessageFrame:
         try:
             text, crc, end = (
                 piece[:TEXT].decode("ascii"),
@@ -124,4 +124,4 @@ class Frames:
         self._number = number_after(self._number)
         if int(found[1]) != self._number:
             raise ProtocolError(f"frame {found[1]} came where {self._number:04d} was expected")
-        return Frame(self._number, found[2], found[3] or "", crc)
+        return MessageFrame(self._number, found[2], found[3] or "", crc)

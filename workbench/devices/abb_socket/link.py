@@ -4,10 +4,10 @@ import socket
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 
-from workbench.devices.abb_socket.connecting import connected
+from workbench.devices.abb_socket.connecting import connect
 from workbench.devices.abb_socket.messages import Requests, messages
 from workbench.devices.abb_socket.program import program_of
-from workbench.devices.abb_socket.sending import Sending
+from workbench.devices.abb_socket.sending import SocketSending
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
 from workbench.model.messages.devices import DeviceText
@@ -50,8 +50,10 @@ def send_program(
 
     check()
     program = program_of(cell, plan, approval)
-    talk = Sending(cell, plan, program, now=now, released=check, let=let, silence=patience.silence)
-    with connected(cell.controller.host, cell.controller.port) as link:
+    talk = SocketSending(
+        cell, plan, program, now=now, released=check, let=let, silence=patience.silence
+    )
+    with connect(cell.controller.host, cell.controller.port) as link:
         yield from _converse(link, talk, cancelled, show, patience)
 
 
@@ -71,7 +73,7 @@ def send_messages(
     """
     check_approval(plan, approval, cell, now())
     ready = messages(cell, plan)
-    with connected(cell.controller.host, cell.controller.port) as link:
+    with connect(cell.controller.host, cell.controller.port) as link:
         requests, total = Requests(), len(ready)
         for number, message in enumerate(ready, start=1):
             where = DeviceText.MESSAGE(number=number, total=total)
@@ -88,7 +90,7 @@ def send_messages(
 
 def _converse(
     link: socket.socket,
-    talk: Sending,
+    talk: SocketSending,
     cancelled: Cancelled,
     show: Callable[[LinkStatus], None],
     patience: LinkPatience,
@@ -102,7 +104,7 @@ def _converse(
             if data := talk.say(clock()):
                 _say(link, data, talk.where)
             before, began = talk.status, clock()
-            data = _received(link, talk)
+            data = _receive(link, talk)
             # How long the receipts are worked on is not the controller's silence, nor is how long
             # this process stood still: what has come meanwhile is heard first.
             yield from talk.hear(data, clock())
@@ -120,7 +122,10 @@ def _converse(
 
 
 def _stop(
-    link: socket.socket, talk: Sending, show: Callable[[LinkStatus], None], patience: LinkPatience
+    link: socket.socket,
+    talk: SocketSending,
+    show: Callable[[LinkStatus], None],
+    patience: LinkPatience,
 ) -> Iterator[Receipt]:
     """Ask the controller to stop, and wait for its word.
 
@@ -135,7 +140,7 @@ def _stop(
         _say(link, talk.abort(patience.clock()), talk.where)
         until = patience.clock() + patience.stop
         while not talk.has_stopped and patience.clock() < until:
-            yield from talk.hear(_received(link, talk), patience.clock())
+            yield from talk.hear(_receive(link, talk), patience.clock())
     except LinkError as error:
         why = StopText.SINCE(what=missing, why=error.message)
         raise JobCancelled(StopText.AT(where=talk.where, how=why)) from None
@@ -143,7 +148,7 @@ def _stop(
     raise JobCancelled(StopText.AT(where=talk.where, how=talk.status.stop or missing))
 
 
-def _received(link: socket.socket, talk: Sending) -> bytes:
+def _receive(link: socket.socket, talk: SocketSending) -> bytes:
     """All that has arrived; nothing when nothing does within a moment."""
     try:
         data = link.recv(MOST_HEARD)

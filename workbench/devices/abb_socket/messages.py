@@ -40,7 +40,7 @@ NUMBER = re.compile(r"-?(0|[1-9]\d{0,2})\.\d\d")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Message:
+class SocketMessage:
     """One message; `q` (n,) [rad], chain order, for `in` and `out` alone."""
 
     arm: str
@@ -52,7 +52,7 @@ class Message:
         put(self, q=None if self.q is None else frozen(self.q))
 
 
-def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
+def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> SocketMessage:
     """A message to one arm, for most kinds with a configuration `q` (n,) [rad], chain order.
 
     Raises:
@@ -62,7 +62,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
     if kind in ("start", "stop"):
         if q is not None:
             raise InputError(f"a {kind} message carries no configuration")
-        return Message(arm.name, kind, head)
+        return SocketMessage(arm.name, kind, head)
     if q is None or len(q) != len(arm.joints) or not np.all(np.isfinite(q)):
         raise InputError(
             f"an {kind} message to arm {arm.name} needs {len(arm.joints)} finite joints"
@@ -70,7 +70,7 @@ def encode(arm: Arm, kind: Kind, q: Floats | None = None) -> Message:
     text = head + "*" + "*".join(in_degrees(arm, q)) + "*"
     if len(text) > LONGEST:
         raise InputError(f"a message of {len(text)} characters does not fit a RAPID string")
-    return Message(arm.name, kind, text, q)
+    return SocketMessage(arm.name, kind, text, q)
 
 
 def in_degrees(arm: Arm, q: Floats) -> list[str]:
@@ -107,7 +107,7 @@ def angles_within_limits(cell: Cell, arm: Arm, words: Sequence[str]) -> Floats:
     return q
 
 
-def messages(cell: Cell, plan: Plan) -> tuple[Message, ...]:
+def messages(cell: Cell, plan: Plan) -> tuple[SocketMessage, ...]:
     """All messages of a plan, in the order in which they are sent.
 
     A waypoint that ends one leg and begins the next is sent once; the first waypoint of a
@@ -117,7 +117,7 @@ def messages(cell: Cell, plan: Plan) -> tuple[Message, ...]:
         InputError: the plan moves two arms at once, which this protocol cannot say, or a
             configuration is outside the limits of its joint.
     """
-    sent: list[Message] = []
+    sent: list[SocketMessage] = []
     for step in plan.sequence:
         if len(step.runs) != 1:
             raise InputError("the protocol abb-socket moves one arm at a time")
@@ -126,7 +126,7 @@ def messages(cell: Cell, plan: Plan) -> tuple[Message, ...]:
     return tuple(sent)
 
 
-def _leg_messages(cell: Cell, arm_plan: ArmPlan, name: LegName) -> list[Message]:
+def _leg_messages(cell: Cell, arm_plan: ArmPlan, name: LegName) -> list[SocketMessage]:
     arm, leg = cell.arm(arm_plan.arm), arm_plan.leg(name)
     check_limits(cell, arm, np.asarray(leg.q))
     kind: Kind = "in" if name in INWARD else "out"
@@ -199,7 +199,7 @@ class Commands:
         """Whether no sequence is open and no half message waits."""
         return self._active is None and not self._heard
 
-    def hear(self, data: bytes) -> Message | None:
+    def hear(self, data: bytes) -> SocketMessage | None:
         """Take what arrived; the message when it completes one.
 
         Raises:
@@ -228,7 +228,7 @@ class Commands:
                 return None
         elif rest:
             raise ProtocolError(f"{rest!r} follows {head + mark!r}")
-        message = Message(arm.name, kind, text, self._configuration(arm, kind, rest))
+        message = SocketMessage(arm.name, kind, text, self._configuration(arm, kind, rest))
         self._heard = b""
         self._follow(arm, kind)
         return message

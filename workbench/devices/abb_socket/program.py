@@ -70,7 +70,7 @@ class ProgramStep:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Program:
+class SocketProgram:
     """A plan as a controller runs it.
 
     `digest` is the plan's, `ticket` the beginning of the approval's: a controller runs each
@@ -93,7 +93,7 @@ class Program:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ProgramLine:
     """One message of a program, still without its number; `arm` is empty where none is meant."""
 
     arm: str
@@ -101,7 +101,7 @@ class Line:
     rest: str
 
 
-def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
+def program_of(cell: Cell, plan: Plan, approval: Approval) -> SocketProgram:
     """A plan as a program, slower than planned where the approval says so.
 
     Raises:
@@ -118,7 +118,7 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> Program:
         if arm_plan.loads is not None:
             loads[arm_plan.arm, "tool"] = load_data(arm_plan.loads.tool)
             loads[arm_plan.arm, "part"] = load_data(arm_plan.loads.part)
-    program = Program(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
+    program = SocketProgram(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]
         points = sum(len(leg.seconds) for leg in legs)
@@ -177,7 +177,7 @@ def _hand(leg: Leg, before: Leg | None) -> Hand:
     return "keep"
 
 
-def lines_of(cell: Cell, program: Program) -> tuple[Line, ...]:
+def lines_of(cell: Cell, program: SocketProgram) -> tuple[ProgramLine, ...]:
     """The messages that load a program, in their order, without the last two, `end` and `run`.
 
     Raises:
@@ -186,16 +186,18 @@ def lines_of(cell: Cell, program: Program) -> tuple[Line, ...]:
     return tuple(_lines(cell, program))
 
 
-def _lines(cell: Cell, program: Program) -> Iterator[Line]:
+def _lines(cell: Cell, program: SocketProgram) -> Iterator[ProgramLine]:
     letters = {arm.name: arm.controller_id for arm in cell.arms}
     points = sum(len(leg.seconds) for leg in program.legs)
-    yield Line("", "plan", program.digest)
+    yield ProgramLine("", "plan", program.digest)
     # A controller that cannot wait refuses a ticket of four words, and nothing has moved.
     stepped = " stepped" if program.is_stepped else ""
-    yield Line("", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}{stepped}")
+    yield ProgramLine(
+        "", "ticket", f"{program.ticket} {len(program.legs):03d} {points:03d}{stepped}"
+    )
     for arm in cell.arms:
         where = " ".join(in_degrees(arm, program.starts[arm.name]))
-        yield Line(arm.name, "start", f"{arm.controller_id} {where}")
+        yield ProgramLine(arm.name, "start", f"{arm.controller_id} {where}")
     # Controllers that know no loads refuse the first one, and nothing has moved.
     for (name, what), load in program.loads.items():
         mass, *cog = load.numbers[:4]
@@ -204,15 +206,15 @@ def _lines(cell: Cell, program: Program) -> Iterator[Line]:
         if max(load.moments) > MOST_LOAD[2]:
             raise InputError(f"the inertia of the {what} of arm {name} is more than can be said")
         said = " ".join(f"{value:.1f}" for value in cog)
-        yield Line(name, "load", f"{letters[name]} {what} {mass:.3f} {said}")
+        yield ProgramLine(name, "load", f"{letters[name]} {what} {mass:.3f} {said}")
         turn = " ".join(f"{value:.4f}" for value in load.aom)
         moments = " ".join(f"{value:.5f}" for value in load.moments)
-        yield Line(name, "axes", f"{letters[name]} {what} {turn} {moments}")
+        yield ProgramLine(name, "axes", f"{letters[name]} {what} {turn} {moments}")
     for number, step in enumerate(program.steps, start=1):
         for leg in step.legs:
             if abs(leg.zone - round(leg.zone, 3)) > 1e-9:
                 raise InputError(f"a zone of {leg.zone!r} has more than three decimals")
-            yield Line(
+            yield ProgramLine(
                 leg.arm,
                 "leg",
                 f"{number:02d} {letters[leg.arm]} {leg.name} {len(leg.seconds):03d} "
@@ -221,4 +223,4 @@ def _lines(cell: Cell, program: Program) -> Iterator[Line]:
             arm = cell.arm(leg.arm)
             for k, seconds in enumerate(leg.seconds.tolist(), start=1):
                 where = " ".join(in_degrees(arm, np.asarray(leg.q[k])))
-                yield Line(leg.arm, "to", f"{k:03d} {where} {seconds * 1000:05.0f}")
+                yield ProgramLine(leg.arm, "to", f"{k:03d} {where} {seconds * 1000:05.0f}")

@@ -3,9 +3,9 @@
 import re
 from collections.abc import Mapping
 
-from workbench.devices.abb_socket.frames import Frame
+from workbench.devices.abb_socket.frames import MessageFrame
 from workbench.devices.abb_socket.messages import angles_of
-from workbench.devices.abb_socket.program import Program
+from workbench.devices.abb_socket.program import SocketProgram
 from workbench.devices.abb_socket.states import PHASES
 from workbench.model.cell import Cell
 from workbench.model.errors import ProtocolError
@@ -28,7 +28,7 @@ class ProgramReports:
     run.
     """
 
-    def __init__(self, cell: Cell, plan: Plan, program: Program) -> None:
+    def __init__(self, cell: Cell, plan: Plan, program: SocketProgram) -> None:
         self._cell, self._plan, self._program = cell, plan, program
         self._letters = {arm.controller_id: arm for arm in cell.arms}
         self._bounds = {arm.name: bounds_of(cell, arm) for arm in cell.arms}
@@ -36,7 +36,7 @@ class ProgramReports:
         self.may = 0 if program.is_stepped else len(program.steps)
         self._parts: dict[str, PartReport] = {}
 
-    def state(self, frame: Frame) -> tuple[str, int, dict[str, int]]:
+    def state(self, frame: MessageFrame) -> tuple[str, int, dict[str, int]]:
         """Phase, step, and the waypoint of each arm in it.
 
         Raises:
@@ -54,7 +54,9 @@ class ProgramReports:
         points = {self._letters[letter].name: int(point) for letter, point in arms_at}
         return phase, int(number), points
 
-    def check_before(self, frame: Frame, phase: str, step: int, points: Mapping[str, int]) -> None:
+    def check_before(
+        self, frame: MessageFrame, phase: str, step: int, points: Mapping[str, int]
+    ) -> None:
         """Check that the robot does not move before we send `run`.
 
         Raises:
@@ -83,7 +85,7 @@ class ProgramReports:
                     f"arm {arm} goes to waypoint {point} in step {step}; the plan moves {only}"
                 )
 
-    def check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> None:
+    def check_wait(self, frame: MessageFrame, step: int, points: Mapping[str, int]) -> None:
         """Check that the robot stands, before the step after the last one that may run.
 
         Raises:
@@ -95,7 +97,7 @@ class ProgramReports:
                 f"{len(self._program.steps)} may run"
             )
 
-    def joints(self, frame: Frame) -> tuple[str, Floats]:
+    def joints(self, frame: MessageFrame) -> tuple[str, Floats]:
         """An arm, and where it is (n,) [rad], chain order.
 
         Raises:
@@ -107,7 +109,7 @@ class ProgramReports:
             raise ProtocolError(f"{frame.text!r} is about no arm of cell {self._cell.name}")
         return arm.name, self._bounds[arm.name].taken(angles_of(arm, words))
 
-    def part(self, frame: Frame) -> PartReport:
+    def part(self, frame: MessageFrame) -> PartReport:
         """What became of a part.
 
         Raises:
@@ -122,7 +124,7 @@ class ProgramReports:
                 return self._parts[arm.arm]
         raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
 
-    def check_done(self, frame: Frame, where: Message) -> None:
+    def check_done(self, frame: MessageFrame, where: Message) -> None:
         """Check that all steps were allowed to run, and that all parts were reported.
 
         Raises:

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from workbench.devices.abb_socket.connecting import connected
+from workbench.devices.abb_socket.connecting import connect
 from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.messages.devices import DeviceText
 from workbench.model.release import RobotState
@@ -27,7 +27,7 @@ def watch_state(host: str, port: int, cancelled: Cancelled = never) -> Iterator[
         LinkError: nobody answers, or the report broke off.
         ProtocolError: a line is not a state.
     """
-    with connected(host, port, DeviceText.NO_STATE) as link:
+    with connect(host, port, DeviceText.NO_STATE) as link:
         heard = b""
         while not cancelled():
             try:

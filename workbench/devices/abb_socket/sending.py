@@ -20,14 +20,14 @@ from dataclasses import replace
 from workbench.devices.abb_socket.frames import (
     FIRST_CRC,
     TEXT,
-    Frame,
     Frames,
+    MessageFrame,
     crc_of,
-    framed,
+    make_frame,
     number_after,
 )
 from workbench.devices.abb_socket.messages import REQUEST
-from workbench.devices.abb_socket.program import Line, Program, lines_of
+from workbench.devices.abb_socket.program import ProgramLine, SocketProgram, lines_of
 from workbench.devices.abb_socket.program_reports import ProgramReports
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
@@ -49,7 +49,7 @@ def arms_of(cell: Cell) -> str:
     return " ".join(f"{arm.controller_id}{len(arm.joints)}" for arm in cell.arms)
 
 
-class Sending:
+class SocketSending:
     """One conversation in which one plan is sent.
 
     Lifetime: one connection.  Times `at` are of a clock that never goes back.
@@ -59,7 +59,7 @@ class Sending:
         self,
         cell: Cell,
         plan: Plan,
-        program: Program,
+        program: SocketProgram,
         *,
         now: Callable[[], float],
         released: Callable[[], None],
@@ -80,10 +80,10 @@ class Sending:
         self._cell, self._plan, self._program = cell, plan, program
         self._now, self._released, self._let, self._silence = now, released, let, silence
         self._lines = (
-            Line("", "hello", VERSION),
+            ProgramLine("", "hello", VERSION),
             *lines_of(cell, program),
-            Line("", "end", ""),
-            Line("", "run", program.ticket),
+            ProgramLine("", "end", ""),
+            ProgramLine("", "run", program.ticket),
         )
         self._frames = Frames()
         self._greeting = b""
@@ -93,7 +93,7 @@ class Sending:
         self._waits = 0
         self._crc = FIRST_CRC
         self._points = sum(len(leg.seconds) for leg in program.legs)
-        self._waiting: tuple[Frame, Line | None, float] | None = None
+        self._waiting: tuple[MessageFrame, ProgramLine | None, float] | None = None
         self._said_at = self._heard_at = self._aborted_at = None
         self._told = set[object]()
         self._is_done = False
@@ -118,7 +118,7 @@ class Sending:
             return self._frame(line.word, line.rest, line, at)
         if self._waits and self._let() == self._waits:
             self._reports.may, self._waits = self._waits, 0
-            line = Line("", "next", f"{self._reports.may:02d}")
+            line = ProgramLine("", "next", f"{self._reports.may:02d}")
             return self._frame(line.word, line.rest, line, at)
         if at - (self._said_at or 0.0) >= PING:
             return self._frame("ping", "", None, at)
@@ -129,11 +129,11 @@ class Sending:
         self._aborted_at = at
         return self._frame("abort", "", None, at)
 
-    def _frame(self, word: str, rest: str, line: Line | None, at: float) -> bytes:
+    def _frame(self, word: str, rest: str, line: ProgramLine | None, at: float) -> bytes:
         self._number = number_after(self._number)
-        data = framed(self._number, f"{word} {rest}".rstrip())
+        data = make_frame(self._number, f"{word} {rest}".rstrip())
         text = data[:TEXT].decode("ascii")
-        frame = Frame(self._number, word, rest, data[TEXT:-1].decode("ascii"))
+        frame = MessageFrame(self._number, word, rest, data[TEXT:-1].decode("ascii"))
         if word not in ("hello", "end", "run"):
             self._crc = crc_of(text, self._crc)
         self._waiting, self._said_at = (frame, line, at), at
@@ -228,7 +228,7 @@ class Sending:
         frame, line, _ = self._waiting
         return [] if line is None else [self._receipt(line, frame, "")]
 
-    def _take(self, frame: Frame, at: float) -> Iterator[Receipt]:
+    def _take(self, frame: MessageFrame, at: float) -> Iterator[Receipt]:
         if self._aborted_at is not None:
             # The abort overtook whatever was under way; only its own answer counts now.
             if frame.word == "stopped":
@@ -259,7 +259,7 @@ class Sending:
             case _:
                 raise ProtocolError(f"the controller said {frame.text!r}, which means nothing")
 
-    def _take_acknowledgement(self, frame: Frame) -> list[Receipt]:
+    def _take_acknowledgement(self, frame: MessageFrame) -> list[Receipt]:
         if self._waiting is None:
             raise ProtocolError(f"the controller acknowledged twice: {frame.text!r}")
         ours, line, _ = self._waiting
@@ -275,7 +275,7 @@ class Sending:
         self._acknowledged += line.word != "next"
         return [self._receipt(line, ours, frame.text)]
 
-    def _check_hello(self, frame: Frame) -> None:
+    def _check_hello(self, frame: MessageFrame) -> None:
         version, _, arms = frame.rest.partition(" ")
         if frame.word != "hello" or version != VERSION:
             raise ProtocolError(f"the controller speaks {frame.text[5:]!r}, here it is {VERSION}")
@@ -285,7 +285,7 @@ class Sending:
             )
         self.status = replace(self.status, version=version)
 
-    def _take_state(self, frame: Frame) -> list[Receipt]:
+    def _take_state(self, frame: MessageFrame) -> list[Receipt]:
         phase, step, points = self._reports.state(frame)
         self.status = replace(self.status, phase=phase, step=step, reported_at=self._now())
         waits = 0
@@ -299,15 +299,15 @@ class Sending:
             raise ProtocolError(f"the controller says it is {phase}, it should be running")
         # Each is told once, and before the robot moves each phase: a controller that repeats
         # itself fills no journal.
-        is_told_whole = self._reports.step or phase == "waiting"
-        said = (phase, step, *sorted(points.items())) if is_told_whole else phase
+        is_complete = self._reports.step or phase == "waiting"
+        said = (phase, step, *sorted(points.items())) if is_complete else phase
         if said in self._told:
             return []
         self._told.add(said)
         running = step if phase == "running" else 0
         return [replace(self._make_receipt(frame), waits=waits, step=running)]
 
-    def _check_wait(self, frame: Frame, step: int, points: Mapping[str, int]) -> int:
+    def _check_wait(self, frame: MessageFrame, step: int, points: Mapping[str, int]) -> int:
         """The step that it waits before; 0 as long as our word that this one may run is on its way.
 
         Raises:
@@ -320,28 +320,28 @@ class Sending:
         self._waits = step
         return step
 
-    def _take_joints(self, frame: Frame) -> None:
+    def _take_joints(self, frame: MessageFrame) -> None:
         arm, q = self._reports.joints(frame)
         joints = {**(self.status.joints or {}), arm: q}
         self.status = replace(self.status, joints=joints, reported_at=self._now())
 
-    def _take_part(self, frame: Frame) -> list[Receipt]:
+    def _take_part(self, frame: MessageFrame) -> list[Receipt]:
         self._check_is_run(frame)
         part = self._reports.part(frame)
         return [replace(self._make_receipt(frame), arm=part.arm, part=part)]
 
-    def _take_done(self, frame: Frame) -> list[Receipt]:
+    def _take_done(self, frame: MessageFrame) -> list[Receipt]:
         self._check_is_run(frame)
         self._reports.check_done(frame, self.where)
         self._is_done = True
         self.status = replace(self.status, phase="done")
         return [self._make_receipt(frame)]
 
-    def _check_is_run(self, frame: Frame) -> None:
+    def _check_is_run(self, frame: MessageFrame) -> None:
         if not self._is_run:
             raise ProtocolError(f"{frame.text!r} comes too early, before we sent run")
 
-    def _receipt(self, line: Line, ours: Frame, heard: str) -> Receipt:
+    def _receipt(self, line: ProgramLine, ours: MessageFrame, heard: str) -> Receipt:
         return Receipt(
             self._now(),
             line.arm,
@@ -352,6 +352,6 @@ class Sending:
             heard,
         )
 
-    def _make_receipt(self, frame: Frame) -> Receipt:
+    def _make_receipt(self, frame: MessageFrame) -> Receipt:
         done, total = self._acknowledged, len(self._lines)
         return Receipt(self._now(), "", "heard", "", done, total, frame.text)

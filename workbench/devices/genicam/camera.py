@@ -47,7 +47,7 @@ WRONG = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class DepthFrame:
     """A depth map as it came: `counts` (h, w), no unit, and the number the camera gave it."""
 
     counts: np.ndarray
@@ -101,7 +101,7 @@ class Camera:
 
 
 @contextmanager
-def connected(address: str, serial: str) -> Generator[Camera]:
+def open_camera(address: str, serial: str) -> Generator[Camera]:
     """The camera at an address, or of a serial number, or the only one there is.
 
     Args:
@@ -146,7 +146,7 @@ def _find(library: Aravis, serial: str) -> str:
 
 def one_frame(
     camera: Camera, is_triggered: bool, patience: float, glance: Callable[[float], None]
-) -> Frame:
+) -> DepthFrame:
     """Take one frame, of what is before the camera after this call.
 
     The stream, its port and its buffers are new; what comes before the trigger is thrown away,
@@ -216,7 +216,7 @@ def _wait_for_frame(
     is_triggered: bool,
     patience: float,
     glance: Callable[[float], None],
-) -> Frame:
+) -> DepthFrame:
     early = _flush(camera.library, stream) if is_triggered else frozenset[int]()
     began = asked = time.monotonic()
     triggers = 0
@@ -245,7 +245,7 @@ def _pop(library: Aravis, stream: Any, wait: float) -> Generator[Any]:
             library.plain("g_object_unref", buffer)
 
 
-def _frame(library: Aravis, buffer: Any) -> Frame:
+def _frame(library: Aravis, buffer: Any) -> DepthFrame:
     """What a buffer holds, copied, if it is one whole image of 16 bits."""
     number = library.plain("arv_buffer_get_frame_id", buffer)
     status = library.plain("arv_buffer_get_status", buffer)
@@ -268,7 +268,7 @@ def _frame(library: Aravis, buffer: Any) -> Frame:
         detail = f"{columns} x {rows} pixels have {2 * columns * rows} bytes, not {size.value}"
         raise _bad_image(number, detail)
     content = ctypes.string_at(data, 2 * columns * rows)
-    return Frame(np.frombuffer(content, "<u2").reshape(rows, columns), number)
+    return DepthFrame(np.frombuffer(content, "<u2").reshape(rows, columns), number)
 
 
 def _bad_image(number: int, detail: str) -> LinkError:

@@ -43,7 +43,7 @@ class DepthScale:
             raise LinkError(ScannerText.SETTING(detail=detail))
 
 
-def organised(counts: np.ndarray, means: DepthScale) -> Floats:
+def organise_points(counts: np.ndarray, means: DepthScale) -> Floats:
     """The points (h, w, 3) [m] of a depth map (h, w), z forward, x right, y down.
 
     Pixels of the value `invalid`, and those whose depth is not before the camera, are NaN.

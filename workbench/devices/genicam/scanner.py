@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from workbench.devices.genicam.camera import Camera, Frame, connected, one_frame
-from workbench.devices.genicam.depth import DepthScale, organised
+from workbench.devices.genicam.camera import Camera, DepthFrame, one_frame, open_camera
+from workbench.devices.genicam.depth import DepthScale, organise_points
 from workbench.devices.scanners.organised import scan_of
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
@@ -66,7 +66,7 @@ class GenicamScanner:
 
         glance(0.0)
         try:
-            with connected(self._mount.address, self._options.serial) as camera:
+            with open_camera(self._mount.address, self._options.serial) as camera:
                 _set(camera, self._options)
                 means = _means(camera, self._options)
                 is_triggered = self._options.trigger == SOFTWARE
@@ -75,10 +75,10 @@ class GenicamScanner:
         except LinkError as error:
             raise LinkError(ScannerText.PROBLEM(name=named, problem=error.message)) from None
 
-    def _scan(self, frame: Frame, means: DepthScale, named: str) -> Scan:
+    def _scan(self, frame: DepthFrame, means: DepthScale, named: str) -> Scan:
         """The scan of a frame, if it lies where the scanner can measure."""
         return scan_of(
-            organised(frame.counts, means),
+            organise_points(frame.counts, means),
             self._mount,
             f"{named} frame {frame.number}",
             ScannerText.IS_SCALE_RIGHT(scale=means.scale),

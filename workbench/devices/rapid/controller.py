@@ -12,7 +12,7 @@ import numpy as np
 
 from workbench.devices.rapid.kinematics import Axes
 from workbench.devices.rapid.motion import STEP, Mechanism, pair
-from workbench.devices.rapid.moving import Moving
+from workbench.devices.rapid.moving import MotionInstructions
 from workbench.devices.rapid.sockets import Device, Network
 from workbench.devices.rapid.sockets import natives as socket_natives
 from workbench.devices.rapid.tasks import Meetings, Task
@@ -68,7 +68,7 @@ class Operator:
         return self.answers.pop(0) if self.answers else self.usual or None
 
 
-class Controller:
+class RapidController:
     """Tasks in turns, and robots that move meanwhile.
 
     Lifetime: the port is open from construction until `run` ends; `stop` ends it, from anywhere.
@@ -86,7 +86,7 @@ class Controller:
         speed: float = 1.0,
         operator: Operator | None = None,
         clock: Callable[[], float] = time.monotonic,
-        peek_tells_end: bool = True,
+        peek_reports_end: bool = True,
     ) -> None:
         """Load everything.
 
@@ -98,7 +98,7 @@ class Controller:
             speed: how fast the robots' time goes; that of programs and of the link is real.
             operator: who stands at the robot; nobody answers when not given.
             clock: [s] never goes back.
-            peek_tells_end: whether SocketPeek raises ERR_SOCK_CLOSED once the other side has left.
+            peek_reports_end: whether SocketPeek raises ERR_SOCK_CLOSED once the peer has left.
 
         Raises:
             BadModule: a module cannot run.
@@ -123,10 +123,10 @@ class Controller:
             for name, task in setup.tasks.items()
             if task.arm
         }
-        self.moving: dict[str, Moving] = {}
+        self.moving: dict[str, MotionInstructions] = {}
         self.shared: dict[str, list[Any]] = {}
         self._meetings = Meetings(list(self.mechanisms))
-        self.network = Network(host, port, peek_tells_end)
+        self.network = Network(host, port, peek_reports_end)
         try:
             for name in setup.tasks:
                 self._load(name)
@@ -138,7 +138,7 @@ class Controller:
         task = self.tasks[name]
         task.mechanism = self.mechanisms.get(name)
         waiting = Waiting(task, self._meetings, self.signals, self.operator.press, self._write)
-        moving = Moving(
+        moving = MotionInstructions(
             task,
             self.mechanisms,
             lambda: self.time,
@@ -155,7 +155,7 @@ class Controller:
             makers={**MAKERS, "socketdev": lambda name: self.network.device()},
             shared=self.shared,
             signals=dict.fromkeys(self.setup.outputs, "signaldo"),
-            told=task.told,
+            on_error=task.set_errno,
         )
         task.loaded.check()
 

@@ -38,7 +38,7 @@ CORNER_PATH = "50024 Corner path failure: a corner path is executed as a stop po
 
 
 @dataclass(eq=False)
-class Way:
+class JointWay:
     r"""From where the robot is to a point: `path` (m, n) [deg] in equal times, `seconds` in all.
 
     `share` [0, 0.5] of it lies in the zone at its end; 0 is a stop point.  `number` is its \\ID.
@@ -75,7 +75,7 @@ class Mechanism:
         # What the controller reckons with, as RAPID has it.
         self.tool_load: list[Any] = list(NO_LOAD)
         self.payload: list[Any] = list(NO_LOAD)
-        self._ways: deque[Way] = deque()
+        self._ways: deque[JointWay] = deque()
         self._time = 0.0
         self.stops: set[str] = set()
 
@@ -89,7 +89,7 @@ class Mechanism:
         """Where the last way ends, (n,) [deg]."""
         return self._ways[-1].path[-1] if self._ways else self.here
 
-    def add(self, way: Way) -> None:
+    def add(self, way: JointWay) -> None:
         """Append a way."""
         if self._ways and not self.is_in_step:
             self.join(self._ways[-1], self.zone(self._ways[-1], way))
@@ -100,7 +100,7 @@ class Mechanism:
         self._ways.clear()
         self._time = 0.0
 
-    def lets_on(self, way: Way) -> bool:
+    def lets_on(self, way: JointWay) -> bool:
         """Whether the program may go on after the instruction that gave a way."""
         if way.is_over or way not in self._ways:
             return True
@@ -109,21 +109,21 @@ class Mechanism:
         left = way.seconds * (1.0 - way.share) - self._time
         return left <= PREFETCH and not self.stops
 
-    def zone(self, before: Way, after: Way) -> float:
+    def zone(self, before: JointWay, after: JointWay) -> float:
         """How long [s] the zone between two ways takes on each, so that speed does not jump."""
         zone = min(before.share * before.seconds, after.seconds / 2)
         # Too late: it is on its way into the point.
         is_past = before is self.head and self._time > before.seconds - zone
         return 0.0 if is_past else zone
 
-    def join(self, before: Way, zone: float) -> None:
+    def join(self, before: JointWay, zone: float) -> None:
         """Round the corner after a way, or stop in it where the zone is too short."""
         if before.share and zone < STEP:
             log.warning("%s: %s", self.name, CORNER_PATH)
         before.ends = zone if zone >= STEP else 0.0
         before.share = before.ends / before.seconds
 
-    def _is_late(self, way: Way) -> bool:
+    def _is_late(self, way: JointWay) -> bool:
         """Whether a zone begins before the way after it is known."""
         is_known = len(self._ways) > 1 and (not self.is_in_step or self._ways[1].is_paired)
         return bool(way.share) and not is_known and self._time >= way.seconds * (1.0 - way.share)
@@ -150,7 +150,7 @@ class Mechanism:
                 # The zone has used up the beginning of the next way.
                 self._time = way.ends
 
-    def _where(self, way: Way) -> Floats:
+    def _where(self, way: JointWay) -> Floats:
         zone = way.ends
         into = self._time - (way.seconds - zone)
         if not zone or into <= 0:
@@ -160,12 +160,12 @@ class Mechanism:
         return (1 - u) ** 2 * start + 2 * u * (1 - u) * corner + u**2 * end
 
     @property
-    def head(self) -> Way | None:
+    def head(self) -> JointWay | None:
         """The way that it is on, or that comes next."""
         return self._ways[0] if self._ways else None
 
     @property
-    def waiting(self) -> Sequence[Way]:
+    def waiting(self) -> Sequence[JointWay]:
         """All ways before it."""
         return self._ways
 
@@ -178,7 +178,7 @@ def pair(mechanisms: Sequence[Mechanism]) -> str:
     together = [mechanism for mechanism in mechanisms if mechanism.is_in_step]
     if not together:
         return ""
-    before: tuple[Way, ...] = ()
+    before: tuple[JointWay, ...] = ()
     for column in zip(*(mechanism.waiting for mechanism in together), strict=False):
         if len({way.number for way in column}) != 1:
             return "the \\ID of synchronised movements differ"

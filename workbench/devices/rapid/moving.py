@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.devices.rapid.kinematics import Axes
-from workbench.devices.rapid.motion import STEP, Mechanism, Way
+from workbench.devices.rapid.motion import STEP, JointWay, Mechanism
 from workbench.devices.rapid.tasks import Task
 from workbench.formats.rapid.problems import RapidError, RapidStop
 from workbench.formats.rapid.values import single
@@ -35,7 +35,7 @@ PIECE = 0.01
 """[m] Between two computed points of a linear motion."""
 
 
-class Hand:
+class SmartGripper:
     """A Smart Gripper: where its fingers are [mm], and whether its next motion fails."""
 
     def __init__(self) -> None:
@@ -43,7 +43,7 @@ class Hand:
         self.is_calibrated = self.has_fault = False
 
 
-class Moving:
+class MotionInstructions:
     """These instructions, for one task; `mechanisms` are those of all tasks, by task."""
 
     def __init__(
@@ -65,7 +65,7 @@ class Moving:
         """
         self._task, self._mechanisms, self._time = task, mechanisms, time
         self._moved, self._gripped = moved, gripped
-        self.hand = Hand()
+        self.hand = SmartGripper()
 
     def natives(self) -> dict[str, Callable[..., Any]]:
         """By small name."""
@@ -193,7 +193,7 @@ class Moving:
             seconds = max(length / speed[0], turn / speed[1])
         is_stop, size = zone[0], zone[1]
         share = 0.0 if is_stop or length < 1e-6 else min(size / length, 0.5)
-        way = Way(path, max(seconds, least), share, None if number is None else int(number))
+        way = JointWay(path, max(seconds, least), share, None if number is None else int(number))
         self._moved()
         mine.add(way)
         # A stop holds the program at the instruction; it goes on when the robot may.

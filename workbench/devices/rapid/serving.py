@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from workbench.devices.abb_simulated.faults import Fault, parse_fault
-from workbench.devices.rapid.controller import Controller, Operator
+from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.formats.rapid.setup import read_setup
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -33,7 +33,7 @@ def serve_modules(cell: Cell, asked: Simulation, ready: Callable[[Running], None
     operator = Operator()
     if asked.home_after < math.inf:
         operator = Operator(usual=YES, comes_after=asked.home_after)
-    controller = Controller(
+    controller = RapidController(
         cell,
         read_setup(asked.rapid),
         host=asked.host,
@@ -46,7 +46,7 @@ def serve_modules(cell: Cell, asked: Simulation, ready: Callable[[Running], None
     controller.run()
 
 
-def _arrange(controller: Controller, left: list[Fault]) -> None:
+def _arrange(controller: RapidController, left: list[Fault]) -> None:
     """Let faults happen: at the n-th motion of an arm, or the n-th grip."""
     counts, usual = {"moves": 0, "grips": 0}, controller.closes_at
 

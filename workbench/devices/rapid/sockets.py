@@ -3,7 +3,7 @@
 Source: Technical reference manual: RAPID instructions, functions and data types (3HAC050917),
 SocketCreate to SocketPeek: one message has at most 1,024 bytes, a string 80; receiving waits 60 s
 unless stated otherwise; a link that was closed by the other side is ERR_SOCK_CLOSED.  Whether
-SocketPeek reports such a link as well is not said there: `peek_tells_end` chooses.
+SocketPeek reports such a link as well is not said there: `peek_reports_end` chooses.
 """
 
 # The prelude gives the types of what natives take, and every call is checked against it.
@@ -54,13 +54,13 @@ class Network:
     Concurrency: one thread at a time.
     """
 
-    def __init__(self, host: str, port: int, peek_tells_end: bool = True) -> None:
+    def __init__(self, host: str, port: int, peek_reports_end: bool = True) -> None:
         """Keep a port; 0 takes any free one.
 
         Raises:
             LinkError: it is taken.
         """
-        self.host, self.peek_tells_end = host, peek_tells_end
+        self.host, self.peek_reports_end = host, peek_reports_end
         self.waited_for: set[socket.socket] = set()
         self._bound: float | None = None
         self._devices: weakref.WeakSet[Device] = weakref.WeakSet()
@@ -212,7 +212,7 @@ class Network:
             return float(len(device.begun))
         except OSError:
             seen = b""
-        if not seen and self.peek_tells_end:
+        if not seen and self.peek_reports_end:
             raise RapidError("ERR_SOCK_CLOSED")
         return float(len(device.begun) + len(seen))
 

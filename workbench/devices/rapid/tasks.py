@@ -228,7 +228,7 @@ class Task:
         """CONNECT."""
         self.interrupts.connect(place, trap)
 
-    def told(self, error: RapidError) -> None:
+    def set_errno(self, error: RapidError) -> None:
         """ERRNO has the number of the error that a handler begins with."""
         assert self.loaded is not None
         holder, at = self.loaded.globals["errno"].place

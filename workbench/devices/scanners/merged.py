@@ -42,7 +42,7 @@ class MergedOptions:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class ScannerView:
     """One of the scanners: the file that describes it, where it hangs, and its driver."""
 
     file: Path
@@ -67,7 +67,7 @@ class MergedScanner:
         for number, view in enumerate(self._views):
 
             def share(
-                done: float, note: Message | str, view: View = view, number: int = number
+                done: float, note: Message | str, view: ScannerView = view, number: int = number
             ) -> None:
                 report((number + done) / len(self._views), f"{view.file.name}: {note}")
 
@@ -94,7 +94,7 @@ class MergedScanner:
         )
 
 
-def _views(cell: Cell, options: MergedOptions) -> tuple[View, ...]:
+def _views(cell: Cell, options: MergedOptions) -> tuple[ScannerView, ...]:
     """The views that are named, ready to take one scan.
 
     Raises:
@@ -109,7 +109,7 @@ def _views(cell: Cell, options: MergedOptions) -> tuple[View, ...]:
         )
     if any("/" in name for name in names):
         raise InputError(f"views: names of files in `address` are expected, not {options.views!r}")
-    views: list[View] = []
+    views: list[ScannerView] = []
     for name in names:
         table = read_toml(Path(cell.scanner.address) / name).table("scanner")
         mount = read_scanner(table)
@@ -117,11 +117,11 @@ def _views(cell: Cell, options: MergedOptions) -> tuple[View, ...]:
             raise table.error("source", "a view is one scanner, and none that is merged itself")
         # The parts, the bin and the robot are those of the cell: one world.
         scanner = scanner_of(replace(cell, scanner=mount))
-        views.append(View(table.path, mount, scanner))
+        views.append(ScannerView(table.path, mount, scanner))
     return tuple(views)
 
 
-def _check_calibration(view: View, now: float) -> None:
+def _check_calibration(view: ScannerView, now: float) -> None:
     """A view whose pose nobody has measured, or long ago, would put its points anywhere.
 
     Raises:
@@ -138,5 +138,5 @@ def _check_calibration(view: View, now: float) -> None:
         raise _failed(view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=allowed))
 
 
-def _failed(view: View, problem: Message) -> LinkError:
+def _failed(view: ScannerView, problem: Message) -> LinkError:
     return LinkError(ScannerText.VIEW(name=view.file.name, problem=problem))

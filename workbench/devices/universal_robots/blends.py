@@ -29,7 +29,7 @@ from workbench.devices.universal_robots.urscript import Line
 from workbench.devices.universal_robots.ways import (
     SAMPLES,
     Segment,
-    Way,
+    UrWay,
     samples_of,
     shares_within,
 )
@@ -64,7 +64,7 @@ class Corner:
     out: float
 
 
-def blended(
+def blend_lines(
     start: Sequence[float],
     lines: Sequence[Line],
     flange: Flange,
@@ -90,7 +90,7 @@ def blended(
     fars = np.abs(steps).max(axis=1)
     speeds = np.array([line.v for line in lines]) / fars
     by_ease = sorted(corners, key=lambda k: -_ease(corners[k], steps, speeds, acceleration, k))
-    best, least = tuple(lines), Way(start, lines, flange.at).seconds if not corners else math.inf
+    best, least = tuple(lines), UrWay(start, lines, flange.at).seconds if not corners else math.inf
     for count in range(len(by_ease) + 1):
         chosen = {k: corners[k] for k in by_ease[:count]}
         slower = _match(chosen, steps, speeds, acceleration)
@@ -106,7 +106,7 @@ def seconds_of_all(start: Sequence[float], lines: Sequence[Line], flange: Flange
     seconds, first = 0.0, 0
     for k, line in enumerate(lines):
         if not line.r:
-            seconds += Way(start, lines[first : k + 1], flange.at).seconds
+            seconds += UrWay(start, lines[first : k + 1], flange.at).seconds
             start, first = line.q, k + 1
     return seconds
 

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.program import Program, program_of
+from workbench.devices.universal_robots.program import UrProgram, program_of
 from workbench.devices.universal_robots.rtde import RTDE_PORT
-from workbench.devices.universal_robots.sending import Sending
+from workbench.devices.universal_robots.sending import RtdeSending
 from workbench.devices.universal_robots.servo import PERIOD, Servo
 from workbench.devices.universal_robots.talking import Client
 from workbench.devices.universal_robots.told import States
@@ -80,7 +80,7 @@ class UrRtde:
         program = self._program(cell, plan, approval, patience.silence)
         ports = (cell.controller.port, RTDE_PORT)
         with Client(cell.controller.host, ports, sends=True) as client:
-            talk = Sending(
+            talk = RtdeSending(
                 client,
                 cell,
                 program,
@@ -91,12 +91,12 @@ class UrRtde:
             )
             yield from talk.run(released, cancelled)
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         """What goes out for a plan."""
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
         return program_of(
-            cell, plan, approval, *hand, silence, tells_inertia=options.payload_inertia
+            cell, plan, approval, *hand, silence, sends_inertia=options.payload_inertia
         )
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
@@ -109,15 +109,15 @@ class UrRtde:
         with Client(cell.controller.host, (RTDE_PORT,), sends=False) as client:
             while not cancelled():
                 # The library goes on telling the last that it heard when a cable is cut.
-                told = states.taken(client.hear(POLL), in_motion=False)
-                if told is None:
+                news = states.taken(client.hear(POLL), in_motion=False)
+                if news is None:
                     if time.monotonic() - fresh > silence:
                         raise LinkError(DeviceText.NOTHING_NEW(seconds=silence))
                     continue
                 fresh, silence = time.monotonic(), USUAL.silence
-                moving = "" if told.stands else arm.name
-                joints = {arm.name: tuple(told.q.tolist())}
-                state = RobotState(joints, {}, moving, 0, 0, told.fault)
+                moving = "" if news.stands else arm.name
+                joints = {arm.name: tuple(news.q.tolist())}
+                state = RobotState(joints, {}, moving, 0, 0, news.fault)
                 if state != before:
                     before = state
                     yield state
@@ -162,11 +162,11 @@ class UrRtdeBlend(UrRtde):
 
     motion = MotionModel("ur-rtde-blend", corners="blend", unit="rad", decimals=6, takes_loads=True)
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
         hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
         inertia = options.payload_inertia
-        return program_of(cell, plan, approval, *hand, silence, blend, tells_inertia=inertia)
+        return program_of(cell, plan, approval, *hand, silence, blend, sends_inertia=inertia)
 
 
 class UrRtdeServo(UrRtde):
@@ -191,10 +191,10 @@ class UrRtdeServo(UrRtde):
         takes_loads=True,
     )
 
-    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> Program:
+    def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
         hand = options.gripper_output, options.grip_s
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
         return program_of(
-            cell, plan, approval, *hand, silence, servo=servo, tells_inertia=options.payload_inertia
+            cell, plan, approval, *hand, silence, servo=servo, sends_inertia=options.payload_inertia
         )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.devices.universal_robots.blends import blended
+from workbench.devices.universal_robots.blends import blend_lines
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS, REFUSED, TICKETS
 from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
@@ -35,7 +35,7 @@ STANDING = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Program:
+class UrProgram:
     """The text, and the names of its legs in their order.
 
     `PROGRESS` holds `ticket` plus the number of the leg that runs, counted from 1: a controller
@@ -66,8 +66,8 @@ def program_of(
     silence: float,
     blend: float = 0.0,
     servo: Servo | None = None,
-    tells_inertia: bool = True,
-) -> Program:
+    sends_inertia: bool = True,
+) -> UrProgram:
     """The program of a plan.
 
     Args:
@@ -79,7 +79,7 @@ def program_of(
         silence: [s] after which the controller stops when nobody writes `ALIVE`.
         blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
         servo: how references along each leg are followed, where they are streamed.
-        tells_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
+        sends_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
 
     Raises:
         InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
@@ -112,19 +112,19 @@ def program_of(
                 lines.append(f"  set_standard_digital_out({output}, {holding})")
                 lines.append(f"  sleep({grip_seconds:.3f})")
                 if (loads := plan.arm(arm.name).loads) is not None:
-                    lines.append(_payload(loads.carried(holding), tells_inertia))
+                    lines.append(_payload(loads.carried(holding), sends_inertia))
             if servo is not None:
                 references.append(references_of(cell, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]
-                lines += [_said(line) for line in stream_of(axes, servo)]
+                lines += [_write_line(line) for line in stream_of(axes, servo)]
                 lines.append(f"  stopj({STANDING:.1f})")
                 continue
             moves = _moves(arm, leg, velocity * cell.policy.speed)
             if flange is not None and len(moves) > 1:
                 start = arm.to_axes(leg.q[0]).tolist()
                 acceleration = np.abs(arm.to_axes(arm.acceleration))
-                moves = blended(start, moves, flange, acceleration, cell.zone, blend)
-            lines += [_said(line) for line in moves]
+                moves = blend_lines(start, moves, flange, acceleration, cell.zone, blend)
+            lines += [_write_line(line) for line in moves]
     if len(legs) + 1 >= REFUSED:
         raise InputError(f"{len(legs)} legs are more than one program has; plan fewer parts")
     lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs) + 1})")
@@ -132,13 +132,13 @@ def program_of(
     names = tuple(leg.name for leg in legs)
     ends = legs[0].q[0], legs[-1].q[-1]
     seconds = tuple(leg.seconds / approval.speed_share for leg in legs)
-    return Program("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
+    return UrProgram("\n".join(lines) + "\n", names, ticket, *ends, seconds, tuple(references))
 
 
-def _payload(load: Load, tells_inertia: bool) -> str:
+def _payload(load: Load, sends_inertia: bool) -> str:
     """What the arm carries from now on, in the flange's frame."""
     centre = ", ".join(f"{value + 0.0:.6f}" for value in load.centre)
-    if not tells_inertia:
+    if not sends_inertia:
         return f"  set_payload({load.mass:.6f}, [{centre}])"
     six = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     inertia = ", ".join(f"{value + 0.0:.9f}" for value in six)
@@ -189,7 +189,7 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
     return tuple(moves)
 
 
-def _said(line: Line) -> str:
+def _write_line(line: Line) -> str:
     axes = ", ".join(f"{value + 0.0:.{DIGITS}f}" for value in line.q)
     if line.name == "servoj":
         how = f"lookahead_time={line.lookahead:.3f}, gain={line.gain:.0f}"

@@ -91,7 +91,7 @@ def packet(kind: int, content: bytes = b"") -> bytes:
     return HEADER.pack(HEADER.size + len(content), kind) + content
 
 
-def packed(names: Sequence[str], values: Mapping[str, Any]) -> bytes:
+def pack_values(names: Sequence[str], values: Mapping[str, Any]) -> bytes:
     """Values in the order of a recipe; what is not among them is zero."""
     data = b""
     for name in names:
@@ -104,7 +104,7 @@ def packed(names: Sequence[str], values: Mapping[str, Any]) -> bytes:
     return data
 
 
-def unpacked(names: Sequence[str], data: bytes) -> dict[str, Any]:
+def unpack_values(names: Sequence[str], data: bytes) -> dict[str, Any]:
     """The values of a recipe, one each.
 
     Raises:

@@ -5,11 +5,11 @@ from contextlib import suppress
 
 import numpy as np
 
-from workbench.devices.universal_robots.program import Program
+from workbench.devices.universal_robots.program import UrProgram
 from workbench.devices.universal_robots.rtde import PLAYING, REFUSED, STOPPED, TICKETS
 from workbench.devices.universal_robots.servo import off_the_references
 from workbench.devices.universal_robots.talking import Client
-from workbench.devices.universal_robots.told import State, States
+from workbench.devices.universal_robots.told import States, UrState
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.geometry import Floats
@@ -35,14 +35,14 @@ STILL = 1e-3
 """[rad] Between two reports; a joint that moved by less stands."""
 
 
-class Sending:
+class RtdeSending:
     """One conversation, over one client."""
 
     def __init__(
         self,
         client: Client,
         cell: Cell,
-        program: Program,
+        program: UrProgram,
         *,
         now: Callable[[], float],
         show: Callable[[LinkStatus], None],
@@ -92,7 +92,7 @@ class Sending:
                 with suppress(LinkError):
                     self._client.say(stop=True)
 
-    def _follow(self, cancelled: Cancelled) -> Iterator[State]:
+    def _follow(self, cancelled: Cancelled) -> Iterator[UrState]:
         """States of the program as it runs, each checked, up to that of its end."""
         total, clock = len(self._program.legs), self._patience.clock
         began, stood, over = clock(), None, None
@@ -112,7 +112,7 @@ class Sending:
             self._check_leg(done, state.at)
             yield state
             self._check_follows(state)
-            self._tell(state)
+            self._report(state)
             over = over or (clock() if done > total else None)
             if over is not None and clock() - over > self._patience.answer:
                 raise LinkError(DeviceText.NOT_ENDED())
@@ -149,7 +149,7 @@ class Sending:
         for number in range(done, total + 1):
             self._until[number] = at
 
-    def _first(self, cancelled: Cancelled) -> State:
+    def _first(self, cancelled: Cancelled) -> UrState:
         """The first state; the client has to connect before."""
         until = self._patience.clock() + self._patience.answer
         while self._patience.clock() < until:
@@ -166,7 +166,7 @@ class Sending:
                 return state
         raise LinkError(DeviceText.NOTHING_NEW(seconds=self._patience.answer))
 
-    def _check_ready(self, state: State) -> None:
+    def _check_ready(self, state: UrState) -> None:
         if fault := state.fault:
             raise LinkError(DeviceText.CANNOT_MOVE(fault=fault))
         if state.runtime != STOPPED:
@@ -176,13 +176,13 @@ class Sending:
             raise LinkError(DeviceText.RUN_BEFORE())
         self._check_stands(state, self._program.q_start, DeviceText.PLAN_START())
 
-    def _check_stands(self, state: State, q: Floats, where: Message) -> None:
+    def _check_stands(self, state: UrState, q: Floats, where: Message) -> None:
         off = np.abs(state.q - q)
         if not off.max() <= NEAR:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(DeviceText.OFF_TARGET(joint=joint, off=float(off.max()), where=where))
 
-    def _check_follows(self, state: State) -> None:
+    def _check_follows(self, state: UrState) -> None:
         """Where the arm is streamed, it is on the way of the leg that it says it is in."""
         if not self._program.references:
             return
@@ -193,7 +193,7 @@ class Sending:
                 DeviceText.NOT_FOLLOWING(name=joint, off=float(off.max()), where=self._where)
             )
 
-    def _hear(self) -> State | None:
+    def _hear(self) -> UrState | None:
         """A state that is news; we say that we are there as often as we look."""
         began = self._patience.clock()
         message = self._client.hear(POLL)
@@ -240,7 +240,7 @@ class Sending:
             missing = StopText.SINCE(what=missing, why=error.message)
         raise JobCancelled(StopText.AT(where=self._where, how=missing))
 
-    def _tell(self, state: State) -> None:
+    def _report(self, state: UrState) -> None:
         joints, at = {self._arm.name: state.q}, self._now()
         phase = "running" if state.runtime == PLAYING else "stopped"
         legs = len(self._program.legs)
@@ -252,5 +252,5 @@ class Sending:
         return Receipt(self._now(), self._arm.name, kind, sent, self._leg, total, heard)
 
 
-def _is_still(before: State, after: State) -> bool:
+def _is_still(before: UrState, after: UrState) -> bool:
     return bool(np.abs(after.q - before.q).max() < STILL)

@@ -37,7 +37,7 @@ SAFETY = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class UrState:
     """One report of the controller, `at` [s] of its own clock; `q` (6,) [rad] in chain order.
 
     `leg` is what register `PROGRESS` holds, `begun` what those of `BEGUN` do.
@@ -77,7 +77,7 @@ class States:
         self._arm, self._bounds = arm, bounds_of(cell, arm)
         self._at = -math.inf
 
-    def taken(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> State | None:
+    def taken(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> UrState | None:
         """A state that is news; None where this is none: the client reports the last one again.
 
         Args:
@@ -103,4 +103,4 @@ class States:
         mode, safety, runtime, leg = (
             message[name] for name in ("mode", "safety", "runtime", "leg")
         )
-        return State(at, q, mode, safety, runtime, leg, tuple(message.get("begun", ())))
+        return UrState(at, q, mode, safety, runtime, leg, tuple(message.get("begun", ())))

@@ -19,7 +19,7 @@ from workbench.devices.universal_robots import rtde
 from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.twin_rtde import RtdePort
 from workbench.devices.universal_robots.urscript import READ, Line, read_program
-from workbench.devices.universal_robots.ways import Positions, Way
+from workbench.devices.universal_robots.ways import Positions, UrWay
 from workbench.model.errors import InputError
 
 DASHBOARD_PORT = 29999
@@ -260,7 +260,9 @@ class SimulatedUr:
             if moves and not moves[-1].goes_on_in(line):
                 is_stream = moves[0].name == "servoj"
                 self._move(
-                    Following(self._q, moves) if is_stream else Way(self._q, moves, self._positions)
+                    Following(self._q, moves)
+                    if is_stream
+                    else UrWay(self._q, moves, self._positions)
                 )
                 moves = []
             if line.q:
@@ -306,7 +308,7 @@ class SimulatedUr:
         if self._faults.get("cut") == leg:
             self._cut.set()
 
-    def _move(self, way: Way | Following) -> None:
+    def _move(self, way: UrWay | Following) -> None:
         began, first, *others = time.monotonic(), *self._q
         is_astray = self._faults.get("stray") == self._leg
         while not self._ended.is_set():

@@ -42,7 +42,7 @@ class RtdePort:
         while True:
             if is_started and time.monotonic() >= due:
                 due = time.monotonic() + period
-                data = b"\x01" + rtde.packed(outputs, self._state())
+                data = b"\x01" + rtde.pack_values(outputs, self._state())
                 client.sendall(rtde.packet(rtde.DATA, data))
             client.settimeout(max(min(due - time.monotonic(), POLL), 1e-3) if is_started else POLL)
             data = self._heard(client, rtde.LONGEST)
@@ -72,7 +72,7 @@ class RtdePort:
                     is_started = kind == rtde.START
                     client.sendall(rtde.packet(kind, b"\x01"))
                 elif kind == rtde.DATA:
-                    self._written(rtde.unpacked(recipes[content[0] - 1], content[1:]))
+                    self._written(rtde.unpack_values(recipes[content[0] - 1], content[1:]))
 
 
 def _names(content: bytes) -> list[str]:

@@ -52,7 +52,7 @@ class Segment:
         return self.end - self.begin
 
 
-class Way:
+class UrWay:
     """Moves from rest to rest, as the controller's twin carries them out.
 
     Args:

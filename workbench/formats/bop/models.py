@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.formats.files.json_keys import parse_object
-from workbench.formats.files.toml_keys import Table, shown
+from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import read_mesh
 from workbench.model.errors import FileError
@@ -62,7 +62,7 @@ def whole_name(path: Path, name: str) -> int:
         FileError: it is none.
     """
     if not (name.isascii() and name.isdigit() and len(name) <= 9):
-        raise FileError(path, f"a number is expected as key, {shown(name)} is given")
+        raise FileError(path, f"a number is expected as key, {quote(name)} is given")
     return int(name)
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.errors import FileError, InputError
-from workbench.model.geometry import copied, pose_from_matrix, put
+from workbench.model.geometry import copy_pose, pose_from_matrix, put
 
 HEADER = "scene_id,im_id,obj_id,score,R,t,time"
 """As of BOP 2019 (bop_toolkit_lib/inout.py, `load_bop_results`)."""
@@ -33,7 +33,7 @@ class PoseEstimate:
     seconds: float = -1.0
 
     def __post_init__(self) -> None:
-        put(self, T_camera_object=copied(self.T_camera_object))
+        put(self, T_camera_object=copy_pose(self.T_camera_object))
 
 
 def write_results(path: Path, estimates: Sequence[PoseEstimate]) -> None:
@@ -73,7 +73,7 @@ def read_results(path: Path) -> list[PoseEstimate]:
 def _estimate(path: Path, number: int, line: str) -> PoseEstimate:
     cells = line.split(",")
     if len(cells) != len(HEADER.split(",")):
-        raise FileError(path, f"line {number}: {HEADER} are expected, {shown(line)} is given")
+        raise FileError(path, f"line {number}: {HEADER} are expected, {quote(line)} is given")
     try:
         scene, image, kind = (int(cell) for cell in cells[:3])
         score, seconds = float(cells[3]), float(cells[6])
@@ -83,5 +83,5 @@ def _estimate(path: Path, number: int, line: str) -> PoseEstimate:
             raise ValueError("score and time are finite numbers")
         T = pose_from_matrix(np.hstack([R, t]))
     except (ValueError, InputError) as error:
-        raise FileError(path, f"line {number}: {shown(str(error))}") from None
+        raise FileError(path, f"line {number}: {quote(str(error))}") from None
     return PoseEstimate(scene, image, kind, score, T, seconds)

@@ -11,10 +11,10 @@ import pinocchio as pin
 
 from workbench.formats.bop.models import LARGEST_FILE, whole_name
 from workbench.formats.files.json_keys import parse_object
-from workbench.formats.files.toml_keys import MISSING, Table, shown
+from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import is_file, read_whole
 from workbench.model.errors import FileError, InputError
-from workbench.model.geometry import Floats, copied, frozen, pose_from_matrix, put
+from workbench.model.geometry import Floats, copy_pose, frozen, pose_from_matrix, put
 
 TARGETS = ("test_targets_bop24.json", "test_targets_bop19.json")
 """The first of these that is there says which images of the split `test` count."""
@@ -40,7 +40,7 @@ class TruePose:
     visible: float
 
     def __post_init__(self) -> None:
-        put(self, T_camera_object=copied(self.T_camera_object))
+        put(self, T_camera_object=copy_pose(self.T_camera_object))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,7 +128,7 @@ def _open(image: BopImage) -> Generator[Any]:
     try:
         opened = Image.open(path)
     except Exception as error:  # the decoders raise whatever they like
-        raise FileError(path, f"cannot be read as an image: {shown(str(error))}") from None
+        raise FileError(path, f"cannot be read as an image: {quote(str(error))}") from None
     with opened:
         if opened.width * opened.height > MOST_PIXELS:
             raise FileError(path, f"has more than {MOST_PIXELS} pixels")
@@ -140,7 +140,7 @@ def _values(opened: Any) -> Any:
         return np.asarray(opened, dtype=np.float64)
     except Exception as error:
         raise FileError(
-            Path(opened.filename), f"cannot be read as an image: {shown(str(error))}"
+            Path(opened.filename), f"cannot be read as an image: {quote(str(error))}"
         ) from None
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.formats.cells.places import read_places
 from workbench.formats.cells.tools import read_tool
-from workbench.formats.files.toml_keys import Table, shown
+from workbench.formats.files.toml_keys import Table, quote
 from workbench.model.cell import ARM_NAME, Arm, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -136,7 +136,7 @@ def _name(table: Table) -> str:
     if not re.fullmatch(ARM_NAME, name):
         raise table.error(
             "name",
-            f"{shown(name)} is no name of an arm: 1 to 40 letters, digits, - and _ are expected, "
+            f"{quote(name)} is no name of an arm: 1 to 40 letters, digits, - and _ are expected, "
             "the first of them no -",
         )
     if name.lower() in STRATEGY_WORDS:

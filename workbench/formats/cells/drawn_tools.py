@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from workbench.formats.files.units import UNITS
-from workbench.formats.files.whole_files import LONGEST_NAME, MB, uploaded
+from workbench.formats.files.whole_files import LONGEST_NAME, MB, write_upload
 from workbench.formats.meshes.cad_files import KINDS, LARGEST_CAD
 from workbench.formats.meshes.pieces.convex_pieces import hull_of, pieces_of
 from workbench.formats.parts.new_part import check_name, import_mesh
@@ -22,7 +22,7 @@ from workbench.model.geometry import (
     Mesh,
     Shape,
     Solid,
-    copied,
+    copy_pose,
     frozen,
     pose_from_rpy,
     put,
@@ -50,7 +50,7 @@ GREY, DARK = (0.55, 0.57, 0.6), (0.25, 0.26, 0.3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Drawing:
+class CadDrawing:
     """A CAD file: `content` (n,) are its bytes; of no bytes there is none.
 
     `unit` is mm, m or inch, or empty when the file says it or only one gives the size of a tool.
@@ -76,7 +76,7 @@ class TwoFingers:
     size: Floats
     stroke: float
     force: float | None = None
-    drawing: Drawing = field(default_factory=Drawing)
+    drawing: CadDrawing = field(default_factory=CadDrawing)
 
     def __post_init__(self) -> None:
         put(self, size=frozen(self.size))
@@ -106,14 +106,14 @@ class DrawnTool:
     """
 
     name: str
-    body: Drawing
+    body: CadDrawing
     takes_by: TwoFingers | SuctionLip
     T_flange_drawing: pin.SE3 = field(default_factory=pin.SE3.Identity)
     begins: float | None = None
     is_mended: bool = False
 
     def __post_init__(self) -> None:
-        put(self, T_flange_drawing=copied(self.T_flange_drawing))
+        put(self, T_flange_drawing=copy_pose(self.T_flange_drawing))
 
 
 def check_drawn(drawn: DrawnTool) -> None:
@@ -144,7 +144,7 @@ def check_drawn(drawn: DrawnTool) -> None:
         raise InputError(DrawnText.FORCE(value=repr(force)))
 
 
-def _check_drawing(drawing: Drawing) -> None:
+def _check_drawing(drawing: CadDrawing) -> None:
     name = drawing.file
     if PurePosixPath(name).suffix.lower() not in KINDS:
         raise InputError(ChangeRefusal.NO_CAD(file=repr(name[-LONGEST_NAME:]), kinds=KINDS))
@@ -232,8 +232,8 @@ def _finger(two: TwoFingers, begins: float, is_mended: bool) -> tuple[Shape, pin
     return hull, pin.SE3.Identity(), float(high[2])
 
 
-def _mesh_of(drawing: Drawing, is_mended: bool) -> Mesh:
-    with uploaded(drawing.file, drawing.content.data) as file:
+def _mesh_of(drawing: CadDrawing, is_mended: bool) -> Mesh:
+    with write_upload(drawing.file, drawing.content.data) as file:
         return import_mesh(file, drawing.unit or None, repair=is_mended).mesh
 
 

@@ -21,7 +21,7 @@ def of_channels(values: np.ndarray, kind: str) -> np.ndarray:
     return np.clip(np.round(whole), 0, 255).astype(np.uint8)
 
 
-def unpacked(values: np.ndarray) -> np.ndarray:
+def unpack_colours(values: np.ndarray) -> np.ndarray:
     """Colours (n, 3), 0..255, from numbers (n,) of four bytes that hold them."""
     bits = np.ascontiguousarray(values).view(np.uint32)
     return np.stack([bits >> shift & 255 for shift in (16, 8, 0)], axis=1).astype(np.uint8)

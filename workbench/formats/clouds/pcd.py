@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.formats.clouds.colours import PACKED, unpacked
+from workbench.formats.clouds.colours import PACKED, unpack_colours
 from workbench.formats.files.text_rows import read_rows
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
 from workbench.model.messages.files import FileProblem
@@ -77,7 +77,7 @@ def read_pcd(path: Path, content: bytes, most: int) -> PcdCloud:
             columns = _decompress(path, content[layout.end :], layout, count, names)
     with np.errstate(invalid="ignore"):
         points = np.column_stack([column.astype(np.float64) for column in columns[:3]])
-    colours = None if packed is None else unpacked(columns[3])
+    colours = None if packed is None else unpack_colours(columns[3])
     organised = (layout.width, layout.height) if layout.height > 1 else None
     return PcdCloud(points, organised, colours)
 
@@ -114,13 +114,13 @@ def _layout(path: Path, content: bytes) -> Layout:
         raise FileError(path, f"TYPE: {len(names)} letters are expected, as there are FIELDS")
     kinds = [KINDS.get((kind.upper(), size)) for kind, size in zip(types, sizes, strict=True)]
     if None in kinds:
-        raise FileError(path, f"TYPE {shown(types)} with SIZE {sizes}: is not known")
+        raise FileError(path, f"TYPE {quote(types)} with SIZE {sizes}: is not known")
     counts = _wholes(path, items, "COUNT", len(names)) if "COUNT" in items else [1] * len(names)
     (width,) = _wholes(path, items, "WIDTH", 1)
     (height,) = _wholes(path, items, "HEIGHT", 1)
     encoding = " ".join(items["DATA"]).lower()
     if encoding not in ("ascii", "binary", "binary_compressed"):
-        raise FileError(path, f"DATA {shown(encoding)}: ascii, binary or binary_compressed")
+        raise FileError(path, f"DATA {quote(encoding)}: ascii, binary or binary_compressed")
     if max(counts) > MOST_VALUES:
         raise FileError(path, f"COUNT {max(counts)}: a field has at most {MOST_VALUES} values")
     known = tuple(kind for kind in kinds if kind is not None)
@@ -130,7 +130,7 @@ def _layout(path: Path, content: bytes) -> Layout:
 def _wholes(path: Path, items: dict[str, list[str]], key: str, count: int) -> list[int]:
     words = items.get(key, [])
     if len(words) != count or not all(word.isdigit() and len(word) < 10 for word in words):
-        raise FileError(path, f"{key} {shown(' '.join(words))}: {count} whole numbers expected")
+        raise FileError(path, f"{key} {quote(' '.join(words))}: {count} whole numbers expected")
     return [int(word) for word in words]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.clouds.ply_header import LIST, Element, Header
+from workbench.formats.clouds.ply_header import LIST, PlyElement, PlyHeader
 from workbench.formats.files.text_rows import read_rows
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -25,7 +25,7 @@ SQUARE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Camera:
+class PhotoneoCamera:
     """The camera at `place` (3,), in the file's unit, with axes `R` (3, 3) in columns.
 
     `resolution` is that of the image (columns, rows), None where not every pixel is in the file.
@@ -42,7 +42,7 @@ class Camera:
         return np.where(measured, (points - self.place) @ self.R, points)
 
 
-def camera_of(path: Path, content: bytes, header: Header) -> Camera | None:
+def camera_of(path: Path, content: bytes, header: PlyHeader) -> PhotoneoCamera | None:
     """The camera that a file of Photoneo's tells; None for files of others.
 
     Raises:
@@ -63,10 +63,10 @@ def camera_of(path: Path, content: bytes, header: Header) -> Camera | None:
         raise FileError(path, f"element {CAMERA}: place and axes of a camera are expected")
     columns, lines = (int(rows[FRAME][name]) for name in SIZE)
     is_whole = columns * lines == header.count
-    return Camera(place, R, (columns, lines) if is_whole else None)
+    return PhotoneoCamera(place, R, (columns, lines) if is_whole else None)
 
 
-def _row(path: Path, content: bytes, header: Header, element: Element) -> dict[str, float]:
+def _row(path: Path, content: bytes, header: PlyHeader, element: PlyElement) -> dict[str, float]:
     """The one row of an element after the vertices, by the names of its properties."""
     if element.count != 1 or any(kind == LIST for _, kind in element.properties):
         raise FileError(path, f"element {element.name}: one row without lists is expected")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import FileError
 from workbench.model.messages.files import FileProblem
 
@@ -44,7 +44,7 @@ _COUNT = re.compile(r"[0-9]{1,18}")
 
 
 @dataclass(slots=True)
-class Element:
+class PlyElement:
     """This many rows with properties (name, NumPy kind without byte order, or `LIST`)."""
 
     name: str
@@ -59,13 +59,14 @@ class Element:
         """
         if any(kind == LIST for _, kind in self.properties):
             raise FileError(
-                path, f"element {shown(self.name)}: lists ahead of what is read are not supported"
+                path,
+                f"element {quote(self.name)}: lists ahead of what is read are not supported",
             )
         return sum(np.dtype(kind).itemsize for _, kind in self.properties)
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class PlyHeader:
     """What a reader of the vertices needs.
 
     `count` vertices with scalar `properties` (name, NumPy kind without byte order) begin
@@ -80,11 +81,11 @@ class Header:
     end: int
     skip_bytes: int
     skip_lines: int
-    after: tuple[Element, ...]
+    after: tuple[PlyElement, ...]
 
     def size(self, path: Path) -> int:
         """How long [bytes] a vertex is."""
-        return Element("vertex", self.count, list(self.properties)).size(path)
+        return PlyElement("vertex", self.count, list(self.properties)).size(path)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -92,14 +93,14 @@ class Header:
         return tuple(name for name, _ in self.properties)
 
 
-def read_header(path: Path, content: bytes) -> Header:
+def read_header(path: Path, content: bytes) -> PlyHeader:
     """The header at the beginning of `content`.
 
     Raises:
         FileError: not that of a PLY file with vertices of scalar properties x, y, z.
     """
     lines, end = _split(path, content)
-    encoding, elements, notes = "", list[Element](), list[str]()
+    encoding, elements, notes = "", list[PlyElement](), list[str]()
     for number, line in enumerate(lines[1:], start=2):
         match line.split():
             case ["format", given, "1.0"] if given in ENCODINGS and not encoding:
@@ -109,7 +110,7 @@ def read_header(path: Path, content: bytes) -> Header:
             case ["obj_info", *words]:
                 notes.append(" ".join(words))
             case ["element", name, count] if _COUNT.fullmatch(count):
-                elements.append(Element(name, int(count)))
+                elements.append(PlyElement(name, int(count)))
             case ["property", "list", size, item, name] if {
                 size,
                 item,
@@ -118,7 +119,7 @@ def read_header(path: Path, content: bytes) -> Header:
             case ["property", kind, name] if kind in KINDS and elements:
                 elements[-1].properties.append((name, KINDS[kind]))
             case _:
-                raise FileError(path, f"line {number}: {shown(line)} has no place in a PLY header")
+                raise FileError(path, f"line {number}: {quote(line)} has no place in a PLY header")
     if not encoding:
         raise FileError(path, f"the PLY header names no format ({', '.join(ENCODINGS)})")
     names = [element.name for element in elements]
@@ -127,7 +128,7 @@ def read_header(path: Path, content: bytes) -> Header:
     before = elements[: names.index("vertex")]
     vertex = elements[len(before)]
     _check_vertex(path, vertex)
-    return Header(
+    return PlyHeader(
         encoding=encoding,
         count=vertex.count,
         properties=tuple(vertex.properties),
@@ -154,13 +155,13 @@ def _split(path: Path, content: bytes) -> tuple[list[str], int]:
     return [line.strip() for line in lines], end.end()
 
 
-def _check_vertex(path: Path, vertex: Element) -> None:
+def _check_vertex(path: Path, vertex: PlyElement) -> None:
     names = [name for name, _ in vertex.properties]
     for name in ("x", "y", "z"):
         if name not in names:
             raise FileError(path, f"its vertices have no property {name}")
     for name, kind in vertex.properties:
         if kind == LIST:
-            raise FileError(path, f"property {shown(name)}: vertices with lists are not supported")
+            raise FileError(path, f"property {quote(name)}: vertices with lists are not supported")
         if names.count(name) > 1:
-            raise FileError(path, f"property {shown(name)} is declared twice")
+            raise FileError(path, f"property {quote(name)} is declared twice")

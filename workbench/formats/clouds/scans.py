@@ -19,9 +19,9 @@ import pinocchio as pin
 from workbench.formats.clouds.colours import CHANNELS, of_channels, unless_all_alike
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.clouds.photoneo import camera_of
-from workbench.formats.clouds.ply_header import Header, read_header
+from workbench.formats.clouds.ply_header import PlyHeader, read_header
 from workbench.formats.files.text_rows import read_rows
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.cell import Z_FORWARD, ScannerMount
@@ -270,7 +270,7 @@ def write_cloud(path: str | Path, scan: Scan, *, unit: str = "m", axes: str = Z_
     write_whole(Path(path), "\n".join(header).encode("ascii") + rows.tobytes())
 
 
-def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+def _binary(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...]) -> Floats:
     order = "<" if header.encoding == "binary_little_endian" else ">"
     layout = np.dtype([(name, order + kind) for name, kind in header.properties])
     start = header.end + header.skip_bytes
@@ -283,7 +283,7 @@ def _binary(path: Path, content: bytes, header: Header, names: tuple[str, ...]) 
         return np.column_stack([rows[name].astype(np.float64) for name in names])
 
 
-def _ascii(path: Path, content: bytes, header: Header, names: tuple[str, ...]) -> Floats:
+def _ascii(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...]) -> Floats:
     columns = [header.names.index(name) for name in names]
     skip, count = header.skip_lines, header.count
     return read_rows(path, content, header.end, columns=columns, count=count, skip=skip)
@@ -309,7 +309,7 @@ def _resolution(path: Path, notes: tuple[str, ...]) -> tuple[int, int] | None:
         if note.startswith("resolution"):
             found = _RESOLUTION.fullmatch(note)
             if found is None:
-                raise FileError(path, f"obj_info {shown(note)}: expected `resolution columns rows`")
+                raise FileError(path, f"obj_info {quote(note)}: expected `resolution columns rows`")
             columns, rows = int(found[1]), int(found[2])
             if not 0 < columns * rows <= MOST_PIXELS:
                 raise FileError(path, f"obj_info {note}: this is no size of an image")

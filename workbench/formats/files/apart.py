@@ -52,16 +52,16 @@ POLL = 0.05
 PR_SET_PDEATHSIG = 1
 """From `linux/prctl.h`."""
 
-ASKED, TOLD = "asked.json", "told.json"
+REQUEST_FILE, ANSWER_FILE = "asked.json", "told.json"
 
 _places = threading.BoundedSemaphore(AT_ONCE)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """What comes back: `told` is what JSON can hold, and arrays (..., n), each of its own unit."""
+    """What comes back: `value` is what JSON can hold, and arrays (..., n), each of its own unit."""
 
-    told: Any = None
+    value: Any = None
     arrays: Mapping[str, np.ndarray] = field(default_factory=dict[str, np.ndarray])
 
 
@@ -108,7 +108,7 @@ def apart(
         with tempfile.TemporaryDirectory(prefix="workbench-") as name:
             folder = Path(name)
             asked = (str(path.resolve()), *arguments)
-            (folder / ASKED).write_text(json.dumps(asked), encoding="utf-8")
+            (folder / REQUEST_FILE).write_text(json.dumps(asked), encoding="utf-8")
             code = _run(path, work, folder, longest, most_memory, cancelled)
             return _answer(path, folder, code, longest)
     finally:
@@ -164,7 +164,7 @@ def _run(
 
 def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
     try:
-        said = json.loads((folder / TOLD).read_bytes())
+        said = json.loads((folder / ANSWER_FILE).read_bytes())
         kind, content = said["kind"], said["told"]
     except (OSError, ValueError, LookupError, TypeError):
         if code == -signal.SIGXCPU:
@@ -200,32 +200,32 @@ def main() -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, resource.RLIM_INFINITY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     folder = Path.cwd()
-    asked = json.loads((folder / ASKED).read_bytes())
+    asked = json.loads((folder / REQUEST_FILE).read_bytes())
     try:
         work: Work = getattr(importlib.import_module(module), name)
         answer = work(Path(asked[0]), *asked[1:])
         for key, array in answer.arrays.items():
             np.save(folder / f"{key}.npy", array, allow_pickle=False)
-        _tell(folder, "answer", answer.told, list(answer.arrays))
+        _write_answer(folder, "answer", answer.value, list(answer.arrays))
     except WorkbenchError as error:
         if isinstance(error, FileError) and error.path == asked[0]:
-            _tell(folder, "file", error.problem.form)
+            _write_answer(folder, "file", error.problem.form)
         else:
-            _tell(folder, "input", error.message.form)
+            _write_answer(folder, "input", error.message.form)
     except MemoryError:
-        _tell(folder, "file", FileProblem.MEMORY(most=f"{memory / MB:g}").form)
+        _write_answer(folder, "file", FileProblem.MEMORY(most=f"{memory / MB:g}").form)
     except RecursionError:
-        _tell(folder, "file", FileProblem.DEEP().form)
+        _write_answer(folder, "file", FileProblem.DEEP().form)
     except Exception:
         # A rim: it is told to whoever waits, who has a log.
-        _tell(folder, "bug", traceback.format_exc())
+        _write_answer(folder, "bug", traceback.format_exc())
 
 
-def _tell(folder: Path, kind: str, answer: Any, arrays: list[str] | None = None) -> None:
+def _write_answer(folder: Path, kind: str, answer: Any, arrays: list[str] | None = None) -> None:
     said = {"kind": kind, "told": answer, "arrays": arrays or []}
-    partial = folder / f"{TOLD}.partial"
+    partial = folder / f"{ANSWER_FILE}.partial"
     partial.write_text(json.dumps(said), encoding="utf-8")
-    partial.replace(folder / TOLD)
+    partial.replace(folder / ANSWER_FILE)
 
 
 def finish() -> None:

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
-from workbench.formats.files.toml_keys import Table, shown
+from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.messages.files import FileProblem
@@ -52,7 +52,7 @@ def parse_object(path: Path, content: bytes) -> dict[str, Any]:
     except RecursionError:
         raise FileError(path, "is nested too deeply") from None
     if not isinstance(values, dict):
-        raise FileError(path, f"a JSON object is expected, {shown(values)} is given")
+        raise FileError(path, f"a JSON object is expected, {quote(values)} is given")
     return cast(dict[str, Any], values)
 
 
@@ -79,7 +79,7 @@ def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     values: dict[str, Any] = {}
     for name, value in pairs:
         if name in values:
-            raise ValueError(f"the key {shown(name)} is there twice")
+            raise ValueError(f"the key {quote(name)} is there twice")
         values[name] = value
     return values
 

@@ -12,7 +12,7 @@ DEEPEST = 5
 """So far down lists and objects are taken apart; what lies deeper is small."""
 
 
-def encoded(value: Any, *, allow_nan: bool = False) -> bytes:
+def encode_json(value: Any, *, allow_nan: bool = False) -> bytes:
     """A value as JSON without spaces, in UTF-8.
 
     Args:

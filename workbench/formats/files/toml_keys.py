@@ -31,7 +31,7 @@ NOTES: ContextVar[Notes | None] = ContextVar("NOTES", default=None)
 """Where tables note what they are asked; see `schema`."""
 
 
-def shown(value: object) -> str:
+def quote(value: object) -> str:
     """A value from a file as it stands in a message: escaped, and never a page long."""
     try:
         text = repr(value)
@@ -61,7 +61,7 @@ class Table:
 
     def error(self, key: str, problem: Message | str) -> FileError:
         """An error that names the file and the key."""
-        name = key if key.isprintable() and 0 < len(key) <= 60 else shown(key)
+        name = key if key.isprintable() and 0 < len(key) <= 60 else quote(key)
         return FileError(self.path, FileText.KEY(key=f"{self.place}{name}", problem=problem))
 
     def has(self, key: str) -> bool:
@@ -104,7 +104,7 @@ class Table:
         self._note(key, default, {"type": "string"} | form)
         value = self._value(key, str, "a text", default)
         if among and value not in among:
-            raise self.error(key, f"{shown(value)} is not one of {', '.join(among)}")
+            raise self.error(key, f"{quote(value)} is not one of {', '.join(among)}")
         return self._printable(key, value, empty)
 
     def flag(self, key: str, default: Any = MISSING) -> bool:
@@ -117,7 +117,7 @@ class Table:
         self._note(key, default, {"type": "integer", "minimum": low, "maximum": high})
         value = self._value(key, int, "a whole number", default)
         if not low <= value <= high:
-            raise self.error(key, f"{shown(value)} is not a whole number from {low} to {high}")
+            raise self.error(key, f"{quote(value)} is not a whole number from {low} to {high}")
         return value
 
     def number(
@@ -208,7 +208,7 @@ class Table:
         for number, item in enumerate(value, start=1):
             if not isinstance(item, dict):
                 raise self.error(
-                    key, f"an array of tables is expected, entry {number} is {shown(item)}"
+                    key, f"an array of tables is expected, entry {number} is {quote(item)}"
                 )
             yield Table(self.path, cast(dict[str, Any], item), f"{self.place}{key}[{number}].")
 
@@ -238,7 +238,7 @@ class Table:
         """
         for name, times in Counter(names).items():
             if times > 1:
-                raise self.error(key, f"{shown(name)} is there {times} times")
+                raise self.error(key, f"{quote(name)} is there {times} times")
 
     def _value(self, key: str, kinds: Any, expected: str, default: Any) -> Any:
         self._asked.add(key)
@@ -248,7 +248,7 @@ class Table:
             return default
         value = self._values[key]
         if not isinstance(value, kinds) or (isinstance(value, bool) and kinds is not bool):
-            raise self.error(key, f"{expected} is expected, {shown(value)} is given")
+            raise self.error(key, f"{expected} is expected, {quote(value)} is given")
         return value
 
     def _note(self, key: str, default: Any, form: dict[str, Any]) -> None:
@@ -268,7 +268,7 @@ class Table:
             at = f"{key}[{number + 1}]"
             if not isinstance(row, list):
                 raise self.error(
-                    at, f"a list of {of} is expected, {shown(cast(object, row))} is given"
+                    at, f"a list of {of} is expected, {quote(cast(object, row))} is given"
                 )
             row = cast(list[Any], row)
             if len(row) != columns:
@@ -282,13 +282,13 @@ class Table:
             return self._printable(key, value, True)
         if not isinstance(value, bool | int | float):
             raise self.error(
-                key, f"a text, a number or a flag is expected, {shown(value)} is given"
+                key, f"a text, a number or a flag is expected, {quote(value)} is given"
             )
         return value
 
     def _text_in_list(self, key: str, value: Any) -> str:
         if not isinstance(value, str):
-            raise self.error(key, f"a list of texts is expected, {shown(value)} is in it")
+            raise self.error(key, f"a list of texts is expected, {quote(value)} is in it")
         return self._printable(key, value, False)
 
     def _printable(self, key: str, value: str, empty: bool) -> str:
@@ -296,18 +296,18 @@ class Table:
         if not value and not empty:
             raise self.error(key, "is an empty text")
         if not value.isprintable():
-            raise self.error(key, f"{shown(value)} holds a character that cannot be printed")
+            raise self.error(key, f"{quote(value)} holds a character that cannot be printed")
         return value
 
     def _check(self, key: str, value: Any, low: float, high: float) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(key, f"a number is expected, {shown(value)} is given")
+            raise self.error(key, f"a number is expected, {quote(value)} is given")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise self.error(key, f"a finite number is expected, {shown(value)} is given")
+            raise self.error(key, f"a finite number is expected, {quote(value)} is given")
         if not low <= number <= high:
             raise self.error(key, f"{number:g} is not between {low:g} and {high:g}")
         return number

@@ -226,7 +226,7 @@ def sent_name(name: str) -> str:
 
 
 @contextlib.contextmanager
-def uploaded(name: str, content: bytes | memoryview) -> Generator[Path]:
+def write_upload(name: str, content: bytes | memoryview) -> Generator[Path]:
     """A file that somebody has sent, as one in a folder of its own until the block ends.
 
     What is wrong with the file is reported without that folder.

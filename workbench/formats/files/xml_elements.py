@@ -8,7 +8,7 @@ from xml.parsers import expat
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -50,7 +50,7 @@ class Element:
 
     def named(self, name: str) -> "Element":
         """The same element, called by its name in messages."""
-        return Element(self.path, self._element, f"{self.tag} {shown(name)}")
+        return Element(self.path, self._element, f"{self.tag} {quote(name)}")
 
     def all(self, tag: str) -> Iterator["Element"]:
         """The children of that tag, in order."""
@@ -78,7 +78,7 @@ class Element:
         if value is None:
             raise self.error(f"has no {key}")
         if not value or not value.isprintable():
-            raise self.error(f"{key}={shown(value)}: a name is expected")
+            raise self.error(f"{key}={quote(value)}: a name is expected")
         return value
 
     def numbers(self, key: str, count: int, default: tuple[float, ...] | None = None) -> Floats:
@@ -93,7 +93,7 @@ class Element:
         if len(numbers) != count:
             expected = "one number is" if count == 1 else f"{count} numbers are"
             hint = " (expand the file with xacro first)" if "${" in value else ""
-            raise self.error(f"{key}={shown(value)}: {expected} expected{hint}")
+            raise self.error(f"{key}={quote(value)}: {expected} expected{hint}")
         return np.array(numbers)
 
     def number(self, key: str, default: float | None = None) -> float:
@@ -151,7 +151,7 @@ def start_lines(content: bytes) -> list[int]:
 
 
 def _tag(tag: str) -> str:
-    return f"<{tag}>" if tag.isprintable() and len(tag) <= 60 else f"<{shown(tag)}>"
+    return f"<{tag}>" if tag.isprintable() and len(tag) <= 60 else f"<{quote(tag)}>"
 
 
 def _number(word: str) -> float:

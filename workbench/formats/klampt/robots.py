@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_EXTENT, read_mesh
 from workbench.formats.robots.urdf import read_urdf
@@ -82,7 +82,7 @@ def read_rob(path: Path, *, depth: int = 0) -> Robot:
         limits = (max(lower[k], -_most(kind)), min(upper[k], _most(kind)))
         low, high = map(float, limits)
         if not is_fixed and not low < high:
-            raise FileError(path, f"qmin, qmax: {shown(name)} would go from {low:g} to {high:g}")
+            raise FileError(path, f"qmin, qmax: {quote(name)} would go from {low:g} to {high:g}")
         fast = float(speed[k]) if 0 < speed[k] < math.inf else USUAL_SPEED
         joints.append(Joint(name, kind, parent, name, T, axes[k], low, high, fast))
     pairs = _pairs(path, words, names)
@@ -106,7 +106,7 @@ def _words(path: Path) -> Words:
         try:
             words = shlex.split(line, posix=True)
         except ValueError as error:
-            raise FileError(path, f"line {shown(line.strip())}: {error}") from None
+            raise FileError(path, f"line {quote(line.strip())}: {error}") from None
         if words:
             found.setdefault(words[0].lower(), []).append(words[1:])
     if "parents" not in found:
@@ -146,7 +146,7 @@ def _names(path: Path, words: Words, count: int) -> list[str]:
         raise FileError(path, f"links: {count} different names are expected")
     for name in names:
         if not name or not name.isprintable():
-            raise FileError(path, f"links: {shown(name)} is no name")
+            raise FileError(path, f"links: {quote(name)} is no name")
     return list(names)
 
 
@@ -170,7 +170,7 @@ def _read_welds(path: Path, words: Words, count: int) -> set[int]:
 
 def _index(path: Path, word: str, count: int) -> int:
     if not re.fullmatch(r"[0-9]{1,5}", word) or int(word) >= count:
-        raise FileError(path, f"{shown(word)} is not the number of a link, 0 to {count - 1}")
+        raise FileError(path, f"{quote(word)} is not the number of a link, 0 to {count - 1}")
     return int(word)
 
 
@@ -228,7 +228,7 @@ def _unit(path: Path, axis: Floats) -> Floats:
     """An axis of length 1; to Klamp't a longer one is a joint that goes further than told."""
     length = float(np.linalg.norm(axis))
     if not abs(length - 1.0) < UNIT:
-        raise FileError(path, f"axis: must be a unit vector, {shown(axis.tolist())} is given")
+        raise FileError(path, f"axis: must be a unit vector, {quote(axis.tolist())} is given")
     return frozen(axis / length)
 
 
@@ -263,7 +263,7 @@ def _place(path: Path, mesh: Mesh, T: Floats, scale: float) -> Mesh:
     R, shift = T[:3, :3], T[:3, 3] * scale
     largest = max(np.abs(R).max(), np.abs(shift).max())
     if not largest < LARGEST_EXTENT or abs(np.linalg.det(R)) < 1e-9:
-        raise FileError(path, f"geomtransform: {shown(T.tolist())} puts no mesh anywhere")
+        raise FileError(path, f"geomtransform: {quote(T.tolist())} puts no mesh anywhere")
     is_mirrored = np.linalg.det(R) < 0
     triangles = mesh.triangles[:, ::-1] if is_mirrored else mesh.triangles
     return Mesh(mesh.points @ R.T + shift, triangles)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import is_file, read_whole
 from workbench.formats.files.xml_elements import Element, read_xml
 from workbench.formats.klampt.robots import read_rob
@@ -57,7 +57,7 @@ def read_klampt_world(path: Path) -> KlamptWorld:
     names = [thing.name for thing in things]
     for name in names:
         if names.count(name) > 1:
-            raise FileError(path, f"two things are called {shown(name)}")
+            raise FileError(path, f"two things are called {quote(name)}")
     return KlamptWorld(robot, _read_pose(robots[0]), values, tuple(things))
 
 
@@ -130,7 +130,7 @@ def _factor(path: Path, text: str) -> float:
     except ValueError:
         factor = math.nan
     if not 0 < factor < math.inf:
-        raise FileError(path, f"geomscale: {shown(text)} is not a positive number")
+        raise FileError(path, f"geomscale: {quote(text)} is not a positive number")
     return factor
 
 
@@ -164,5 +164,5 @@ def _beside(element: Element, key: str) -> Path:
     name = element.text(key)
     file = element.path.parent / name
     if not is_file(file):
-        raise element.error(f"{key}={shown(name)}: there is no such file beside the world")
+        raise element.error(f"{key}={quote(name)}: there is no such file beside the world")
     return file

@@ -29,7 +29,7 @@ WORLD = "world"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlacedPart:
+class WorldPart:
     """A part with its name in the world: `T` is `T_world_part`, or `T_tcp_part` in a hand."""
 
     name: str
@@ -45,9 +45,9 @@ class Snapshot:
     that move, with `t` (n,) [s] and `q` (n, len(joints)); others stand at home, or at zero.
     """
 
-    standing: tuple[PlacedPart, ...] = ()
+    standing: tuple[WorldPart, ...] = ()
     openings: Mapping[str, float] = field(default_factory=dict)
-    held: Mapping[str, PlacedPart] = field(default_factory=dict)
+    held: Mapping[str, WorldPart] = field(default_factory=dict)
     joints: tuple[str, ...] = ()
     t: Floats = field(default_factory=lambda: np.zeros(1))
     q: Floats = field(default_factory=lambda: np.zeros((1, 0)))

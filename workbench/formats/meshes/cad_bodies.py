@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from workbench.formats.files.apart import Answer, apart
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh
 from workbench.formats.meshes.repair import joined_corners, shells_of
@@ -42,7 +42,7 @@ UNITS_OF_3MF = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class CadBody:
     """Triangles in a file's unit, in the body's own frame.
 
     `T` (4, 4), its shift in that unit, places them in the file's frame.
@@ -75,7 +75,7 @@ class CadBodies:
     `kind` is the ending of the file, or of the one in an archive.
     """
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[CadBody, ...]
     scale: float | None
     kind: str
 
@@ -87,7 +87,7 @@ def bodies_of(path: Path) -> CadBodies:
         FileError: it cannot be read, or holds nothing that has a surface.
     """
     answer = apart(path, raw_bodies)
-    content: Any = answer.told
+    content: Any = answer.value
     points, triangles = answer.arrays["points"], answer.arrays["triangles"]
     of_points = np.cumsum(answer.arrays["counts"][:, 0])[:-1]
     of_triangles = np.cumsum(answer.arrays["counts"][:, 1])[:-1]
@@ -98,7 +98,7 @@ def bodies_of(path: Path) -> CadBodies:
         answer.arrays["places"],
         strict=True,
     )
-    each = tuple(Body(name, Mesh(p, t), T) for name, p, t, T in bodies)
+    each = tuple(CadBody(name, Mesh(p, t), T) for name, p, t, T in bodies)
     return CadBodies(each, content["scale"], content["kind"])
 
 
@@ -149,20 +149,20 @@ def read_bodies(path: Path) -> CadBodies:
     return CadBodies(tuple(bodies), scale, kind)
 
 
-def _in_unit(body: Body, unit: float) -> Body:
+def _in_unit(body: CadBody, unit: float) -> CadBody:
     """A body in metres in a unit of this many metres."""
     T = body.T.copy()
     T[:3, 3] /= unit
-    return Body(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)
+    return CadBody(body.name, Mesh(body.mesh.points / unit, body.mesh.triangles), T)
 
 
-def _read_unnamed(path: Path) -> Body:
+def _read_unnamed(path: Path) -> CadBody:
     # Bounded as if it were in millimetres: the unit is looked at later.
     mesh = read_mesh(path, 0.001, most=MOST_TRIANGLES)
-    return Body(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))
+    return CadBody(path.stem, Mesh(mesh.points * 1000, mesh.triangles), np.eye(4))
 
 
-def _scene(path: Path, scale: float | None) -> tuple[list[Body], float]:
+def _scene(path: Path, scale: float | None) -> tuple[list[CadBody], float]:
     """Every body of a file whose bodies have names, and how many metres its unit has."""
     import trimesh
     from trimesh.resolvers import FilePathResolver
@@ -184,7 +184,7 @@ def _scene(path: Path, scale: float | None) -> tuple[list[Body], float]:
     except zipfile.BadZipFile:
         raise FileError(path, FileProblem.BROKEN(kind=kind.upper(), detail="ZIP")) from None
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        broken = FileProblem.BROKEN(kind=kind.upper(), detail=shown(str(error)))
+        broken = FileProblem.BROKEN(kind=kind.upper(), detail=quote(str(error)))
         raise FileError(path, broken) from None
     if not bodies:
         raise FileError(path, FileProblem.NO_TRIANGLES())
@@ -198,7 +198,7 @@ def _scene(path: Path, scale: float | None) -> tuple[list[Body], float]:
     return bodies, scale or _metres(kind, unit)
 
 
-def _nodes(scene: Any) -> Iterator[Body]:
+def _nodes(scene: Any) -> Iterator[CadBody]:
     """The meshes of a scene, each under a name of its own; lines and points are left out."""
     named: dict[str, int] = {}
     for node in sorted(scene.graph.nodes_geometry):
@@ -214,7 +214,7 @@ def _nodes(scene: Any) -> Iterator[Body]:
         points = np.array(mesh.vertices, np.float64)
         if triangles.min() < 0 or triangles.max() >= len(points):
             raise ValueError("a triangle has a corner that does not exist")
-        yield Body(name, Mesh(points, triangles), np.array(T, np.float64))
+        yield CadBody(name, Mesh(points, triangles), np.array(T, np.float64))
 
 
 def _metres(kind: str, unit: str) -> float:
@@ -227,14 +227,14 @@ def _metres(kind: str, unit: str) -> float:
     return float(number) if " * " in unit else 1.0
 
 
-def _solids(body: Body) -> list[Body]:
+def _solids(body: CadBody) -> list[CadBody]:
     """A body of a STEP file as its solids, which one product may have several of."""
     mesh, _ = joined_corners(body.mesh)
     of_shell, outer = shells_of(mesh)
     solids = sorted(set(outer.tolist()))
     if len(solids) < 2:
         return [body]
-    found: list[Body] = []
+    found: list[CadBody] = []
     for number, solid in enumerate(solids, 1):
         used, triangles = np.unique(mesh.triangles[outer[of_shell] == solid], return_inverse=True)
         solid_mesh = Mesh(mesh.points[used], triangles.reshape(-1, 3))

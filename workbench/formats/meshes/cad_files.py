@@ -17,8 +17,8 @@ from workbench.formats.meshes.cad_bodies import (
 )
 from workbench.formats.meshes.cad_bodies import (
     ZIPPED,
-    Body,
     CadBodies,
+    CadBody,
     bodies_of,
 )
 from workbench.formats.meshes.reading import LARGEST_MESH
@@ -48,7 +48,7 @@ class SeveralSolids(FileError):
     `scale` makes metres of it.
     """
 
-    def __init__(self, path: Path, solids: tuple[Body, ...], scale: float):
+    def __init__(self, path: Path, solids: tuple[CadBody, ...], scale: float):
         self.solids, self.scale = solids, scale
         names = _names(solids)
         choose = "choose one (--solid NAME), or take them as one rigid part (--whole)"
@@ -104,7 +104,7 @@ def read_cad(
     if unit is not None and unit not in UNITS:
         raise FileError(path, FileProblem.UNIT(unit=repr(unit), known=UNITS))
     found = read(path)
-    raw, taken = _chosen(path, found, solid)
+    raw, taken = _choose_bodies(path, found, solid)
     is_assumed = unit is None and found.scale is None
     if is_assumed:
         unit = _likely_unit(path, raw, density)
@@ -122,7 +122,7 @@ def read_cad(
     return CadMesh(mesh, unit or "", is_assumed, taken, solids)
 
 
-def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
+def _choose_bodies(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]:
     """The triangles in the file's unit, and what was taken of several solids."""
     bodies = found.bodies
     if solid:
@@ -143,7 +143,7 @@ def _chosen(path: Path, found: CadBodies, solid: str | None) -> tuple[Mesh, str]
     return mesh, f"{len(bodies)} solids taken as one rigid part: {_names(bodies)}"
 
 
-def _shapes(solids: tuple[Body, ...]) -> dict[str, int]:
+def _shapes(solids: tuple[CadBody, ...]) -> dict[str, int]:
     """The first solid of each shape by its name, with how many are of it."""
     first: dict[tuple[float, ...], str] = {}
     times: dict[str, int] = {}
@@ -155,7 +155,7 @@ def _shapes(solids: tuple[Body, ...]) -> dict[str, int]:
     return times
 
 
-def _names(solids: tuple[Body, ...]) -> str:
+def _names(solids: tuple[CadBody, ...]) -> str:
     """The names of solids, those of one shape together."""
     shapes = [
         name if count == 1 else f"{name} and {count - 1} like it"

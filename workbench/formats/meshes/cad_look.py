@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.formats.meshes.cad_bodies import read_bodies
 from workbench.formats.meshes.cad_files import read_cad
-from workbench.formats.meshes.repair import Surface, examined, joined_corners
+from workbench.formats.meshes.repair import SurfaceReport, examine_surface, joined_corners
 from workbench.model.geometry import Floats
 
 
@@ -20,7 +20,7 @@ class CadLook:
     one of each shape.
     """
 
-    surface: Surface
+    surface: SurfaceReport
     low: Floats
     high: Floats
     unit: str
@@ -43,4 +43,4 @@ def look_at(file: Path, unit: str = "", solid: str = "") -> CadLook:
     mesh, _ = joined_corners(cad.mesh)
     points = np.asarray(mesh.points)
     low, high = points.min(axis=0), points.max(axis=0)
-    return CadLook(examined(mesh), low, high, cad.unit, cad.is_assumed, cad.solids)
+    return CadLook(examine_surface(mesh), low, high, cad.unit, cad.is_assumed, cad.solids)

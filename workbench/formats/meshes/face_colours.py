@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import read_whole
-from workbench.formats.meshes.kept import kept, recipe
+from workbench.formats.meshes.kept import load_or_make, recipe
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
@@ -40,7 +40,7 @@ def read_face_colours(path: Path, count: int) -> np.ndarray:
         raise FileError(path, FileProblem.COLOURS(detail=detail))
     content = read_whole(path, LARGEST_MESH)
     how = f"colours {recipe('trimesh', 'pillow')} {kind}"
-    found = kept(how, [content], lambda: {"colours": _load(path, kind, content)})
+    found = load_or_make(how, [content], lambda: {"colours": _load(path, kind, content)})
     colours = _load(path, kind, content) if found is None else found["colours"]
     if colours.shape != (count, 3):
         detail = f"{count} triangles and {len(colours)} colours"
@@ -58,7 +58,7 @@ def _load(path: Path, kind: str, content: bytes) -> np.ndarray:
         of = _of_glb if kind == ".glb" else _of_visual
         colours = [of(mesh) for mesh in meshes]
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        raise FileError(path, FileProblem.COLOURS(detail=shown(str(error)))) from None
+        raise FileError(path, FileProblem.COLOURS(detail=quote(str(error)))) from None
     if all(colour is None for colour in colours):
         raise FileError(path, FileProblem.NO_COLOURS())
     if any(colour is None for colour in colours):

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from workbench.formats.meshes.shells import Edges, connected
+from workbench.formats.meshes.shells import MeshEdges, label_components
 from workbench.model.geometry import Floats, Ints, Mesh
 
 NEAR = 1e-4
@@ -24,11 +24,11 @@ def _size(mesh: Mesh) -> float:
     return float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
 
 
-def welded(mesh: Mesh) -> tuple[Mesh, int]:
+def weld_corners(mesh: Mesh) -> tuple[Mesh, int]:
     """Corners of open edges that nearly meet joined; and how many are gone."""
     from scipy.spatial import KDTree
 
-    edges = Edges(np.asarray(mesh.triangles), len(mesh.points))
+    edges = MeshEdges(np.asarray(mesh.triangles), len(mesh.points))
     sides = edges.sides[edges.open_sides]
     if len(sides) == 0:
         return mesh, 0
@@ -39,7 +39,7 @@ def welded(mesh: Mesh) -> tuple[Mesh, int]:
     pairs = KDTree(mesh.points[rim]).query_pairs(near, output_type="ndarray")
     if len(pairs) == 0:
         return mesh, 0
-    labels = connected(pairs[:, 0], pairs[:, 1], len(rim))
+    labels = label_components(pairs[:, 0], pairs[:, 1], len(rim))
     first = np.unique(labels, return_index=True)[1][labels]
     number = np.arange(len(mesh.points))
     number[rim] = rim[first]
@@ -55,7 +55,7 @@ def split_at_junctions(mesh: Mesh) -> tuple[Mesh, int]:
     points, triangles = np.asarray(mesh.points), np.array(mesh.triangles)
     near, count = max(ON_EDGE * _size(mesh), LEAST), 0
     for _ in range(ROUNDS):
-        edges = Edges(triangles, len(points))
+        edges = MeshEdges(triangles, len(points))
         sides = edges.open_sides
         rim = np.unique(edges.sides[sides])
         if len(rim) == 0:

@@ -40,7 +40,9 @@ def recipe(*libraries: str) -> str:
     return " ".join([code.hexdigest(), *(f"{name} {version(name)}" for name in libraries)])
 
 
-def kept(recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None]) -> Arrays | None:
+def load_or_make(
+    recipe: str, content: Iterable[bytes], make: Callable[[], Arrays | None]
+) -> Arrays | None:
     """What `make` gives, from the disk when it was made before.
 
     Args:
@@ -76,7 +78,7 @@ def _find(path: Path) -> Arrays | None:
         return None
 
 
-def packed(meshes: Iterable[Mesh]) -> dict[str, NDArray[np.generic]]:
+def pack_meshes(meshes: Iterable[Mesh]) -> dict[str, NDArray[np.generic]]:
     """Meshes as arrays to keep: points (n, 3) [m], triangles (m, 3), is convex."""
     arrays: dict[str, NDArray[np.generic]] = {}
     for number, mesh in enumerate(meshes):
@@ -86,7 +88,7 @@ def packed(meshes: Iterable[Mesh]) -> dict[str, NDArray[np.generic]]:
     return arrays
 
 
-def unpacked(arrays: Arrays) -> tuple[Mesh, ...]:
+def unpack_meshes(arrays: Arrays) -> tuple[Mesh, ...]:
     """The meshes among arrays that were kept."""
     count = sum(name.startswith("p") for name in arrays)
     return tuple(

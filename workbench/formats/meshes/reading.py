@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from workbench.formats.clouds.pcd import read_pcd
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, is_file, read_whole
-from workbench.formats.meshes.kept import kept, packed, recipe, unpacked
-from workbench.formats.meshes.repair import examined
+from workbench.formats.meshes.kept import load_or_make, pack_meshes, recipe, unpack_meshes
+from workbench.formats.meshes.repair import examine_surface
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.messages.files import FileProblem
@@ -75,7 +75,9 @@ def read_mesh(
     def made() -> Mesh:
         is_taught = kind == ".pcd"
         mesh = (
-            _read_taught(path, content, scale) if is_taught else _loaded(path, content, scale, most)
+            _read_taught(path, content, scale)
+            if is_taught
+            else _load_mesh(path, content, scale, most)
         )
         return as_convex(path, mesh) if is_piece else mesh
 
@@ -84,11 +86,11 @@ def read_mesh(
         return made()
     axes = np.broadcast_to(np.asarray(scale, np.float64), 3).tobytes()
     how = f"mesh {recipe('trimesh', 'scipy', 'pycollada')} {kind} {is_piece}"
-    found = kept(how, [axes, content], lambda: packed([made()]))
-    return unpacked(found)[0] if found else made()
+    found = load_or_make(how, [axes, content], lambda: pack_meshes([made()]))
+    return unpack_meshes(found)[0] if found else made()
 
 
-def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mesh:
+def _load_mesh(path: Path, content: bytes, scale: Floats | float, most: int) -> Mesh:
     import trimesh  # takes a while, and is seldom needed
 
     kind = path.suffix[1:].lower()
@@ -100,7 +102,7 @@ def _loaded(path: Path, content: bytes, scale: Floats | float, most: int) -> Mes
     except MemoryError:
         raise
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        broken = FileProblem.BROKEN(kind=kind.upper(), detail=shown(str(error)))
+        broken = FileProblem.BROKEN(kind=kind.upper(), detail=quote(str(error)))
         raise FileError(path, broken) from None
     triangles = np.asarray(loaded.faces)
     if len(triangles) == 0:
@@ -228,7 +230,7 @@ def as_convex(path: Path, mesh: Mesh) -> Mesh:
         )
     # Coal walks from corner to corner along the edges: in a surface in pieces, as files have it
     # that give each face a normal of its own, it would not get far.
-    surface, corners = examined(mesh), len(np.unique(mesh.triangles))
+    surface, corners = examine_surface(mesh), len(np.unique(mesh.triangles))
     is_whole = surface.is_watertight and surface.components == 1 and corners == len(mesh.points)
     solid = Mesh(mesh.points, mesh.triangles, is_convex=True) if is_whole else convex_hull(mesh)
     if solid is None or is_flat(np.asarray(mesh.points)):

@@ -4,8 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.formats.meshes.junctions import split_at_junctions, welded
-from workbench.formats.meshes.shells import SAME, Edges, connected, inward, shell_of, shells_of
+from workbench.formats.meshes.junctions import split_at_junctions, weld_corners
+from workbench.formats.meshes.shells import (
+    SAME,
+    MeshEdges,
+    inward,
+    label_components,
+    shell_of,
+    shells_of,
+)
 from workbench.formats.meshes.shells import volumes_of as volumes_of_shells
 from workbench.model.geometry import Bools, Floats, Ints, Mesh
 
@@ -17,7 +24,7 @@ LARGEST_HOLE = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class SurfaceReport:
     """What can be said about the surface of a part.
 
     `size` (3,) [m]; `volume` [m3], 0 when it is open; `components` pieces that do not hang
@@ -52,16 +59,16 @@ class Surface:
         return tuple(said)
 
 
-def examined(mesh: Mesh) -> Surface:
+def examine_surface(mesh: Mesh) -> SurfaceReport:
     """Look at a surface whose corners are joined (`joined_corners`)."""
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     is_open, is_bad = edges.times == 1, (edges.times > 1) & (edges.runs != 0)
     is_closed = not is_open.any() and not is_bad.any()
     shells, outer = shells_of(mesh)
     volumes = volumes_of_shells(mesh, shells)
     is_own = outer == np.arange(len(outer))
-    return Surface(
+    return SurfaceReport(
         size=np.ptp(mesh.points[np.unique(triangles)], axis=0),
         triangles=len(triangles),
         volume=abs(float(volumes.sum())) if is_closed else 0.0,
@@ -127,11 +134,11 @@ def outside_out(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     return Mesh(mesh.points, triangles), (words,)
 
 
-def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
+def repair_surface(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     """Mend a surface: crumbs and sheets left out, slits and small holes closed, outside out.
 
     Returns:
-        The mesh, which may still have problems (`examined`), and what was done, in words.
+        The mesh, which may still have problems (`examine_surface`), and what was done, in words.
     """
     said: list[str] = []
     mesh, doubled = _single_sided(mesh)
@@ -140,7 +147,7 @@ def repaired(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     mesh, crumbs = _without_crumbs(mesh)
     if crumbs:
         said.append(f"{crumbs} crumbs beside the part left out")
-    mesh, joined = welded(mesh)
+    mesh, joined = weld_corners(mesh)
     if joined:
         said.append(f"{joined} corners along gaps joined")
     mesh, split = split_at_junctions(mesh)
@@ -182,16 +189,16 @@ def _single_sided(mesh: Mesh) -> tuple[Mesh, int]:
 def _without_sheets(mesh: Mesh) -> tuple[Mesh, int]:
     """Without pieces that have open edges, if what remains is closed and nearly all of it."""
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     two = np.argsort(edges.number, kind="stable")
     two = two[edges.times[edges.number[two]] == 2]
-    pieces = connected(edges.owner[two[::2]], edges.owner[two[1::2]], len(triangles))
+    pieces = label_components(edges.owner[two[::2]], edges.owner[two[1::2]], len(triangles))
     is_sheet = np.isin(pieces, np.unique(pieces[edges.owner[edges.open_sides]]))
     areas = _areas(mesh)
     if not is_sheet.any() or areas[is_sheet].sum() > SHEETS * areas.sum():
         return mesh, 0
     rest = _compact(np.asarray(mesh.points), triangles[~is_sheet])
-    closed = examined(rest)
+    closed = examine_surface(rest)
     return (rest, int(is_sheet.sum())) if closed.is_watertight else (mesh, 0)
 
 
@@ -212,7 +219,7 @@ def _find_turned(triangles: Ints) -> Bools:
     differ = (edges[first, 0] == edges[second, 0]).astype(np.int64)
     rows = np.concatenate([owner[first], owner[first] + count])
     columns = np.concatenate([owner[second] + count * differ, owner[second] + count * (1 - differ)])
-    way = connected(rows, columns, 2 * count)
+    way = label_components(rows, columns, 2 * count)
     as_it_is, turned = way[:count], way[count:]
     fitting = np.bincount(as_it_is, minlength=int(way.max()) + 1)
     more = fitting[turned] - fitting[as_it_is]

@@ -8,7 +8,7 @@ SAME = 1e-6
 """[m] Corners this close are one: files write each triangle with corners of its own."""
 
 
-class Edges:
+class MeshEdges:
     """The edges of triangles (m, 3), each side of a triangle once.
 
     `sides` (3m, 2) are corners as the triangles run, `owner` (3m,) the triangle, `number` (3m,) the
@@ -35,7 +35,7 @@ class Edges:
         return np.flatnonzero(self.times[self.number] == 1)
 
 
-def connected(rows: Ints, columns: Ints, count: int) -> Ints:
+def label_components(rows: Ints, columns: Ints, count: int) -> Ints:
     """Labels (n,), no unit, of nodes that hang together by edges (m,) from `rows` to `columns`."""
     from scipy.sparse import coo_matrix  # takes a while, and meshes that were kept need none
     from scipy.sparse.csgraph import connected_components
@@ -51,7 +51,7 @@ def shell_of(mesh: Mesh) -> Ints:
     body.
     """
     triangles = np.asarray(mesh.triangles)
-    edges = Edges(triangles, len(mesh.points))
+    edges = MeshEdges(triangles, len(mesh.points))
     order = np.argsort(edges.number, kind="stable")
     times = edges.times[edges.number[order]]
     two = order[times == 2]
@@ -63,7 +63,7 @@ def shell_of(mesh: Mesh) -> Ints:
         pairs = _around(mesh, edges, at) if edges.runs[edge] == 0 else _row(edges.owner[at])
         rows.append(pairs[:, 0])
         columns.append(pairs[:, 1])
-    labels = connected(np.concatenate(rows), np.concatenate(columns), len(triangles))
+    labels = label_components(np.concatenate(rows), np.concatenate(columns), len(triangles))
     return np.unique(labels, return_inverse=True)[1].ravel()
 
 
@@ -71,7 +71,7 @@ def _row(owners: Ints) -> Ints:
     return np.column_stack([owners[:-1], owners[1:]])
 
 
-def _around(mesh: Mesh, edges: Edges, at: Ints) -> Ints:
+def _around(mesh: Mesh, edges: MeshEdges, at: Ints) -> Ints:
     """Pairs (k, 2) of triangles around an edge between which there is material."""
     ends = edges.sides[at].min(axis=0).min(), edges.sides[at].max()
     start, end = mesh.points[ends[0]], mesh.points[ends[1]]

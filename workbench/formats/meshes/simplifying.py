@@ -21,7 +21,7 @@ COARSEST = 0.004
 """Of the part's size: if that is not enough, somebody has to do it in CAD."""
 
 
-def simplified(path: Path, mesh: Mesh) -> tuple[Mesh, str]:
+def simplify_mesh(path: Path, mesh: Mesh) -> tuple[Mesh, str]:
     """A surface with at most `LARGE` triangles, and what was done, in words.
 
     Args:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
@@ -64,7 +64,7 @@ def converted_step(path: Path, target: Path) -> Path:
         raise FileError(path, FileProblem.CUT_OFF(detail=detail))
     others = list(dict.fromkeys(DOCUMENT.findall(content)))
     if others and not SHAPE.search(content):
-        names = ", ".join(shown(name.decode(errors="replace")) for name in others[:MOST_NAMED])
+        names = ", ".join(quote(name.decode(errors="replace")) for name in others[:MOST_NAMED])
         raise FileError(path, FileProblem.NO_SHAPE(names=names))
     import cascadio  # OpenCASCADE: large, and seldom needed
 
@@ -77,7 +77,7 @@ def converted_step(path: Path, target: Path) -> Path:
             use_parallel=False,
         )
     except RuntimeError as error:
-        detail = shown(str(error))
+        detail = quote(str(error))
         raise FileError(path, FileProblem.UNREADABLE(kind="STEP", detail=detail)) from None
     if not target.is_file() or target.stat().st_size == 0:
         raise FileError(path, FileProblem.NO_SOLIDS())

@@ -29,14 +29,14 @@ def triangles_of(shape: Shape) -> trimesh.Trimesh:
         case Sphere(radius=radius):
             return trimesh.creation.icosphere(3, radius)
         case Mesh(pieces=(_, *_) as pieces):
-            return joined([triangles_of(piece) for piece in pieces])
+            return join_surfaces([triangles_of(piece) for piece in pieces])
         case Mesh(points=points, triangles=triangles):
             return trimesh.Trimesh(np.array(points), np.array(triangles), process=False)
         case _:
             assert_never(shape)
 
 
-def joined(surfaces: list[trimesh.Trimesh]) -> trimesh.Trimesh:
+def join_surfaces(surfaces: list[trimesh.Trimesh]) -> trimesh.Trimesh:
     """Several surfaces as one."""
     import trimesh
 
@@ -57,7 +57,7 @@ def surface_of(solids: Iterable[Solid]) -> trimesh.Trimesh:
         surface = triangles_of(solid.shape)
         surface.apply_transform(solid.T_owner_shape.homogeneous)
         surfaces.append(surface)
-    return joined(surfaces)
+    return join_surfaces(surfaces)
 
 
 def stl_of(surface: trimesh.Trimesh) -> bytes:

@@ -16,13 +16,13 @@ from workbench.formats.files.whole_files import write_whole
 from workbench.formats.meshes.cad_files import PLASTIC, CadMesh, mass_words, read_cad
 from workbench.formats.meshes.reading import is_flat
 from workbench.formats.meshes.repair import (
-    Surface,
-    examined,
+    SurfaceReport,
+    examine_surface,
     joined_corners,
     outside_out,
-    repaired,
+    repair_surface,
 )
-from workbench.formats.meshes.simplifying import LARGE, simplified
+from workbench.formats.meshes.simplifying import LARGE, simplify_mesh
 from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import read_part, tolerance_of
 from workbench.model.errors import FileError, InputError
@@ -60,7 +60,7 @@ class Imported:
     source: Path
     cad: CadMesh
     mesh: Mesh
-    surface: Surface
+    surface: SurfaceReport
     done: tuple[str, ...]
 
 
@@ -103,15 +103,15 @@ def import_mesh(
         raise FileError(path, f"has {len(mesh.triangles)} triangles, a body has four at least")
     if is_flat(np.asarray(mesh.points)):
         raise FileError(path, FileProblem.FLAT())
-    surface = examined(mesh)
+    surface = examine_surface(mesh)
     if surface.is_inside_out:
         mesh, turned = outside_out(mesh)
-        done, surface = (*done, *turned), examined(mesh)
+        done, surface = (*done, *turned), examine_surface(mesh)
     is_hollow = surface.is_watertight and _encloses_nothing(surface)
     if (surface.problems or is_hollow) and repair:
         report(0.6, ProgressText.MENDING())
-        mesh, mended = repaired(mesh)
-        done, surface = (*done, *mended), examined(mesh)
+        mesh, mended = repair_surface(mesh)
+        done, surface = (*done, *mended), examine_surface(mesh)
     if surface.problems and not is_open:
         help = FileProblem.NOT_REPAIRED() if repair else FileProblem.REPAIR()
         problems = tuple(surface.problems)
@@ -120,12 +120,12 @@ def import_mesh(
         raise FileError(path, FileProblem.NO_VOLUME())
     if len(mesh.triangles) > LARGE:
         report(0.8, ProgressText.SIMPLIFYING(count=len(mesh.triangles)))
-        mesh, words = simplified(path, mesh)
-        done, surface = (*done, words), examined(mesh)
+        mesh, words = simplify_mesh(path, mesh)
+        done, surface = (*done, words), examine_surface(mesh)
     return Imported(path, cad, mesh, surface, done)
 
 
-def _encloses_nothing(surface: Surface) -> bool:
+def _encloses_nothing(surface: SurfaceReport) -> bool:
     return surface.volume < THINNEST * float(np.prod(surface.size))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.files.shipped import find
-from workbench.formats.files.toml_keys import MISSING, Table, read_toml, shown
+from workbench.formats.files.toml_keys import MISSING, Table, quote, read_toml
 from workbench.formats.meshes.face_colours import read_face_colours
 from workbench.formats.meshes.pieces.convex_pieces import groups_of, pieces_of
 from workbench.formats.meshes.solids import read_mesh_entry, read_solid
@@ -188,7 +188,7 @@ def _entry(table: Table) -> Entry:
 def _name(table: Table) -> str:
     name = table.text("name")
     if len(name) > LONGEST_NAME or TURNED in name:
-        problem = f"must be up to {LONGEST_NAME} characters without {TURNED}, not {shown(name)}"
+        problem = f"must be up to {LONGEST_NAME} characters without {TURNED}, not {quote(name)}"
         raise table.error("name", problem)
     return name
 

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from workbench.formats.files.json_keys import json_text, read_json
-from workbench.formats.files.toml_keys import MISSING, Table, shown
+from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.plans.pose_files import MOST_PARTS, name_in, read_detection, read_pose_rows
 from workbench.model.digest import LARGE, canonical
@@ -265,7 +265,7 @@ def _step(table: Table, arms: tuple[ArmPlan, ...]) -> Step:
     runs: list[tuple[str, LegName]] = []
     for arm, leg in table.text_rows("runs", 2):
         if (arm, leg) not in known:
-            said = f"there is no leg {shown(leg)} of an arm {shown(arm)} in this plan"
+            said = f"there is no leg {quote(leg)} of an arm {quote(arm)} in this plan"
             raise table.error("runs", said)
         runs.append((arm, known[(arm, leg)]))
     if not runs:

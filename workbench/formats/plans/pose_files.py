@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.files.json_keys import json_text, parse_json
-from workbench.formats.files.toml_keys import MISSING, Table, shown
+from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError
@@ -202,7 +202,7 @@ def _halcon_numbers(path: Path, content: bytes) -> Floats:
         raise FileError(
             path,
             f"is neither JSON nor a HALCON tuple: line 1 must be the count of numbers, not "
-            f"{shown(first)}",
+            f"{quote(first)}",
         )
     count = int(first)
     if count % NUMBERS_A_PART or count > MOST_PARTS * NUMBERS_A_PART:
@@ -223,10 +223,10 @@ def _number(path: Path, at: int, line: str) -> float:
     if pattern is None:
         raise FileError(
             path,
-            f"line {at}: {shown(line)} must be `1 integer` or `2 real`; texts (types 3 and 4) "
+            f"line {at}: {quote(line)} must be `1 integer` or `2 real`; texts (types 3 and 4) "
             "are not poses",
         )
     if len(text) > LONGEST_NUMBER or not pattern.fullmatch(text) or not np.isfinite(float(text)):
         expected = "an integer" if kind == "1" else "a finite real number"
-        raise FileError(path, f"line {at}: {shown(text)} is not {expected}")
+        raise FileError(path, f"line {at}: {quote(text)} is not {expected}")
     return float(text)

@@ -120,7 +120,7 @@ def _quaternion(R: Floats) -> Floats:
     return np.array([w, x, y, z]) * (1.0 if w >= 0 else -1.0)
 
 
-def _reversed(turn: Turn, *, first: bool) -> Turn:
+def _reverse(turn: Turn, *, first: bool) -> Turn:
     """With the numbers the other way round, as they come or as they go."""
     return (lambda given: turn(given[::-1])) if first else (lambda given: turn(given)[::-1])
 
@@ -137,8 +137,8 @@ CONVENTIONS: Mapping[str, PoseConvention] = {
     "kuka": _euler(
         "KUKA",
         "A B C",
-        _reversed(_zyx_matrix, first=True),
-        _reversed(_zyx_degrees, first=False),
+        _reverse(_zyx_matrix, first=True),
+        _reverse(_zyx_degrees, first=False),
     ),
     "mitsubishi": _euler("Mitsubishi", "A B C", _zyx_matrix, _zyx_degrees),
     "staubli": _euler("Staubli", "Rx Ry Rz", _xyz_matrix, _xyz_degrees),

@@ -237,7 +237,7 @@ def write_scanner_pose(path: Path, T: pin.SE3, style: Style, *, in_hand: bool) -
         case "opencv":
             name = "T_flange_scanner" if in_hand else "T_base_scanner"
             rows = f"{name}: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n"
-            text = f"%YAML:1.0\n---\n{rows}   data: [ {_joined(matrix.ravel())} ]\n"
+            text = f"%YAML:1.0\n---\n{rows}   data: [ {_join_values(matrix.ravel())} ]\n"
         case "ros":
             kind = "eye_in_hand" if in_hand else "eye_on_base"
             x, y, z = T.translation
@@ -246,8 +246,8 @@ def write_scanner_pose(path: Path, T: pin.SE3, style: Style, *, in_hand: bool) -
                 {
                     "parameters": {"calibration_type": kind},
                     "transform": {
-                        "translation": _named(x=x, y=y, z=z),
-                        "rotation": _named(x=qx, y=qy, z=qz, w=qw),
+                        "translation": _name_values(x=x, y=y, z=z),
+                        "rotation": _name_values(x=qx, y=qy, z=qz, w=qw),
                     },
                 },
                 sort_keys=False,
@@ -255,15 +255,15 @@ def write_scanner_pose(path: Path, T: pin.SE3, style: Style, *, in_hand: bool) -
         case "zivid":
             matrix = matrix * np.array([[1, 1, 1, 1000]])
             matrix[3, 3] = 1.0
-            rows = ",\n".join(f"            [{_joined(row)}]" for row in matrix)
+            rows = ",\n".join(f"            [{_join_values(row)}]" for row in matrix)
             head = "__version__:\n    serializer: 1\n    data: 1\nFloatMatrix:\n    Data:\n"
             text = f"{head}        [\n{rows}\n        ]\n"
     write_whole(path, text.encode())
 
 
-def _joined(values: Floats) -> str:
+def _join_values(values: Floats) -> str:
     return ", ".join(f"{value + 0.0:.12g}" for value in values)
 
 
-def _named(**values: float) -> dict[str, float]:
+def _name_values(**values: float) -> dict[str, float]:
     return {name: float(f"{value + 0.0:.12g}") for name, value in values.items()}

@@ -94,7 +94,7 @@ class Calls(Expressions):
             elif not required:
                 self.wrong(item, f"{routine.name} has no more arguments")
             elif item.data == "by_name":
-                parameter = _required(required, str(item.children[0]).lower())
+                parameter = _find_required(required, str(item.children[0]).lower())
                 if parameter is None:
                     what = f"{routine.name} has no argument {item.children[0]} here"
                     self.wrong(item.children[0], what)
@@ -169,7 +169,7 @@ class Calls(Expressions):
         return found.place or found.run
 
 
-def _required(required: list[Parameter], name: str) -> Parameter | None:
+def _find_required(required: list[Parameter], name: str) -> Parameter | None:
     for parameter in required:
         if name in (parameter.name, *(other.name for other in parameter.others)):
             return parameter

@@ -8,7 +8,7 @@ from typing import Any
 
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.rapid.backups.files import ENCODED
-from workbench.formats.rapid.backups.folders import Controller, declared, find_tasks
+from workbench.formats.rapid.backups.folders import ControllerTasks, find_declared, find_tasks
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.loading import Loaded
 from workbench.formats.rapid.problems import UNKNOWN_NAME, UNREADABLE, BadModule, Problem
@@ -136,7 +136,7 @@ def _check_all(paths: Sequence[Path], made: dict[str, str]) -> Checked:
             problems = {_as_unreadable(problem) for problem in problems}
     unknown = {problem.name.lower() for problem in problems if problem.kind == UNKNOWN_NAME}
     for source in sources:
-        for name in declared(source) & unknown:
+        for name in find_declared(source) & unknown:
             where = checked.places.setdefault(name, [])
             if source.path not in where:
                 where.append(source.path)
@@ -155,7 +155,7 @@ def _signal(text: str) -> tuple[str, str]:
 
 
 def _check(
-    controller: Controller, data: dict[str, str], checked: Checked, problems: set[Problem]
+    controller: ControllerTasks, data: dict[str, str], checked: Checked, problems: set[Problem]
 ) -> list[Source]:
     shared: dict[str, list[Any]] = {}
     host = Nobody()

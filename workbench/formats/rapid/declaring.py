@@ -10,7 +10,7 @@ from workbench.formats.rapid.hosts import Host, Key
 from workbench.formats.rapid.problems import Findings
 from workbench.formats.rapid.statements import Statements
 from workbench.formats.rapid.symbols import Node, Parameter, Routine, Variable, only, parts, words
-from workbench.formats.rapid.syntax.tokens import Token, Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token
 from workbench.formats.rapid.values import ATOMS, NUM, UNKNOWN, Kind, Types
 
 _Thing = TypeVar("_Thing")
@@ -84,7 +84,7 @@ class Declarations:
         data: list[tuple[Variable, Scope, Node]] = []
         for source, scope in scopes:
             for node in source.tree.children:
-                if type(node) is not Tree:
+                if type(node) is not SyntaxTree:
                     continue
                 if node.data in ("proc", "func", "trap"):
                     routine = self.routine(scope, node)
@@ -131,7 +131,7 @@ class Declarations:
         """Declare all types; what they consist of is found when they are first needed."""
         for source, scope in scopes:
             for node in source.tree.children:
-                if type(node) is Tree and node.data in ("record", "alias"):
+                if type(node) is SyntaxTree and node.data in ("record", "alias"):
                     name = parts(node)[0 if node.data == "record" else 1]
                     self._new_type(scope, node, name)
 

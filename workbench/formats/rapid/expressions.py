@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from workbench.formats.rapid.operators import ARITHMETIC, scaled, way
+from workbench.formats.rapid.operators import ARITHMETIC, scale, way
 from workbench.formats.rapid.problems import (
     LEFT_OUT,
     REMARK,
@@ -225,7 +225,7 @@ class Expressions:
             return found
         if base == Kind("pos"):
             sign_of = -1.0 if sign == "-" else 1.0
-            return Ex(found.kind, lambda frame: scaled(run(frame), sign_of))
+            return Ex(found.kind, lambda frame: scale(run(frame), sign_of))
         if base not in (NUM, DNUM):
             return self.wrong(rest, f"a {found.kind} stands where a num is needed")
         if sign == "+":

@@ -33,7 +33,7 @@ class Host(Protocol):
         ...
 
 
-def acted(act: Run, frame: Frame) -> Any:
+def act_checked(act: Run, frame: Frame) -> Any:
     """Do something; what Python cannot compute is an execution error."""
     try:
         return act(frame)

@@ -55,7 +55,7 @@ class Loaded(Declarations):
         shared: dict[str, list[Any]],
         signals: Mapping[str, str] | None = None,
         entry: str = "main",
-        told: Callable[[RapidError], None] = lambda error: None,
+        on_error: Callable[[RapidError], None] = lambda error: None,
     ) -> None:
         """Load them.
 
@@ -67,14 +67,14 @@ class Loaded(Declarations):
             shared: the persistents of all tasks by small name; those that are new are added.
             signals: type of each signal, by its name.
             entry: the routine that the task begins with; empty where that is not known.
-            told: called with an error before its handler runs.
+            on_error: called with an error before its handler runs.
         """
         table = robotware()
         types = table.types.copy()
         types.makers = dict(makers)
         super().__init__(types, host, shared)
         self.globals.update(table.names)
-        self._natives, self._told = natives, told
+        self._natives, self._on_error = natives, on_error
         self._calls: list[Frame] = []
         self._standing = set(self.globals)
         for source in _prelude():
@@ -133,7 +133,7 @@ class Loaded(Declarations):
     def _declare(self, sources: Sequence[Source]) -> None:
         scopes = [(source, self.scope(source)) for source in sources]
         for own, routine in self.declare_names(scopes):
-            routine.told, routine.calls = self._told, self._calls
+            routine.on_error, routine.calls = self._on_error, self._calls
             self._body(own, routine)
 
     def _body(self, own: Scope, routine: Routine) -> None:

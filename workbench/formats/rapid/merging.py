@@ -5,12 +5,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from workbench.formats.files.whole_files import is_file
-from workbench.formats.rapid.backups.folders import Controller, TaskFiles, declared, find_tasks
+from workbench.formats.rapid.backups.folders import (
+    ControllerTasks,
+    TaskFiles,
+    find_declared,
+    find_tasks,
+)
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import Problem
 from workbench.formats.rapid.setup import FILE, Setup, TaskSetup, read_setup
 from workbench.formats.rapid.symbols import Node, parts, words
-from workbench.formats.rapid.syntax.tokens import Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree
 
 ENTRY = "main"
 
@@ -57,7 +62,7 @@ def merge(paths: Sequence[Path], ours: Path) -> Merged:
     return merged
 
 
-def _controllers(paths: Sequence[Path]) -> list[Controller]:
+def _controllers(paths: Sequence[Path]) -> list[ControllerTasks]:
     made = [read_setup(path).controller() for path in paths if is_file(path / FILE)]
     rest = [path for path in paths if not is_file(path / FILE)]
     return made + (find_tasks(rest).controllers if rest else [])
@@ -68,7 +73,9 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
     merged.steps.append(f"Load the modules {modules} into the task {name}.")
     entry = theirs.entry or ENTRY
     taken = {
-        declared_name: source for source in theirs.sources for declared_name in declared(source)
+        declared_name: source
+        for source in theirs.sources
+        for declared_name in find_declared(source)
     }
     for source in task.modules:
         main = _routine(source, ENTRY)
@@ -78,7 +85,7 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
             if ENTRY in taken:
                 merged.steps.append(f"Leave PROC {ENTRY} out of {source.name}.")
             merged.steps.append(f"Call {calls} from PROC {entry}{where} in the task {name}.")
-        for clash in sorted(declared(source) & set(taken) - {ENTRY}):
+        for clash in sorted(find_declared(source) & set(taken) - {ENTRY}):
             at = source.tree
             what = f"{clash} is declared in {taken[clash].path}, too"
             merged.clashes.append(Problem(source.path, at.line, at.column, what))
@@ -86,7 +93,7 @@ def _in_one_task(name: str, task: TaskSetup, theirs: TaskFiles, merged: Merged) 
 
 def _routine(source: Source, name: str) -> Node | None:
     for node in source.tree.children:
-        if type(node) is Tree and node.data == "proc" and parts(node)[0].lower() == name:
+        if type(node) is SyntaxTree and node.data == "proc" and parts(node)[0].lower() == name:
             return node
     return None
 
@@ -115,7 +122,7 @@ def _pers(sources: Sequence[Source]) -> Iterator[tuple[str, tuple[Source, Node, 
     """The persistents that all tasks share: name, and where, and of which type and dimensions."""
     for source in sources:
         for node in source.tree.children:
-            if type(node) is not Tree or node.data != "data":
+            if type(node) is not SyntaxTree or node.data != "data":
                 continue
             if "pers" in words(node) and not words(node) & {"local", "task"}:
                 kind, name, dims, _ = parts(node)

@@ -63,7 +63,7 @@ def _each(act: Callable[[float, float], float]) -> Act:
     return lambda a, b: [single(act(x, y)) for x, y in zip(a, b, strict=True)]
 
 
-def scaled(a: list[float], b: float) -> list[float]:
+def scale(a: list[float], b: float) -> list[float]:
     """A pos times a num."""
     return [single(x * b) for x in a]
 
@@ -93,8 +93,8 @@ WAYS: dict[tuple[str, Kind, Kind], tuple[Kind, Act]] = {
     ("+", POS, POS): (POS, _each(operator.add)),
     ("-", POS, POS): (POS, _each(operator.sub)),
     ("*", POS, POS): (POS, _cross),
-    ("*", POS, NUM): (POS, scaled),
-    ("*", NUM, POS): (POS, lambda a, b: scaled(b, a)),
+    ("*", POS, NUM): (POS, scale),
+    ("*", NUM, POS): (POS, lambda a, b: scale(b, a)),
     ("/", POS, NUM): (POS, lambda a, b: [single(_divide(x, b)) for x in a]),
     ("*", ORIENT, ORIENT): (ORIENT, _turn),
 }

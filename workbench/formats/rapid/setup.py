@@ -12,7 +12,7 @@ from pathlib import Path
 from workbench.formats.files.toml_keys import read_toml
 from workbench.formats.rapid.backups.cfg import Configuration
 from workbench.formats.rapid.backups.files import read_modules
-from workbench.formats.rapid.backups.folders import Controller, TaskFiles
+from workbench.formats.rapid.backups.folders import ControllerTasks, TaskFiles
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import BadModule
 from workbench.model.errors import FileError
@@ -39,11 +39,11 @@ class Setup:
     outputs: Mapping[str, tuple[str, ...]]
     devices: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
 
-    def controller(self) -> Controller:
+    def controller(self) -> ControllerTasks:
         """The same as a check takes it: each task begins at main."""
         tasks = [TaskFiles(name, list(task.modules), "main") for name, task in self.tasks.items()]
         signals = dict.fromkeys(self.outputs, "signaldo")
-        return Controller(tasks, Configuration(signals))
+        return ControllerTasks(tasks, Configuration(signals))
 
 
 def read_module(path: Path) -> Source:

@@ -10,7 +10,7 @@ from workbench.formats.rapid.hosts import (
     Host,
     Jump,
     Key,
-    acted,
+    act_checked,
     labels_of,
     no_action,
 )
@@ -101,7 +101,7 @@ class Statements(Calls):
                 host.step(key)
                 try:
                     try:
-                        return True, acted(act, frame)
+                        return True, act_checked(act, frame)
                     except RapidError as error:
                         signal = routine.recover(frame, error)
                 except RapidStop as why:

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from workbench.formats.rapid.problems import PointerMoved, RapidError, RapidStop
-from workbench.formats.rapid.syntax.tokens import Token, Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token
 from workbench.formats.rapid.values import Kind, Place
 
-Node = Tree
+Node = SyntaxTree
 
 MARKS = frozenset({"local", "task", "const", "var", "pers", "inout"})
 """Words of the language that stay in the tree of a declaration."""
@@ -89,7 +89,7 @@ class Routine:
     handler: Run | None = None
     undo: Run | None = None
     locals: list[tuple[int, Run]] = field(default_factory=list[tuple[int, Run]])
-    told: Callable[[RapidError], None] = lambda error: None
+    on_error: Callable[[RapidError], None] = lambda error: None
     calls: list[Frame] = field(default_factory=list[Frame])
     takes: list[str] = field(default_factory=list[str])
     is_executed: bool = True
@@ -133,7 +133,7 @@ class Routine:
             if any(call.has_handler and call.error is None for call in self.calls[begin:-1]):
                 raise error
             raise RapidStop(f"nothing handles {error}")
-        self.told(error)
+        self.on_error(error)
         frame.error = error
         try:
             # A handler that reaches its end returns to the caller.
@@ -155,6 +155,6 @@ def words(node: Node) -> set[str]:
 def only(node: Node, data: str) -> Node | None:
     """The child of that kind, if there is one."""
     for child in node.children:
-        if type(child) is Tree and child.data == data:
+        if type(child) is SyntaxTree and child.data == data:
             return child
     return None

@@ -9,7 +9,7 @@ from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import read_pose, read_solid
 from workbench.model.cell import Arm
 from workbench.model.geometry import Floats
-from workbench.model.robot import ArmScanner, Joint, Robot, View
+from workbench.model.robot import ArmScanner, Joint, Robot, ScanPosture
 
 POSE = ("position_mm", "rpy_deg")
 
@@ -63,7 +63,7 @@ def read_arm_scanner(
 
 def _read_view(
     table: Table, robot: Robot, T_world_robot: pin.SE3, arm: Arm, T_flange_scanner: pin.SE3
-) -> View:
+) -> ScanPosture:
     """The posture, by the joints of the arm or by the pose of the scanner in the world."""
     name = table.text("name", "view")
     has_pose = any(table.has(key) for key in POSE)
@@ -89,18 +89,18 @@ def _read_view(
                     "joints_deg",
                     f"{typed[axis]:g} for axis {axis + 1} is outside {low:.1f} to {high:.1f}",
                 )
-        return View(name, q)
+        return ScanPosture(name, q)
     T_robot_flange = T_world_robot.actInv(T_world_scanner) * T_flange_scanner.inverse()
-    q, away = _solved(robot, arm, T_robot_flange)
+    q, away = _find_posture(robot, arm, T_robot_flange)
     if q is None:
         raise table.error(
             "position_mm",
             f"the view is out of reach of arm {arm.name}, {away * 1000:.0f} mm at best",
         )
-    return View(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)))
+    return ScanPosture(name, np.deg2rad(np.round(np.rad2deg(q), DIGITS)))
 
 
-def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:
+def _find_posture(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | None, float]:
     """Of the postures (n,) found that bring the flange there, the one nearest to home.
 
     None where no search comes there, with how far [m] the best one stays away.
@@ -110,7 +110,7 @@ def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | N
     found: list[Floats] = []
     best = np.inf
     for start in (np.clip(arm.home, lower, upper), *random):
-        q, away = _searched(robot, arm, T_robot_flange, np.array(start))
+        q, away = _search_posture(robot, arm, T_robot_flange, np.array(start))
         best = min(best, away)
         if away == 0.0:
             found.append(q)
@@ -118,7 +118,9 @@ def _solved(robot: Robot, arm: Arm, T_robot_flange: pin.SE3) -> tuple[Floats | N
     return (found[int(np.argmin(turns))] if found else None), best
 
 
-def _searched(robot: Robot, arm: Arm, T_robot_flange: pin.SE3, q: Floats) -> tuple[Floats, float]:
+def _search_posture(
+    robot: Robot, arm: Arm, T_robot_flange: pin.SE3, q: Floats
+) -> tuple[Floats, float]:
     """Where a search from one posture ends, and how far [m] from there; 0.0 where it arrives."""
     lower, upper, _ = robot.limits(arm.joints)
     for _ in range(STEPS):

@@ -15,7 +15,7 @@ from workbench.formats.robots.remarks import Remarks
 from workbench.formats.robots.urdf import robot_of
 from workbench.formats.robots.urdf_geometry import Shapes, read_colours
 from workbench.formats.robots.urdf_joints import Follower
-from workbench.formats.robots.xacro_files import Expanded, expanded, is_xacro
+from workbench.formats.robots.xacro_files import Expanded, expand_xacro, is_xacro
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
 from workbench.model.robot import Robot
@@ -57,7 +57,7 @@ def read_description(
     """
     packages = Packages(path, package_paths)
     if is_xacro(path):
-        source = expanded(path, arguments or {}, packages)
+        source = expand_xacro(path, arguments or {}, packages)
     else:
         unused = ("it is no xacro file, so it takes no arguments",) if arguments else ()
         source = Expanded(read_whole(path, LARGEST_FILE), unused)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.files.xml_elements import Element
 from workbench.formats.robots.packages import Packages
@@ -64,7 +64,7 @@ def _beside(element: Element, name: str, plain: str, packages: Packages) -> Path
 
 def _missing(element: Element, name: str, problem: str) -> MissingMesh:
     place = f"{element.place}{element.line}"
-    return MissingMesh(element.path, f"{place}: filename={shown(name)}: {problem}")
+    return MissingMesh(element.path, f"{place}: filename={quote(name)}: {problem}")
 
 
 def _in(folder: Path, name: str) -> Path | None:

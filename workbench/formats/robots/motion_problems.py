@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.formats.files.json_keys import read_json
-from workbench.formats.files.toml_keys import Table, shown
+from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import is_file
 from workbench.formats.robots.urdf import read_srdf, read_urdf
 from workbench.model.errors import InputError
@@ -91,7 +91,7 @@ def read_motion_problems(folder: Path, robot: str | None = None) -> tuple[Motion
         raise InputError(f"{folder}: there are no motion problems (*.json) in it")
     if not wanted:
         known = ", ".join(sorted(set(names)))
-        raise InputError(f"{folder}: no problems for robot {shown(robot)}; there are for {known}")
+        raise InputError(f"{folder}: no problems for robot {quote(robot)}; there are for {known}")
     robots: dict[Path, Robot] = {}
     sets: list[MotionSet] = []
     for k in wanted:
@@ -105,7 +105,7 @@ def read_motion_problems(folder: Path, robot: str | None = None) -> tuple[Motion
 def _robot_name(table: Table) -> str:
     name = table.text("robot")
     if not re.fullmatch(NAME, name):
-        raise table.error("robot", f"{shown(name)} is not the name of a robot")
+        raise table.error("robot", f"{quote(name)} is not the name of a robot")
     return name
 
 
@@ -131,13 +131,13 @@ def _problem(table: Table, robot: Robot) -> MotionProblem:
     moving = tuple(joint.name for joint in movable if joint.name in start)
     if len(moving) != len(start) or not moving:
         still = [name for name in start if name not in moving]
-        problem = f"joint {shown(still[0])} is fixed" if still else "names no joint"
+        problem = f"joint {quote(still[0])} is fixed" if still else "names no joint"
         raise table.error("start", problem)
     for joint in movable:
         if joint.name not in start and joint.name not in others:
-            raise table.error("start", f"joint {shown(joint.name)} is missing, here and in others")
+            raise table.error("start", f"joint {quote(joint.name)} is missing, here and in others")
     if start.keys() != goal.keys():
-        names = ", ".join(shown(name) for name in moving)
+        names = ", ".join(quote(name) for name in moving)
         raise table.error("goal", f"the joints of start are expected: {names}")
     fixed = {name: value for name, value in others.items() if name not in start}
     held = replace(robot, joints=tuple(_fix(joint, fixed) for joint in robot.joints))

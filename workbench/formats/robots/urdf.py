@@ -11,7 +11,7 @@ Source: https://wiki.ros.org/urdf/XML
 from pathlib import Path
 from typing import Literal
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.xml_elements import Element, read_xml
 from workbench.formats.robots.packages import Packages
 from workbench.formats.robots.remarks import Remarks
@@ -77,7 +77,7 @@ def robot_of(
         raise FileError(path, "has no links")
     for name in hull_except or ():
         if name not in links:
-            raise FileError(path, f"has no link {shown(name)} whose meshes could stay as they are")
+            raise FileError(path, f"has no link {quote(name)} whose meshes could stay as they are")
     followers: list[Follower] = []
     joints = [
         read_joint(element.named(element.text("name")), links, remarks, followers)
@@ -87,7 +87,7 @@ def robot_of(
     there = {joint.name for joint in joints}
     for follower in followers:
         if follower.leader not in there:
-            joint, leader = shown(follower.joint.name), shown(follower.leader)
+            joint, leader = quote(follower.joint.name), quote(follower.leader)
             problem = f"joint {joint}: there is no joint {leader} to mimic"
             remarks.pass_over(FileError(path, problem), "it stands still")
     robot = Robot(root.text("name", path.stem), tuple(links.values()), ordered)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.xml_elements import Element
 from workbench.formats.robots.remarks import Remarks
 from workbench.formats.robots.urdf_geometry import read_pose
@@ -65,7 +65,7 @@ def read_joint(
     """
     name, declared = element.text("name"), element.text("type")
     if declared not in KINDS:
-        error = element.error(f"type={shown(declared)} is not one of {', '.join(KINDS)}")
+        error = element.error(f"type={quote(declared)} is not one of {', '.join(KINDS)}")
         if declared not in LOOSE:
             raise error
         remarks.pass_over(error, "stands still")
@@ -110,7 +110,7 @@ def _end(element: Element, tag: str, links: Iterable[str]) -> str:
         raise element.error(f"has no <{tag}>")
     link = end.text("link")
     if link not in links:
-        raise end.error(f"there is no link {shown(link)}")
+        raise end.error(f"there is no link {quote(link)}")
     return link
 
 
@@ -178,21 +178,21 @@ def as_tree(path: Path, links: Iterable[str], joints: list[Joint]) -> tuple[Join
     """
     for name, times in Counter(joint.name for joint in joints).items():
         if times > 1:
-            raise FileError(path, f"joint {shown(name)} is there {times} times")
+            raise FileError(path, f"joint {quote(name)} is there {times} times")
     children = Counter(joint.child for joint in joints)
     for name, times in children.items():
         if times > 1:
-            ends = ", ".join(shown(joint.name) for joint in joints if joint.child == name)
+            ends = ", ".join(quote(joint.name) for joint in joints if joint.child == name)
             raise FileError(
                 path,
-                f"link {shown(name)} is the child of {times} joints ({ends}), as where rods close "
+                f"link {quote(name)} is the child of {times} joints ({ends}), as where rods close "
                 "a chain; leave out all but the one that a motor turns",
             )
     roots = [name for name in links if name not in children]
     if not roots:
         raise FileError(path, "no link is the root: the joints make a circle")
     if len(roots) > 1:
-        listed = ", ".join(shown(name) for name in roots[:5])
+        listed = ", ".join(quote(name) for name in roots[:5])
         raise FileError(path, f"one link must be the root, these {len(roots)} are: {listed}")
     onward: defaultdict[str, list[Joint]] = defaultdict(list)
     for joint in joints:
@@ -202,5 +202,5 @@ def as_tree(path: Path, links: Iterable[str], joints: list[Joint]) -> tuple[Join
         ordered += onward[joint.child]
     if len(ordered) < len(joints):
         left = next(joint for joint in joints if joint not in ordered)
-        raise FileError(path, f"joint {shown(left.name)} is part of a circle")
+        raise FileError(path, f"joint {quote(left.name)} is part of a circle")
     return tuple(ordered)

@@ -22,7 +22,7 @@ the same pieces.
 """
 
 
-def simplified(
+def simplify_robot(
     robot: Robot,
     *,
     tolerance: float,

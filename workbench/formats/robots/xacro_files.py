@@ -17,7 +17,7 @@ from xml.parsers.expat import ExpatError
 
 import xacro
 
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import is_file, is_folder, read_whole
 from workbench.formats.files.xml_elements import LARGEST_FILE
 from workbench.formats.robots.packages import MANIFEST, Packages
@@ -72,7 +72,7 @@ def is_xacro(path: Path) -> bool:
     return bool(NEEDS_XACRO.search(COMMENT.sub(b"", read_whole(path, LARGEST_FILE))))
 
 
-def expanded(
+def expand_xacro(
     path: Path, arguments: Mapping[str, str], packages: Packages | None = None
 ) -> Expanded:
     """The URDF that a xacro file stands for.
@@ -106,7 +106,7 @@ def expanded(
     if not LINK.search(content):
         raise FileError(path, f"has no links{_why_no_links(path, content)}")
     unused = (name for name in arguments if name not in given.used)
-    notes = [f"xacro argument {shown(name)} is not one that this file asks for" for name in unused]
+    notes = [f"xacro argument {quote(name)} is not one that this file asks for" for name in unused]
     without = (f"what it adds is left out: {sentence}" for sentence in finder.missing)
     return Expanded(content, (*without, *notes))
 
@@ -239,7 +239,7 @@ def _problem(path: Path, error: BaseException, finder: _Finder, given: "_Argumen
         return f"cannot be expanded by xacro{where}: is not valid XML: {error}"
     name = _argument_of(error)
     if name is not None:
-        return f"needs the xacro argument {shown(name)}: give it as --xacro {name}:=VALUE"
+        return f"needs the xacro argument {quote(name)}: give it as --xacro {name}:=VALUE"
     if missing is not None:
         return (
             f"cannot be expanded by xacro{where}{line}: "
@@ -266,7 +266,7 @@ def _circle(path: Path, stack: list[Path]) -> str:
     if not macros:
         return f"{where}: an expression leads back to itself"
     name = macros[-1].body.getAttribute("name")
-    return f"{where}{line_of_call(inner, name)}: macro {shown(name)} calls itself"
+    return f"{where}{line_of_call(inner, name)}: macro {quote(name)} calls itself"
 
 
 def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
@@ -293,7 +293,7 @@ def _lacking(path: Path, missing: Path, given: "_Arguments") -> str:
         value = "VALUE"
         if arguments[name] == missing.name:
             value = str(next(_of_that_name(path, missing.name), value))
-        return f"{said}; its argument {name} is {shown(arguments[name])}: --xacro {name}:={value}"
+        return f"{said}; its argument {name} is {quote(arguments[name])}: --xacro {name}:={value}"
     return said
 
 
@@ -328,4 +328,4 @@ def _why_no_links(path: Path, content: bytes) -> str:
         if file.name != path.name and path.name.encode() in read_whole(file, LARGEST_FILE)
     ]
     instead = f"; take one that includes it: {', '.join(calls[:MOST_LISTED])}" if calls else ""
-    return f": it only defines {', '.join(map(shown, macros[:3]))} for other files{instead}"
+    return f": it only defines {', '.join(map(quote, macros[:3]))} for other files{instead}"

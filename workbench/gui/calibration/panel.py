@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import viser
 
-from workbench.app.calibration.calibration import calibrated, with_calibration
+from workbench.app.calibration.calibration import compute_calibration, with_calibration
 from workbench.app.core.cell.changes import ChangeCell, SaveCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.scanning import SightPlate, UseObservations
@@ -214,7 +214,7 @@ class CalibrationPanel:
             if not left:
                 raise InputError(CalibrationText.NO_POSE(arm=arm.name))
         except InputError as error:
-            visitor.tell("No suggestion", visitor.words.render(error.message))
+            visitor.notify("No suggestion", visitor.words.render(error.message))
             return
         finally:
             self._suggest.disabled, self._suggest.label = False, SUGGEST
@@ -272,7 +272,7 @@ class CalibrationPanel:
     def _applied(self) -> Command:
         by = self._who()
         state = self._visitor.bench.state
-        found = calibrated(state.cell, state.observations)
+        found = compute_calibration(state.cell, state.observations)
         cell = with_calibration(state.cell, found, time.time(), by)
         says = EditText.CALIBRATED(by=by, used=found.used)
         return ChangeCell(cell, says)

@@ -13,8 +13,8 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import (
     COLUMNS,
     PAGE,
+    CandidateOrder,
     Column,
-    Order,
     candidates_html,
     chosen_html,
     funnel_html,
@@ -47,7 +47,7 @@ class CandidatesPanel:
         """
         self._visitor = visitor
         self._redraw = redraw
-        self._order = self._drawn = Order()
+        self._order = self._drawn = CandidateOrder()
         self._shown: tuple[int, ...] = ()
         gui = visitor.gui
         self._funnel = gui.add_html("")
@@ -187,7 +187,7 @@ class CandidatesPanel:
     def _turn(self, step: int) -> None:
         self._reorder(replace(self._order, page=max(0, self._order.page + step)))
 
-    def _reorder(self, order: Order) -> None:
+    def _reorder(self, order: CandidateOrder) -> None:
         self._order = order
         self._redraw()
 
@@ -196,7 +196,7 @@ class CandidatesPanel:
         if place >= len(shown):
             return
         if problem := visitor.lacks(visitor.bench.state, TakeScan):
-            visitor.tell("Refused", problem)
+            visitor.notify("Refused", problem)
             return
         look = visitor.look
         visitor.own.change(thing="")

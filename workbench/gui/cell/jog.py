@@ -8,7 +8,7 @@ import pinocchio as pin
 from workbench.app.core.state import State
 from workbench.gui.shared.look import Jogged
 from workbench.model.geometry import Floats
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, is_solution
 
@@ -40,7 +40,7 @@ class JogFinder:
             self._key = key
         world = self._world
         openings = {arm.name: arm.tool.stroke[1] for arm in state.cell.arms}
-        world.enter(Phase(frozenset(openings), openings))
+        world.enter(LegPhase(frozenset(openings), openings))
         whole = world.configuration(q)
         contacts = world.contacts(whole)
         meets = tuple(touch for contact in contacts for touch in world.placed(whole, contact.pair))

@@ -20,7 +20,7 @@ from workbench.gui.shared.look import View
 from workbench.gui.shared.things import shown_pose, typed_pose, with_home, with_places
 from workbench.gui.shared.views import sentence
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cell import CellText
+from workbench.gui.texts.cell import CellPageText
 from workbench.model.cell import Arm
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
@@ -80,7 +80,7 @@ class JogControls:
             low, high = sorted((sign * math.degrees(lower[k]), sign * math.degrees(upper[k])))
             sliders.append(
                 gui.add_slider(
-                    self._visitor.words.render(CellText.AXIS(number=axis + 1)),
+                    self._visitor.words.render(CellPageText.AXIS(number=axis + 1)),
                     min=math.ceil(low * 10) / 10,
                     max=math.floor(high * 10) / 10,
                     step=0.1,

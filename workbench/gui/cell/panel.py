@@ -30,7 +30,7 @@ from workbench.gui.shared.things import (
 )
 from workbench.gui.shared.views import not_redone, not_saved, not_undone
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cell import CellText
+from workbench.gui.texts.cell import CellPageText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
@@ -95,7 +95,7 @@ class CellPanel:
             self._jog = JogControls(visitor)
             self._tools = {
                 arm.name: gui.add_dropdown(
-                    visitor.words.render(CellText.TOOL_OF(arm=arm.name)),
+                    visitor.words.render(CellPageText.TOOL_OF(arm=arm.name)),
                     tuple(tool.name for tool in arm.tools),
                     initial_value=arm.tool.name,
                     hint="What the arm carries now: change it here when you have changed it there.",
@@ -117,7 +117,7 @@ class CellPanel:
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
         self._view = new
-        self._inputs.tell(old, new)
+        self._inputs.show_drag(old, new)
         state, cell = new.state, new.state.cell
         if old is None or old.state.cell is not cell:
             self._tree.content = tree_html(cell, self._visitor.words)

@@ -6,7 +6,7 @@ import viser
 from workbench.app.core.cell.making import AddTool
 from workbench.app.core.command import Command
 from workbench.app.core.state import State
-from workbench.formats.cells.drawn_tools import Drawing, DrawnTool, SuctionLip, TwoFingers
+from workbench.formats.cells.drawn_tools import CadDrawing, DrawnTool, SuctionLip, TwoFingers
 from workbench.gui.shared.things import ANGLES, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.uploads.cad_pick import CadPick
@@ -113,7 +113,7 @@ class ToolUpload:
                 np.array(self._size.value) / 1000,
                 self._stroke.value / 1000,
                 force,
-                self._finger.drawing or Drawing(),
+                self._finger.drawing or CadDrawing(),
             )
         else:
             takes_by = SuctionLip(

@@ -7,7 +7,7 @@ from workbench.app.core.state import State
 from workbench.gui.scene.marks import measured_text
 from workbench.gui.shared.look import NO_REACH, UNKNOWN_REACH, Jogged
 from workbench.gui.shared.views import line
-from workbench.gui.texts.cell import CellText
+from workbench.gui.texts.cell import CellPageText
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, finest
 from workbench.model.messages.message import Message, as_message
@@ -20,11 +20,11 @@ MOST_CONTACTS = 8
 def cell_line(state: State, words: Words = IN_ENGLISH) -> str:
     """Whether the cell is as in its file, and what is wrong with the file."""
     if state.cell_problem:
-        refused = CellText.FILE_REFUSED(problem=as_message(state.cell_problem))
+        refused = CellPageText.FILE_REFUSED(problem=as_message(state.cell_problem))
         return line(words.render(refused), kind="bad")
     if not state.is_saved:
-        return line(words.render(CellText.CHANGED(count=len(state.before))))
-    return line(words.render(CellText.AS_IN_FILE(digest=state.cell.digest[:12])), kind="hint")
+        return line(words.render(CellPageText.CHANGED(count=len(state.before))))
+    return line(words.render(CellPageText.AS_IN_FILE(digest=state.cell.digest[:12])), kind="hint")
 
 
 def tree_html(cell: Cell, words: Words = IN_ENGLISH) -> str:
@@ -38,14 +38,14 @@ def tree_html(cell: Cell, words: Words = IN_ENGLISH) -> str:
 
     arms = [
         branch(
-            CellText.ARM(arm=arm.name, axes=len(arm.joints), flange=arm.flange),
+            CellPageText.ARM(arm=arm.name, axes=len(arm.joints), flange=arm.flange),
             (
                 _carries(arm),
-                (CellText.PLACES_KEEP if arm.keeps_parts else CellText.PLACES)(
+                (CellPageText.PLACES_KEEP if arm.keeps_parts else CellPageText.PLACES)(
                     count=len(arm.Ts_world_place) + len(arm.part_places)
                 ),
                 *(
-                    CellText.AXIS_JOINT(number=number, joint=arm.joints[joint])
+                    CellPageText.AXIS_JOINT(number=number, joint=arm.joints[joint])
                     for number, joint in enumerate(arm.axis_order, 1)
                 ),
             ),
@@ -54,42 +54,42 @@ def tree_html(cell: Cell, words: Words = IN_ENGLISH) -> str:
     ]
     parts = [
         branch(
-            CellText.PART(name=part.name, mass=part.mass),
+            CellPageText.PART(name=part.name, mass=part.mass),
             (
-                CellText.GRASPS(count=len(part.library.grasps)),
-                CellText.PIECES(count=len(finest(part.pieces))),
-                CellText.TRIANGLES(count=len(part.mesh.triangles)),
+                CellPageText.GRASPS(count=len(part.library.grasps)),
+                CellPageText.PIECES(count=len(finest(part.pieces))),
+                CellPageText.TRIANGLES(count=len(part.mesh.triangles)),
             ),
         )
         for part in cell.parts
     ]
     fixtures = branch(
-        CellText.FIXTURES(count=len(cell.fixtures)),
+        CellPageText.FIXTURES(count=len(cell.fixtures)),
         (
-            CellText.FIXTURE(name=fixture.name, count=len(fixture.solids))
+            CellPageText.FIXTURE(name=fixture.name, count=len(fixture.solids))
             for fixture in cell.fixtures
         ),
     )
     shapes = sum(map(_solids, cell.robot.links))
     robot = branch(
-        CellText.ROBOT(name=cell.robot.name),
+        CellPageText.ROBOT(name=cell.robot.name),
         (
-            CellText.LINKS(links=len(cell.robot.links), shapes=shapes),
-            CellText.PAIRS(count=len(cell.robot.disabled_pairs)),
+            CellPageText.LINKS(links=len(cell.robot.links), shapes=shapes),
+            CellPageText.PAIRS(count=len(cell.robot.disabled_pairs)),
         ),
     )
     scanner, controller = cell.scanner, cell.controller
     columns, rows = scanner.resolution
-    pixels = CellText.PIXELS(width=columns, height=rows)
+    pixels = CellPageText.PIXELS(width=columns, height=rows)
     rest = [
-        branch(CellText.BIN(), _bin(cell)),
+        branch(CellPageText.BIN(), _bin(cell)),
         branch(
-            CellText.SCANNER(source=scanner.source),
-            (CellText.NAME(name=scanner.address), pixels) if scanner.address else (pixels,),
+            CellPageText.SCANNER(source=scanner.source),
+            (CellPageText.NAME(name=scanner.address), pixels) if scanner.address else (pixels,),
         ),
         branch(
-            CellText.CONTROLLER(link=controller.link),
-            (CellText.ADDRESS(host=controller.host, port=controller.port),),
+            CellPageText.CONTROLLER(link=controller.link),
+            (CellPageText.ADDRESS(host=controller.host, port=controller.port),),
         ),
     ]
     return f'<div class="wb-tree">{"".join([robot, *arms, *parts, fixtures, *rest])}</div>'
@@ -98,15 +98,15 @@ def tree_html(cell: Cell, words: Words = IN_ENGLISH) -> str:
 def _carries(arm: Arm) -> Message:
     """The tool of an arm, and those that it can change to."""
     if not arm.tools[1:]:
-        return CellText.CARRIES(tool=arm.tool.name)
-    return CellText.CAN_CARRY(tool=arm.tool.name, tools=[tool.name for tool in arm.tools])
+        return CellPageText.CARRIES(tool=arm.tool.name)
+    return CellPageText.CAN_CARRY(tool=arm.tool.name, tools=[tool.name for tool in arm.tools])
 
 
 def _bin(cell: Cell) -> tuple[Message, ...]:
     """The size of the bin, and its regions."""
     length, width, height = map(float, cell.bin.size)
-    inside = CellText.INSIDE if cell.bin.has_walls else CellText.NO_WALLS
-    regions = (CellText.REGION(name=region.name) for region in cell.bin.regions)
+    inside = CellPageText.INSIDE if cell.bin.has_walls else CellPageText.NO_WALLS
+    regions = (CellPageText.REGION(name=region.name) for region in cell.bin.regions)
     return inside(length=length, width=width, height=height), *regions
 
 
@@ -132,11 +132,11 @@ def reach_line(arm: str, reached: tuple[Floats, Floats] | None, words: Words = I
     if not arm:
         return ""
     if reached is None or reached is NO_REACH:
-        return line(words.render(CellText.REACH_COMPUTING(arm=arm)), kind="hint")
+        return line(words.render(CellPageText.REACH_COMPUTING(arm=arm)), kind="hint")
     if reached is UNKNOWN_REACH:
-        return line(words.render(CellText.REACH_FAILED(arm=arm)), kind="bad")
+        return line(words.render(CellPageText.REACH_FAILED(arm=arm)), kind="bad")
     if not len(reached[0]):
-        return line(words.render(CellText.REACH_NOWHERE(arm=arm)), kind="warn")
+        return line(words.render(CellPageText.REACH_NOWHERE(arm=arm)), kind="warn")
     return line("Green: the tool can point straight down at any turn there; orange: at some.")
 
 
@@ -148,7 +148,7 @@ def contacts_html(jogged: Jogged | None, words: Words = IN_ENGLISH) -> str:
         if jogged.pair is None:
             return line("Clear of everything by more than 100 mm.")
         first, second = jogged.pair
-        nearest = CellText.NEAREST(first=first, second=second, clearance=jogged.clearance)
+        nearest = CellPageText.NEAREST(first=first, second=second, clearance=jogged.clearance)
         return line(words.render(nearest))
     rows = "".join(
         f"<tr><td>{escape(contact.pair[0])}</td><td>{escape(contact.pair[1])}</td>"
@@ -156,7 +156,7 @@ def contacts_html(jogged: Jogged | None, words: Words = IN_ENGLISH) -> str:
         for contact in jogged.contacts[:MOST_CONTACTS]
     )
     more = len(jogged.contacts) - MOST_CONTACTS
-    rest = line(words.render(CellText.MORE_PAIRS(count=more)), kind="hint") if more > 0 else ""
+    rest = line(words.render(CellPageText.MORE_PAIRS(count=more)), kind="hint") if more > 0 else ""
     return (
         '<table class="wb-facts wb-contacts"><thead><tr><th>Too close</th><th></th>'
         f'<th class="wb-number">Distance</th></tr></thead><tbody>{rows}</tbody></table>{rest}'
@@ -165,5 +165,5 @@ def contacts_html(jogged: Jogged | None, words: Words = IN_ENGLISH) -> str:
 
 def _distance(metres: float) -> Message:
     if metres < 0:
-        return CellText.PENETRATION(depth=-metres)
-    return CellText.DISTANCE(distance=metres)
+        return CellPageText.PENETRATION(depth=-metres)
+    return CellPageText.DISTANCE(distance=metres)

@@ -141,7 +141,7 @@ class ApprovalDialog:
         command, joints = Approve(plan, *self._chosen(), row), new.live.joints
         if problem := self._visitor.refusal(new.state, command, new.at, joints):
             self.close()
-            self._visitor.tell("Approval closed", self._visitor.words.render(problem))
+            self._visitor.notify("Approval closed", self._visitor.words.render(problem))
 
     def close(self) -> None:
         """Take the dialog away."""

@@ -186,10 +186,10 @@ def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message:
 
 
 def _preview(state: State) -> Message:
-    people = [name for name in state.watched if name not in state.told]
+    people = [name for name in state.watched if name not in state.watched_elsewhere]
     played = ApprovalText.PLAYED(people=people) if people else ApprovalText.NOT_PLAYED()
-    if state.told:
-        return ApprovalText.PLAYED_ELSEWHERE(played=played, people=state.told)
+    if state.watched_elsewhere:
+        return ApprovalText.PLAYED_ELSEWHERE(played=played, people=state.watched_elsewhere)
     return played
 
 

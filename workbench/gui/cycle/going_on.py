@@ -17,7 +17,7 @@ from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import task_message
 
@@ -79,7 +79,7 @@ class GoOnButton:
 def _progress(state: State, ahead: Ahead) -> Message | str:
     """How far the next cycle is while this one moves."""
     if state.job is not None:
-        return CycleText.RUNS_MEANWHILE(task=task_message(state.job.name))
+        return CyclePageText.RUNS_MEANWHILE(task=task_message(state.job.name))
     if ahead.brought:
         return "The next cycle is prepared; it counts once the plan has ended well."
     return BESIDE

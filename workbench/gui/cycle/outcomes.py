@@ -10,7 +10,7 @@ from workbench.gui.help.groups import help_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.errors import InputError
 from workbench.model.messages.message import FoundPart, as_message
 from workbench.words.words import Words
@@ -115,11 +115,11 @@ class _PartRow:
         text = str(part)
         if said is not None:
             kind = "result" if said.is_picked else "bad"
-            became = CycleText.PART_PICKED if said.is_picked else CycleText.PART_FAILED
+            became = CyclePageText.PART_PICKED if said.is_picked else CyclePageText.PART_FAILED
             text = words.render(became(part=part))
-            by = CycleText.REPORTED_BY(person=said.by)
+            by = CyclePageText.REPORTED_BY(person=said.by)
             if said.why:
-                by = CycleText.REPORTED_BY_WHY(person=said.by, why=as_message(said.why))
+                by = CyclePageText.REPORTED_BY_WHY(person=said.by, why=as_message(said.why))
             tip = words.render(by)
         self._text.content = line(text, kind=kind, span=1, tip=tip)
         for control in (self._text, self._picked, self._failed):
@@ -127,5 +127,5 @@ class _PartRow:
 
 
 def _label(arm: str, is_picked: bool, words: Words) -> str:
-    text = CycleText.PICKED if is_picked else CycleText.FAILED
+    text = CyclePageText.PICKED if is_picked else CyclePageText.FAILED
     return words.render(text(arm=arm.capitalize()))

@@ -5,12 +5,12 @@ from html import escape
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import State
 from workbench.gui.shared.views import hint, line, mm, said, sentence
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
-from workbench.model.plan import Plan, Proof, floored
+from workbench.model.plan import Plan, Proof, floor_distance
 from workbench.proof.claims.clearance import clearance_message, linear_clearance
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -23,13 +23,13 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     if plan is None:
         return _no_plan_line(state, words)
     if proof is None or not proof.holds:
-        problem = CycleText.NO_PROOF()
+        problem = CyclePageText.NO_PROOF()
         if proof is not None:
-            problem = CycleText.PROOF_FAILS(violation=proof.violations[0].message)
+            problem = CyclePageText.PROOF_FAILS(violation=proof.violations[0].message)
         return line(words.render(problem), kind="bad", tip=PURPOSE)
     result = strategy_message(plan.strategy)
     if unknown := sum(not obstacle.part for obstacle in plan.obstacles):
-        result = CycleText.UNKNOWN_CLEAR(strategy=result, count=unknown)
+        result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     text = said(all_of((result, *plan.remarks)) or result, words)
     kind = "warn" if plan.goes_unseen else "result"
     return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
@@ -53,8 +53,12 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
         (str(len(plan.arms)), "Parts", ""),
-        (mm(floored(proof.clearance)), "Free motion", clearance),
-        ("" if linear is None else mm(floored(max(linear, 0.0))), "Linear motion", clearance),
+        (mm(floor_distance(proof.clearance)), "Free motion", clearance),
+        (
+            "" if linear is None else mm(floor_distance(max(linear, 0.0))),
+            "Linear motion",
+            clearance,
+        ),
     )
     shown = "".join(
         f'<div title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'

@@ -10,7 +10,7 @@ from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clearance_words, line, sentence, short
 from workbench.gui.shared.visitor import Visitor, whole
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import MOST_PICKS, Cell
 from workbench.model.messages.message import FoundPart, Message, all_of
@@ -119,11 +119,11 @@ def row_html(state: State, words: Words = IN_ENGLISH) -> str:
 def row_words(state: State, words: Words = IN_ENGLISH) -> str:
     """How long the row is, and why it ends there; empty where one plan alone was asked for."""
     count = len(state.plans)
-    facts = [CycleText.PICKS(count=count)]
+    facts = [CyclePageText.PICKS(count=count)]
     if any(plan.stations for plan in state.plans):
-        facts.append(CycleText.OVER_STATION())
+        facts.append(CyclePageText.OVER_STATION())
     if state.left_out:
-        facts.append(CycleText.LEFT_OUT(count=len(state.left_out)))
+        facts.append(CyclePageText.LEFT_OUT(count=len(state.left_out)))
     if count + len(state.left_out) < 2 and (not count or not state.row_ends):
         return ""
     return words.render(all_of((LabelText.LIST(items=facts), state.row_ends)))
@@ -142,7 +142,7 @@ def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
         clearance_words(proven_plan.proof, words) if proven_plan.proof.holds else "does not hold"
     )
     plan, proof_digest = short(proven_plan.plan.digest), short(proven_plan.proof.digest)
-    title = words.render(CycleText.DIGESTS(plan=plan, proof=proof_digest))
+    title = words.render(CyclePageText.DIGESTS(plan=plan, proof=proof_digest))
     style = ' style="opacity:.5;text-decoration:line-through"' if is_out else ""
     return (
         f'<tr title="{escape(title)}"{style}><td>{mark}</td><td>{escape(takes)}</td>'
@@ -157,9 +157,9 @@ def _takes(state: State, proven_plan: Proven) -> Message:
     pairs = zip(numbers, proven_plan.plan.arms, strict=True)
     return LabelText.LIST(
         items=[
-            CycleText.TAKES_TO_STATION(part=FoundPart(part), arm=arm.arm, station=arm.station)
+            CyclePageText.TAKES_TO_STATION(part=FoundPart(part), arm=arm.arm, station=arm.station)
             if arm.station
-            else CycleText.TAKES(part=FoundPart(part), arm=arm.arm)
+            else CyclePageText.TAKES(part=FoundPart(part), arm=arm.arm)
             for part, arm in pairs
         ]
     )

@@ -3,7 +3,7 @@
 from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.views import line, said
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.messages.message import Message
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -31,20 +31,20 @@ def send_line(state: State, words: Words = IN_ENGLISH) -> str:
         text = "Nothing sent." if state.phase is Phase.APPROVED else ""
         return line(text, kind="hint", span=1, tip=purpose)
     last, step = state.receipts[-1], step_reported(state)
-    sent = CycleText.MESSAGES_SENT(count=last.done, total=last.total)
+    sent = CyclePageText.MESSAGES_SENT(count=last.done, total=last.total)
     if step and state.plan is not None:
         sent = _step_message(state, step, len(state.plan.sequence))
     if len(state.plans) > 1:
         # They are counted anew for each plan of a row.
-        sent = CycleText.SENT_OF_PLAN(sent=sent, number=len(state.sent_before) + 1)
+        sent = CyclePageText.SENT_OF_PLAN(sent=sent, number=len(state.sent_before) + 1)
     return line(said(sent, words), span=1, tip=purpose)
 
 
 def _step_message(state: State, step: int, steps: int) -> Message:
     match state.phase:
         case Phase.FAULT:
-            return CycleText.ENDED_IN_STEP(number=step, total=steps)
+            return CyclePageText.ENDED_IN_STEP(number=step, total=steps)
         case Phase.DONE:
-            return CycleText.STEPS_DONE(total=steps)
+            return CyclePageText.STEPS_DONE(total=steps)
         case _:
-            return CycleText.STEP(number=step, total=steps)
+            return CyclePageText.STEP(number=step, total=steps)

@@ -6,7 +6,7 @@ from workbench.app.core.cycle.sending import NextStep
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.messages.message import as_message
 
 WIDE = '<div class="wb-wide"></div>'
@@ -67,9 +67,9 @@ class StepButton:
         problem = self._visitor.refusal(state, NextStep(state.waits or 1), new.at)
         button.visible = True
         self._visitor.allow(button, self._visitor.words.render(problem))
-        text = CycleText.BEFORE_STEP(total=len(steps))
+        text = CyclePageText.BEFORE_STEP(total=len(steps))
         if number := state.waits or state.let:
-            text = (CycleText.RUN_STEP if state.waits else CycleText.STEP_RUNS)(
+            text = (CyclePageText.RUN_STEP if state.waits else CyclePageText.STEP_RUNS)(
                 number=number, total=len(steps), legs=as_message(steps[number - 1].words)
             )
         label = self._visitor.words.render(text)

@@ -14,7 +14,7 @@ from workbench.app.core.state import State
 from workbench.gui.scene.slider_drag import SliderDrag
 from workbench.gui.shared.views import forecast_line, line
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.cell import Cell
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -157,10 +157,10 @@ def decides_line(
         return line("Nearer parts are taken one after the other.", kind="hint", span=2)
     far = sum(distance >= threshold for distance in distances)
     low, high = distances[0], distances[-1]
-    apart = CycleText.APART_RANGE(count=far, total=len(distances), low=low, high=high)
+    apart = CyclePageText.APART_RANGE(count=far, total=len(distances), low=low, high=high)
     if low == high:
-        apart = CycleText.APART(count=far, total=len(distances), distance=low)
-    text = (CycleText.COORDINATED if far else CycleText.ALTERNATED)(apart=apart)
+        apart = CyclePageText.APART(count=far, total=len(distances), distance=low)
+    text = (CyclePageText.COORDINATED if far else CyclePageText.ALTERNATED)(apart=apart)
     return line(
         words.render(text),
         span=2,

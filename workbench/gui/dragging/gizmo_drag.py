@@ -111,10 +111,10 @@ def follow(
             except InputError as error:
                 if is_over:
                     put_back()
-                    visitor.tell("Refused", str(error))
+                    visitor.notify("Refused", str(error))
                 return
             if drag.is_believed(event.phase, stood(), T_now):
                 moved(T_now, is_over)
             elif is_over:
                 put_back()
-                visitor.tell(*NOT_BELIEVED)
+                visitor.notify(*NOT_BELIEVED)

@@ -9,7 +9,7 @@ import viser
 
 from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
 from workbench.gui.dragging.verdicts import LiveVerdicts
-from workbench.gui.dragging.views import Room, dragged_html
+from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.look import Held, View
 from workbench.gui.shared.own import Carried
@@ -97,31 +97,31 @@ class PoseInputs:
             self._T_world_frame = frame
             self._put(T)
 
-    def tell(self, old: View | None, new: View) -> None:
-        """Bring what is told while it is dragged from `old` to `new`."""
+    def show_drag(self, old: View | None, new: View) -> None:
+        """Show the values of a drag from `old` to `new`."""
         if (
             old is None
             or old.own.dragged is not new.own.dragged
             or old.state.detections is not new.state.detections
         ):
-            self._tell_verdicts()
+            self._show_verdicts()
 
     def _put(self, T: pin.SE3) -> None:
         self._T = pin.SE3(T)
-        self._tell_numbers(T)
+        self._show_numbers(T)
         if self._gizmo is not None:
             place(self._gizmo, T)
 
-    def _tell_verdicts(self) -> None:
+    def _show_verdicts(self) -> None:
         """The text about the candidates; with a gizmo there is room for it before a drag."""
-        room = Room.NONE if self._gizmo is None else Room.EMPTY
+        room = VerdictRoom.NONE if self._gizmo is None else VerdictRoom.EMPTY
         if self._gizmo is not None and self._visitor.bench.state.detections:
-            room = Room.TOLD
+            room = VerdictRoom.HINT
         content = dragged_html(self._visitor.own.now.dragged, room, self._visitor.words)
         if self._told.content != content:
             self._told.content = content
 
-    def _tell_numbers(self, T: pin.SE3) -> None:
+    def _show_numbers(self, T: pin.SE3) -> None:
         self._position.value, self._angles.value = shown_pose(self._T_world_frame.actInv(T))
 
     def _typed_pose(self) -> pin.SE3:
@@ -136,7 +136,7 @@ class PoseInputs:
             self._verdicts.end()
             self._gizmo.remove()
             self._gizmo, self._switch.label = None, "Show gizmo"
-            self._tell_verdicts()
+            self._show_verdicts()
 
     def _turn(self) -> None:
         """Show the gizmo in this browser, or take it away."""
@@ -146,7 +146,7 @@ class PoseInputs:
         gizmo = add_gizmo(self._visitor, self._name, self._size, self._T)
         self._gizmo, self._switch.label = gizmo, "Hide gizmo"
         self._verdicts.prepare()
-        self._tell_verdicts()
+        self._show_verdicts()
 
         follow(
             gizmo,
@@ -159,7 +159,7 @@ class PoseInputs:
 
     def _on_dragged(self, T: pin.SE3, is_over: bool) -> None:
         # From the numbers that are shown: what a person reads is what is meant.
-        self._tell_numbers(T)
+        self._show_numbers(T)
         visitor = self._visitor
         held = Held(visitor.person.name, visitor.number, self._typed_pose())
         visitor.look.change(held=None if is_over else held)

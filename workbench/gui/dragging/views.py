@@ -13,20 +13,22 @@ from workbench.words.words import IN_ENGLISH, Words
 BEFORE = "While you drag, this says how many candidates would work there."
 
 
-class Room(enum.Enum):
+class VerdictRoom(enum.Enum):
     """What stands where verdicts will stand, so that nothing below moves as a drag begins."""
 
     NONE = enum.auto()
     EMPTY = enum.auto()
-    TOLD = enum.auto()
+    HINT = enum.auto()
 
 
-def dragged_html(dragged: Dragged | None, room: Room = Room.NONE, words: Words = IN_ENGLISH) -> str:
+def dragged_html(
+    dragged: Dragged | None, room: VerdictRoom = VerdictRoom.NONE, words: Words = IN_ENGLISH
+) -> str:
     """How many candidates would work, and how many would be refused why; for None the `room`."""
-    if dragged is None and room is Room.NONE:
+    if dragged is None and room is VerdictRoom.NONE:
         return ""
     if dragged is None:
-        note = line(BEFORE, kind="hint") if room is Room.TOLD else ""
+        note = line(BEFORE, kind="hint") if room is VerdictRoom.HINT else ""
         return f'<div class="wb-live">{note}</div>'
     counts = Counter(kinds_in(dragged.glance))
     chips = "".join(

@@ -75,7 +75,7 @@ class FilmScene:
             if before is None or before.T_world_part is not part.T_world_part:
                 place(self._nodes[part.number], part.T_world_part)
             if before is None or (before.kind, was_chosen) != (part.kind, is_chosen):
-                self._tell(part, is_chosen)
+                self._colour_part(part, is_chosen)
             self._shown[part.number] = part, is_chosen
 
     def _add(self, cell: Cell, part: FilmPart) -> None:
@@ -86,7 +86,7 @@ class FilmScene:
         mesh.on_click(partial(self._on_pressed, part.number))
         self._meshes[part.number] = mesh
 
-    def _tell(self, part: FilmPart, is_chosen: bool) -> None:
+    def _colour_part(self, part: FilmPart, is_chosen: bool) -> None:
         """Colour a part, and say why it stays where that is reported."""
         colour = left_colour(part.kind) if part.kind else part_colour(part.number)
         self._meshes[part.number].color = rgb_of(colour)

@@ -14,7 +14,7 @@ log = logging.getLogger(__name__)
 LOOKING = Help("looking for the nearest fix …")
 
 
-class Fixes:
+class FixFinder:
     """Finds the nearest fix of one candidate after the other, and remembers it.
 
     Lifetime: until `close`.

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.gui.drawing.audience import Span
-from workbench.gui.scene.surroundings import FIELD_OF_VIEW, Camera, framed, look_direction
+from workbench.gui.scene.surroundings import FIELD_OF_VIEW, BrowserCamera, framed, look_direction
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import Run, interpolated, latest
@@ -38,7 +38,7 @@ THERE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class HandWays:
     """The hands of a row of plans as they move; made once for a cell and its timeline."""
 
     cell: Cell
@@ -65,7 +65,7 @@ class Way:
         return np.concatenate([np.zeros((0, 3)), *map(self.hands, times)])
 
 
-def are_seen(camera: Camera, points: Floats) -> bool:
+def are_seen(camera: BrowserCamera, points: Floats) -> bool:
     """Whether all points (n, 3) [m] are in a camera's picture, and near enough to be made out."""
     if not len(points):
         return True
@@ -79,7 +79,7 @@ def are_seen(camera: Camera, points: Floats) -> bool:
     return bool(np.all((away > 0.0) & is_inside & is_large))
 
 
-def look_at_hands(way: Way, points: Floats, camera: Camera) -> tuple[Floats, Floats]:
+def look_at_hands(way: HandWays, points: Floats, camera: BrowserCamera) -> tuple[Floats, Floats]:
     """From where a camera holds the whole cell, and hands at these points (n, 3) [m].
 
     Returns:
@@ -98,7 +98,7 @@ class InView:
     """
 
     def __init__(self) -> None:
-        self._way: Way | None = None
+        self._way: HandWays | None = None
         self._asked: tuple[Floats, float, float] | None = None
         self._were_out = False
 
@@ -131,9 +131,9 @@ class InView:
             return False
         position, set_at, until = self._asked
         camera = visitor.client.camera
-        is_told = camera.update_timestamp > set_at
+        is_updated = camera.update_timestamp > set_at
         is_there = bool(np.allclose(camera.position, position, atol=THERE))
-        if (is_told and is_there) or time.monotonic() > until:
+        if (is_updated and is_there) or time.monotonic() > until:
             self._asked = None
         return self._asked is not None
 
@@ -143,10 +143,10 @@ class InView:
         were_out, self._were_out = self._were_out, are_out
         return (were_out or are_out) and begin < end
 
-    def _way_of(self, view: View) -> Way:
+    def _way_of(self, view: View) -> HandWays:
         way, cell = self._way, view.state.cell
         if way is None or way.cell is not cell or way.runs is not view.runs:
-            way = self._way = Way(cell, Kinematics(cell), view.runs)
+            way = self._way = HandWays(cell, Kinematics(cell), view.runs)
         return way
 
 

@@ -2,7 +2,7 @@
 
 import viser
 
-from workbench.app.core.cycle.watching import WatchPlan, unwatched
+from workbench.app.core.cycle.watching import WatchPlan, explain_unwatched
 from workbench.app.core.state import Phase, State
 from workbench.gui.drawing.in_view import hidden_message, span_messages
 from workbench.gui.shared.look import View
@@ -56,7 +56,7 @@ def watched_message(view: View, actor: str) -> Message | str | None:
         return None
     if look.is_playing:
         return WatchText.TIME(time=look.time, total=view.plan_seconds)
-    if not unwatched(state, actor):
+    if not explain_unwatched(state, actor):
         return "Played to its end."
     is_begun = sum(end - begin for begin, end in view.unseen) < view.plan_seconds
     return missed_message(view) if view.unseen and is_begun else "Not played yet."

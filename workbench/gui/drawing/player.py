@@ -69,7 +69,7 @@ class Player:
         if audience.is_on and not audience.unseen(view.plan_seconds):
             if not look.is_playing:
                 audience.stop()
-            self._tell_watched(view.state.plans, visitor.person)
+            self._report_watched(view.state.plans, visitor.person)
 
     def drawn(self, view: View) -> None:
         """A view was sent to all browsers."""
@@ -126,9 +126,11 @@ class Player:
             self._key = (number, row)
         return self._audience
 
-    def _tell_watched(self, row: Row, person: Person) -> None:
+    def _report_watched(self, row: Row, person: Person) -> None:
         state = self._bench.state
-        if self._told == row or (person.name in state.watched and person.name not in state.told):
+        if self._told == row or (
+            person.name in state.watched and person.name not in state.watched_elsewhere
+        ):
             return
         self._told = row
         first, *rest = (plan.digest for plan in row)

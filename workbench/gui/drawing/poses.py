@@ -5,7 +5,7 @@ import numpy as np
 from workbench.app.core.state import State
 from workbench.gui.drawing.refusals import refused_pose
 from workbench.gui.shared.look import Pose
-from workbench.gui.texts.scene import PoseText
+from workbench.gui.texts.scene import PosePageText
 from workbench.model.candidate import Candidate, Pick
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import FoundPart, Message, found_part
@@ -51,8 +51,8 @@ class PoseFinder:
         candidate, opening = pick.candidate, pick.candidate.grasp.opening
         place = np.atleast_2d(pick.place)[-1]
         part = FoundPart(candidate.detection)
-        keeps = PoseText.CLEAR_NEAR(margin=world.policy.near_margin, part=part)
-        touches, leaves = PoseText.CLEAR_TOUCH(part=part), PoseText.CLEAR_LEAVE(part=part)
+        keeps = PosePageText.CLEAR_NEAR(margin=world.policy.near_margin, part=part)
+        touches, leaves = PosePageText.CLEAR_TOUCH(part=part), PosePageText.CLEAR_LEAVE(part=part)
         way = [
             Pose("pre-grasp", np.asarray(pick.approach[0]), opening, keeps),
             Pose("grasp", pick.q_grasp, opening, touches),
@@ -64,11 +64,13 @@ class PoseFinder:
         others = [np.asarray(q) for q in pick.solutions if np.abs(q - pick.q_grasp).max() > 1e-3]
         if len(turned) > 1:
             way += [
-                self._looked_at(world, candidate, q, PoseText.ELBOW(number=k, count=len(turned)))
+                self._looked_at(
+                    world, candidate, q, PosePageText.ELBOW(number=k, count=len(turned))
+                )
                 for k, q in enumerate(turned, start=1)
             ]
         way += [
-            self._looked_at(world, candidate, q, PoseText.SOLUTION(number=k, count=len(others)))
+            self._looked_at(world, candidate, q, PosePageText.SOLUTION(number=k, count=len(others)))
             for k, q in enumerate(others, start=1)
         ]
         return tuple(way)
@@ -80,5 +82,5 @@ class PoseFinder:
         if contact is None:
             return Pose(label, q, opening, "clear")
         first, second = map(found_part, contact.pair)
-        note = PoseText.PAIR(first=first, second=second, distance=contact.distance)
+        note = PosePageText.PAIR(first=first, second=second, distance=contact.distance)
         return Pose(label, q, opening, note, world.placed(whole, contact.pair))

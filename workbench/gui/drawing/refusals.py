@@ -16,7 +16,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.verdicts import VerdictText
 from workbench.planning.collision.bodies import part_label, tool_shapes
 from workbench.planning.collision.legs import grips, hand_turns
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import lifts
 from workbench.planning.picking.put_down import ways_at_places
@@ -59,7 +59,7 @@ def _met_by_arm(world: World, candidate: Candidate, q: Floats) -> tuple[float, t
     phases = _holding(world, candidate) if is_holding else [approach_phase(candidate, arm)]
     if verdict.pair is None:
         return grasp.opening, ()
-    best: Phase | None = None
+    best: LegPhase | None = None
     least = np.inf
     for phase in phases:
         world.enter(phase)
@@ -73,7 +73,7 @@ def _met_by_arm(world: World, candidate: Candidate, q: Floats) -> tuple[float, t
     return best.openings[arm.name], world.placed(whole, verdict.pair)
 
 
-def _holding(world: World, candidate: Candidate) -> Iterator[Phase]:
+def _holding(world: World, candidate: Candidate) -> Iterator[LegPhase]:
     """The candidate's part in its hand, in each of the ways in which the grasp may hold it."""
     arm = world.arm(candidate.arm)
     T_world_part = world.detections[candidate.detection].T_world_part

@@ -106,7 +106,7 @@ class FilmControls:
             self._time.value = most if showing.time == 0.0 else 0.0
             self._time.value = min(round(showing.time, 2), most)
 
-    def tell_left(self, html: str) -> None:
+    def show_left(self, html: str) -> None:
         """Say what stays of the chosen pile."""
         self._left.content = html
 
@@ -135,7 +135,7 @@ class FilmControls:
         problem = self._problem(bench.state, bench.live)
         films = bench.live.films
         if problem or films is None or self._pile >= len(films.films):
-            self._visitor.tell("No film", problem or "there is no film of this pile")
+            self._visitor.notify("No film", problem or "there is no film of this pile")
             return None
         return films.films[self._pile]
 

@@ -11,14 +11,14 @@ from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import MOST_PARTS, MOST_PILES, SEED_LIMIT
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.gui.emptying.curves import end_of, taken_plot
 from workbench.gui.emptying.film_controls import FilmControls
 from workbench.gui.emptying.views import (
     COLUMNS,
     NOTHING_YET,
     Column,
-    Order,
+    PileOrder,
     changes_html,
     left_html,
     ordered,
@@ -55,7 +55,7 @@ class EmptyingPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
-        self._order, self._pile = Order(), 0
+        self._order, self._pile = PileOrder(), 0
         self._drawn: tuple[Any, ...] = ()
         gui = visitor.gui
         with group(gui, "Piles to empty"):
@@ -170,9 +170,9 @@ class EmptyingPanel:
         )
         plot = taken_plot(plain, words)
         self._plot.content = plot_html(plot, end_of(plot)) + legend_html(plot)
-        self._film.tell_left(left_html(plain[pile], chosen, self._left_rows, words))
+        self._film.show_left(left_html(plain[pile], chosen, self._left_rows, words))
         if self._brought.visible:
-            self._ranked.content = changes_html(ranked(found.piles, **takes), words)
+            self._ranked.content = changes_html(rank_changes(found.piles, **takes), words)
 
     def _seconds(self) -> tuple[float, float]:
         """What a scan and an approval take; a browser may send any number."""
@@ -185,7 +185,7 @@ class EmptyingPanel:
     def _sort(self, column: Column) -> None:
         order = self._order
         is_same = order.column == column
-        self._order = Order(column, not order.is_descending if is_same else column != "seed")
+        self._order = PileOrder(column, not order.is_descending if is_same else column != "seed")
         self._visitor.own.change()
 
     def _choose(self, place: int) -> None:

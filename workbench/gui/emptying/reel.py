@@ -36,7 +36,7 @@ FAILED = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class ReelStretch:
     """A shot on the film's clock: it begins at `start` [s] with a look, and `runs` after that."""
 
     shot: Shot
@@ -50,7 +50,7 @@ class Reel:
     """All shots of a film one after the other; `seconds` is how long it is."""
 
     film: Film
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[ReelStretch, ...]
     seconds: float
 
 
@@ -60,7 +60,7 @@ def reel_of(film: Film) -> Reel:
     lengths = [LOOK + max((run.end for run in shot_runs), default=0.0) for shot_runs in runs]
     ends = tuple(accumulate(lengths))
     stretches = tuple(
-        Stretch(shot, shot_runs, end - length, end)
+        ReelStretch(shot, shot_runs, end - length, end)
         for shot, shot_runs, length, end in zip(film.shots, runs, lengths, ends, strict=True)
     )
     return Reel(film, stretches, (ends[-1] if ends else 0.0) + LOOK)
@@ -116,7 +116,9 @@ def moment_of(cell: Cell, kinematics: Kinematics, reel: Reel, showing: Showing) 
     )
 
 
-def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> dict[int, pin.SE3]:
+def _parts(
+    cell: Cell, kinematics: Kinematics, stretch: ReelStretch, now: float
+) -> dict[int, pin.SE3]:
     """`T_world_part` of each part that is there `now` [s] on the plan's clock, by its number."""
     poses = {k: detection.T_world_part for k, detection in stretch.shot.before}
     for pick in stretch.shot.picks:
@@ -136,16 +138,16 @@ def _parts(cell: Cell, kinematics: Kinematics, stretch: Stretch, now: float) -> 
     return poses
 
 
-def _was_taken(stretch: Stretch, number: int) -> bool:
+def _was_taken(stretch: ReelStretch, number: int) -> bool:
     return any(pick.number == number for pick in stretch.shot.picks)
 
 
-def _run(stretch: Stretch, pick: FilmedPick, leg: LegName) -> Run:
+def _run(stretch: ReelStretch, pick: FilmedPick, leg: LegName) -> Run:
     return next(run for run in stretch.runs if run.arm == pick.arm and run.leg.name == leg)
 
 
 def _pose_in_hand(
-    cell: Cell, kinematics: Kinematics, stretch: Stretch, pick: FilmedPick, now: float
+    cell: Cell, kinematics: Kinematics, stretch: ReelStretch, pick: FilmedPick, now: float
 ) -> pin.SE3:
     """Where a part is that an arm has taken: in its hand, or where that has let go of it."""
     held = [
@@ -156,7 +158,7 @@ def _pose_in_hand(
     return kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
 
 
-def _doing(film: Film, stretch: Stretch, now: float, taken: int, number: int) -> Message:
+def _doing(film: Film, stretch: ReelStretch, now: float, taken: int, number: int) -> Message:
     """What goes on: which plan, how much is taken, and what the arms do."""
     lifted = [pick for pick in stretch.shot.picks if now >= _run(stretch, pick, "extract").end]
     taken += sum(not pick.outcome for pick in lifted)

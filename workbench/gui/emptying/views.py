@@ -34,7 +34,7 @@ NOTHING_YET = (
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class PileOrder:
     """How one browser sorts the table of piles."""
 
     column: Column = "seed"
@@ -60,7 +60,7 @@ def sort_key(pile: EmptiedPile, column: Column) -> float:
             return pile.motion_seconds
 
 
-def ordered(piles: Sequence[EmptiedPile], order: Order) -> tuple[int, ...]:
+def ordered(piles: Sequence[EmptiedPile], order: PileOrder) -> tuple[int, ...]:
     """Indices of the piles in the order wanted; equal ones keep that of their seeds."""
     return tuple(
         sorted(
@@ -83,28 +83,28 @@ def asked_message(found: Emptying) -> Message:
 
 
 def summary_html(
-    found: Emptying, told: Mapping[str, Any], is_stale: bool, words: Words = IN_ENGLISH
+    found: Emptying, summary: Mapping[str, Any], is_stale: bool, words: Words = IN_ENGLISH
 ) -> str:
     """What came of all piles together.
 
     Args:
         found: the piles.
-        told: their `summary`.
+        summary: their `summary`.
         is_stale: the cell is another one now.
         words: of who reads it.
     """
-    planning, hourly = told["planning_ms"], told["parts_per_hour"]
-    share = told["taken_share"] or 0.0
+    planning, hourly = summary["planning_ms"], summary["parts_per_hour"]
+    share = summary["taken_share"] or 0.0
     picks = EmptyingText.PICKS(
-        count=told["picks"], failed=_failed(told), touches=_touches(told["touches"])
+        count=summary["picks"], failed=_failed(summary), touches=_touches(summary["touches"])
     )
     facts: list[tuple[str, Message | str]] = [
-        ("Taken", _taken(told, share)),
+        ("Taken", _taken(summary, share)),
         ("Picks", picks),
-        *_warn(told),
+        *_warn(summary),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
         ("Planning", "-" if planning is None else _planning(planning)),
-        ("Stay", _reasons(told["left_by_reason"])),
+        ("Stay", _reasons(summary["left_by_reason"])),
     ]
     rows = [(name, words.render(fact)) for name, fact in facts]
     stale = "The cell has changed since; empty the piles again to see what that changes."
@@ -113,18 +113,18 @@ def summary_html(
     return line(words.render(asked_message(found)), kind="hint") + warning + table_html(rows) + bar
 
 
-def _taken(told: Mapping[str, Any], share: float) -> Message:
-    count, total, knocked = told["taken"], told["parts"], told["knocked_out"]
+def _taken(summary: Mapping[str, Any], share: float) -> Message:
+    count, total, knocked = summary["taken"], summary["parts"], summary["knocked_out"]
     if knocked:
         return EmptyingText.TAKEN_KNOCKED(count=count, total=total, share=share, knocked=knocked)
     return EmptyingText.TAKEN(count=count, total=total, share=share)
 
 
-def _failed(told: Mapping[str, Any]) -> Message:
-    count = told["failed_picks"]
+def _failed(summary: Mapping[str, Any]) -> Message:
+    count = summary["failed_picks"]
     kinds = [
         EmptyingText.COUNTED(count=number, kind=plain(kind))
-        for kind, number in told["failed_by_kind"].items()
+        for kind, number in summary["failed_by_kind"].items()
         if number
     ]
     if kinds:
@@ -137,12 +137,12 @@ def _planning(milliseconds: Mapping[str, float]) -> Message:
     return EmptyingText.PLANNING(median=median, most=most)
 
 
-def _warn(told: Mapping[str, Any]) -> list[tuple[str, Message | str]]:
+def _warn(summary: Mapping[str, Any]) -> list[tuple[str, Message | str]]:
     """Picks beside something that was not found, in a row where there are any."""
-    if not told["warned_picks"]:
+    if not summary["warned_picks"]:
         return []
-    touches = _touches(told["warned_touches"])
-    return [("Unseen", EmptyingText.UNSEEN(count=told["warned_picks"], touches=touches))]
+    touches = _touches(summary["warned_touches"])
+    return [("Unseen", EmptyingText.UNSEEN(count=summary["warned_picks"], touches=touches))]
 
 
 def _touches(count: int) -> Message:
@@ -161,7 +161,7 @@ def _reasons(reasons: Mapping[str, int]) -> Message | str:
 def piles_html(
     piles: Sequence[EmptiedPile],
     shown: Sequence[int],
-    order: Order,
+    order: PileOrder,
     chosen: int | None,
     *,
     headings: Mapping[Column, str],

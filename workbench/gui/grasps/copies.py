@@ -14,7 +14,7 @@ from workbench.model.errors import InputError
 from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message
 from workbench.model.part import Entry, GraspPattern, grasps_of
-from workbench.model.part_edits import grasp_of, mirrored, with_grasp
+from workbench.model.part_edits import grasp_of, mirror_entry, with_grasp
 
 PLANES = {"yz": (1.0, 0.0, 0.0), "xz": (0.0, 1.0, 0.0), "xy": (0.0, 0.0, 1.0)}
 """Planes of the part's frame, with their normals."""
@@ -100,7 +100,7 @@ class GraspCopies:
     def _mirrored(self) -> None:
         entry, plane = self._editing.entry, self._plane.value
         if entry is not None and plane in PLANES:
-            copy = mirrored(entry, np.array(PLANES[plane]))
+            copy = mirror_entry(entry, np.array(PLANES[plane]))
             self._add(copy, GraspEditText.MIRRORED(grasp=entry.name, plane=plane))
 
     def _add(self, entry: Entry, says: Message) -> None:
@@ -124,7 +124,7 @@ class GraspCopies:
                 ),
             )
         except InputError as error:
-            self._visitor.tell("Refused", self._visitor.words.render(error.message))
+            self._visitor.notify("Refused", self._visitor.words.render(error.message))
             return
         self._editing.put(
             entry, pattern, GraspEditText.REPEATED(grasp=entry.name, count=pattern.count)

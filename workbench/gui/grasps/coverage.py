@@ -7,7 +7,7 @@ import numpy as np
 import viser
 
 from workbench.gui.grasps.editing import Editing
-from workbench.gui.scene.stage import Stage
+from workbench.gui.scene.stage import GraspStage
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, rgb_of
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor
@@ -31,7 +31,7 @@ class CoverageControls:
     Concurrency: callbacks of viser and the renderer's thread; one thread looks at a time.
     """
 
-    def __init__(self, visitor: Visitor, editing: Editing, stage: Stage):
+    def __init__(self, visitor: Visitor, editing: Editing, stage: GraspStage):
         """Add the controls."""
         self._visitor, self._editing, self._stage = visitor, editing, stage
         self._found: tuple[str, Coverage] | None = None
@@ -90,13 +90,13 @@ class CoverageControls:
             if not self._cancelled.is_set():
                 self._found = _key(part, cell), found
         except WorkbenchError as error:
-            self._visitor.tell("Coverage", self._visitor.words.render(error.message))
+            self._visitor.notify("Coverage", self._visitor.words.render(error.message))
         except Exception as error:
             # A rim: what cannot be looked at leaves the page as it is.
             log.exception("the coverage of a part could not be found")
-            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+            self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
         self._is_looking, self._look.label = False, "Look"
-        self._editing.tell()
+        self._editing.notify()
 
     def _report(self, done: float, note: Message | str) -> None:
         progress = StatisticsText.PROGRESS(done=done, note=as_message(note))

@@ -81,9 +81,9 @@ class Editing:
         self._chosen = self._chosen if entry is None else entry
         self._tool = self._tool if tool is None else tool
         self.lost = None
-        self.tell()
+        self.notify()
 
-    def tell(self) -> None:
+    def notify(self) -> None:
         """Have everybody who shows something look again."""
         for observer in self._observers:
             observer()
@@ -121,11 +121,11 @@ class Editing:
             current = {entry.name: digest_of(entry) for entry in self.part.library.entries}
             if current.get(was.name) != digest_of(was):
                 self.lost = now
-            self.visitor.tell("Refused", str(error))
-            self.tell()
+            self.visitor.notify("Refused", str(error))
+            self.notify()
             return False
         except WorkbenchError as error:
-            self.visitor.tell("Refused", str(error))
+            self.visitor.notify("Refused", str(error))
             return False
         self.choose(entry=now.name)
         return True

@@ -177,7 +177,7 @@ class GraspFields:
         try:
             grasp = self._typed_grasp(entry)
         except InputError as error:
-            self._visitor.tell("Refused", str(error))
+            self._visitor.notify("Refused", str(error))
             return
         current = self._editing.entry
         if current is not None and current.name == entry.name and _differ_in_pose(current, entry):
@@ -195,7 +195,7 @@ class GraspFields:
         T = grasp_of(entry).T_part_tcp
         fitted = self._editing.with_checker(lambda checker: fitted_opening(checker, T))
         if fitted is None:
-            self._visitor.tell("Measure", "there is nothing between the fingers")
+            self._visitor.notify("Measure", "there is nothing between the fingers")
             return
         self._opening.value, self._grip.value = _mm(fitted.opening), _mm(fitted.grip)
 

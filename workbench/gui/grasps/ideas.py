@@ -80,7 +80,7 @@ class SymmetryControls:
         part = self._editing.part
         found = proposed_symmetry(part.mesh)
         self._looked = part.mesh, Symmetry() if found is None else found.symmetry
-        self._editing.tell()
+        self._editing.notify()
 
     def _confirm(self) -> None:
         proposed = self._propose(self._editing.part)

@@ -186,12 +186,12 @@ class LibraryControls:
         try:
             library = read()
         except InputError as error:
-            self._visitor.tell("Refused", self._visitor.words.render(error.message))
+            self._visitor.notify("Refused", self._visitor.words.render(error.message))
             return
         if library is None:
             return
         if digest_of(library) == digest_of(self._editing.part.library):
-            self._visitor.tell("Versions", "the grasps are as in this version already")
+            self._visitor.notify("Versions", "the grasps are as in this version already")
             return
         self._editing.take_library(library.entries, library.pairs, says)
 

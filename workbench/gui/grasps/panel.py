@@ -24,7 +24,7 @@ from workbench.gui.grasps.pose import GraspPose
 from workbench.gui.grasps.stepping import CopySteps
 from workbench.gui.grasps.views import MOST_ROWS, check_line, grasps_html, no_grasp
 from workbench.gui.help.groups import group
-from workbench.gui.scene.stage import Stage, nearest_entry, size_of
+from workbench.gui.scene.stage import GraspStage, nearest_entry, size_of
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import not_redone, not_undone
 from workbench.gui.shared.visitor import Visitor
@@ -54,7 +54,7 @@ class GraspsPanel:
         """Add the controls."""
         self._visitor = visitor
         self._editing = Editing(visitor)
-        self._stage = Stage(visitor.client)
+        self._stage = GraspStage(visitor.client)
         self._is_adding = False
         self._checks: dict[str, GraspCheck | None] = {}
         self._checked = ""
@@ -122,7 +122,7 @@ class GraspsPanel:
             self._uses = new.statistics.grasps()
         if is_counted or old is None or old.state is not new.state:
             self._draw()
-        self._pose.tell(old, new)
+        self._pose.show_drag(old, new)
 
     def _react(self) -> None:
         visitor, editing = self._visitor, self._editing

@@ -111,8 +111,8 @@ class GraspPose:
         elif not (can and is_open):
             self.hide()
 
-    def tell(self, old: View | None, new: View) -> None:
-        """Bring what is told while the hand is dragged from `old` to `new`."""
+    def show_drag(self, old: View | None, new: View) -> None:
+        """Show the values as the hand is dragged from `old` to `new`."""
         if old is None or old.own.dragged is not new.own.dragged:
             self._told.content = dragged_html(new.own.dragged, words=self._visitor.words)
 
@@ -146,7 +146,7 @@ class GraspPose:
         try:
             T = self._editing.with_checker(lambda checker: snap_to_surface(checker, self._T))
         except WorkbenchError as error:
-            self._visitor.tell("Refused", str(error))
+            self._visitor.notify("Refused", str(error))
             return
         self._end(T, GraspEditText.SNAPPED)
 

@@ -19,7 +19,7 @@ import viser
 from viser import _messages as messages
 
 from workbench.gui.incoming.files import part_problem, start_problem, turn_away
-from workbench.gui.incoming.rim import Rim, tell_error
+from workbench.gui.incoming.rim import Rim, show_error
 from workbench.gui.incoming.scene import (
     camera_problem,
     gizmo_problem,
@@ -51,7 +51,7 @@ PICTURE = base64.b64decode(
 """A JPEG of one pixel: what viser reads instead of a picture that a browser sends."""
 
 
-class Gate:
+class MessageGate:
     """The gate of one server.
 
     Lifetime: that of the server.
@@ -96,7 +96,7 @@ class Gate:
                     await serve_one(client_id, message)
                 except Exception as error:
                     # A rim: nobody waits for what comes of a message.
-                    tell_error(self._server._connected_clients.get(client_id), error)
+                    show_error(self._server._connected_clients.get(client_id), error)
 
             connection._handle_incoming_message = heard
 
@@ -152,13 +152,13 @@ class Gate:
             message, messages.FileTransferStartUpload | messages.FileTransferPart
         ):
             if turn_away(client, message):
-                self._tell(number, message, None, problem)
+                self._log_refusal(number, message, None, problem)
         elif widget is None:
-            self._tell(number, message, None, problem)
+            self._log_refusal(number, message, None, problem)
         elif problem in (TOO_SMALL, TOO_LARGE):
             self._wait(connection, message, widget, problem)
         else:
-            self._tell(number, message, widget, problem)
+            self._log_refusal(number, message, widget, problem)
             _show_again(connection, widget)
 
     def _wait(self, connection: Any, message: Any, widget: Any, problem: str) -> None:
@@ -167,7 +167,7 @@ class Gate:
         def over() -> None:
             del self._typing[key]
             if not widget._impl.removed:
-                self._tell(key[0], message, widget, problem)
+                self._log_refusal(key[0], message, widget, problem)
                 _show_again(connection, widget)
 
         key = (connection.client_id, widget._impl.uuid)
@@ -181,7 +181,7 @@ class Gate:
             if waiting is not None:
                 waiting.cancel()
 
-    def _tell(self, number: int, message: Any, widget: Any, problem: str) -> None:
+    def _log_refusal(self, number: int, message: Any, widget: Any, problem: str) -> None:
         about = (
             getattr(message, "name", getattr(message, "uuid", ""))
             if widget is None

@@ -25,12 +25,12 @@ class Rim(ThreadPoolExecutor):
             try:
                 return fn(*args, **kwargs)
             except Exception as error:
-                tell_error(getattr(args[0] if args else None, "client", None), error)
+                show_error(getattr(args[0] if args else None, "client", None), error)
 
         return super().submit(call)
 
 
-def tell_error(client: viser.ClientHandle | None, error: Exception) -> None:
+def show_error(client: viser.ClientHandle | None, error: Exception) -> None:
     """Tell in a browser that something was refused, and in the log what must not happen."""
     if isinstance(error, WorkbenchError):
         title, text = REFUSED, str(error)

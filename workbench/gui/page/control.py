@@ -71,7 +71,7 @@ class ControlStrip:
         self._give.label = words.render(PageText.HAND_OVER(person=asks))
         if asks and asks != self._told:
             title = words.render(PageText.ASKS(person=asks))
-            self._visitor.tell(title, "Hand over or Keep, above.", color="blue")
+            self._visitor.notify(title, "Hand over or Keep, above.", color="blue")
         self._told = asks
 
     def _handed_over(self) -> Command:

@@ -95,7 +95,7 @@ class Header:
             self._lay_out()
         self._status.content = status_html(new, self._visitor.words)
         if state.job is not None and state.phase is not Phase.SENDING:
-            self._progress.value = round(100 * live.told_of(state.job.number)[0], 1)
+            self._progress.value = round(100 * live.progress_of(state.job.number)[0], 1)
         elif live.getting_ready is not None:
             self._progress.value = round(100 * live.getting_ready.done, 1)
         else:

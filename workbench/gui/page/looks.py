@@ -193,7 +193,7 @@ class Looks:
                 name, visitor.bench.state, visitor.look.now, visitor.own.now.thing
             )
         except InputError as error:
-            visitor.tell("Nothing to look at", str(error))
+            visitor.notify("Nothing to look at", str(error))
             return
         camera = visitor.client.camera
         with visitor.client.atomic():

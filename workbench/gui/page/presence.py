@@ -13,7 +13,7 @@ GRACE = 60.0
 """[s] For which control is kept for somebody whose browsers have all gone."""
 
 
-class Presence:
+class BrowserCount:
     """Counts the browsers of each person who has logged in.
 
     It is about people, not browsers: a page that is loaded again is somebody else's to the

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
-from workbench.gui.scene.picture import Scene
+from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.look import Look, View
 from workbench.gui.shared.playback import timeline
 from workbench.gui.shared.viser_server import close_viser, open_viser
@@ -28,7 +28,7 @@ def scene_html(state: State) -> bytes:
         runs = timeline(*state.plans)
         # Who stands where does not matter any more: the robot is shown where the plan has it.
         view = View(state, Live(), Look(follows=False), runs, 0.0)
-        scene = Scene(server, state.cell, most_points=MOST_POINTS, planned_is_solid=True)
+        scene = ScenePicture(server, state.cell, most_points=MOST_POINTS, planned_is_solid=True)
         scene.draw(None, view)
         recording = server.get_scene_serializer()
         for frame in range(1, math.ceil(view.plan_seconds / FRAME) + 1):

@@ -17,7 +17,7 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.dragging.verdicts import is_same_scene
 from workbench.gui.drawing.film_scene import FilmScene
-from workbench.gui.drawing.fixes import Fixes
+from workbench.gui.drawing.fixes import FixFinder
 from workbench.gui.drawing.following import keep_up
 from workbench.gui.drawing.own_scene import OwnScene
 from workbench.gui.drawing.own_views import OwnViews, has_lost_observation, is_news
@@ -27,16 +27,16 @@ from workbench.gui.drawing.reach import Reaches
 from workbench.gui.drawing.sureness import Sureness
 from workbench.gui.emptying.reel import advanced
 from workbench.gui.page.header import Header
-from workbench.gui.page.presence import Presence
+from workbench.gui.page.presence import BrowserCount
 from workbench.gui.page.tabs import tabs_of
 from workbench.gui.page.theme import Theme
-from workbench.gui.scene.picture import Scene
+from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.calibrating import solved
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
 from workbench.gui.shared.visitor import Panel, Visitor
-from workbench.gui.statistics.counting import Counted
+from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.texts.page import PageText
 from workbench.gui.words.spoken import speak
 from workbench.model.calibration import Calibration
@@ -104,16 +104,18 @@ class Renderer:
         self._runs: tuple[Run, ...] = ()
         self._player = Player(bench, self._look)
         self._shown: dict[int, View] = {}
-        self._presence = None if isinstance(bench, History) else Presence(bench, time.monotonic())
+        self._presence = (
+            None if isinstance(bench, History) else BrowserCount(bench, time.monotonic())
+        )
         self._finder = PoseFinder()
         self._own_views = OwnViews()
         self._reaches = Reaches(self._woken.set)
-        self._fixes = Fixes(self._woken.set)
+        self._fixes = FixFinder(self._woken.set)
         self._sureness = Sureness(self._woken.set)
-        self._counted = Counted(bench, self._woken.set)
+        self._counted = EntryCounter(bench, self._woken.set)
         self._drawn: View | None = None
         with server.atomic():
-            self._scene = Scene(server, bench.cell, most_points=most_points)
+            self._scene = ScenePicture(server, bench.cell, most_points=most_points)
         self._unsubscribe = bench.subscribe(lambda old, new: self._woken.set())
         server.on_client_connect(self._on_arrival)
         server.on_client_disconnect(self._on_leave)
@@ -228,7 +230,7 @@ class Renderer:
         new = self._own_views.of(visitor.own.now, old, shared)
         for panel in self._panels.get(visitor.number, ()):
             _run_shielded(lambda panel=panel: panel.show(old, new))
-        _run_shielded(visitor.show_told)
+        _run_shielded(visitor.show_button_texts)
         self._shown[visitor.number] = new
 
     def _count_people(self, waiting: list[tuple[viser.ClientHandle, bool]]) -> None:
@@ -317,7 +319,7 @@ class Renderer:
             panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
             for panel in panels:
                 panel.show(None, view)
-            visitor.show_told()
+            visitor.show_button_texts()
         self._shown[client.client_id] = view
         self._panels[client.client_id] = panels
 
@@ -341,7 +343,9 @@ def _plays_film(visitor: Visitor) -> bool:
     return film is not None and film.is_playing
 
 
-def _count(presence: Presence, client: viser.ClientHandle, now: float, *, is_here: bool) -> None:
+def _count(
+    presence: BrowserCount, client: viser.ClientHandle, now: float, *, is_here: bool
+) -> None:
     if is_here:
         presence.arrived(client.client_id, person_of(client))
     else:

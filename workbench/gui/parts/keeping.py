@@ -76,7 +76,7 @@ class KeepInputs:
             self._comment.value, self._there.value = "", next(iter(THERE))
             self._list()
             stored = self._visitor.words.render(PartsText.STORED(path=str(kept[0])))
-            self._visitor.tell("Kept", stored, color="blue")
+            self._visitor.notify("Kept", stored, color="blue")
 
     def _write_case(self) -> Path:
         bench, person = self._visitor.bench, self._visitor.person

@@ -138,7 +138,7 @@ class PartsPanel:
         self._draw_discarded(old, new)
         if self._scan_colours.value != new.look.scan_colours:
             self._scan_colours.value = new.look.scan_colours
-        self._inputs.tell(old, new)
+        self._inputs.show_drag(old, new)
         state = new.state
         found = state.detections or ()
         self._searches.show(old, new)
@@ -281,7 +281,7 @@ class PartsPanel:
         name, content = taken_upload(event.target)
         self._sent = sent = object()
         slow = Timer(
-            SLOW, lambda: self._visitor.tell(name, "This file is being read.", color="blue")
+            SLOW, lambda: self._visitor.notify(name, "This file is being read.", color="blue")
         )
         slow.start()
         try:

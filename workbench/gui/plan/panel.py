@@ -78,7 +78,7 @@ class PlanPanel:
             self._at.content = cursor_style(new.look.time, new.plan_seconds)
             # Values are read when it stands still.
             if not new.look.is_playing:
-                self._tell_values(new.look.time)
+                self._show_values(new.look.time)
             # The browser that drags knows best where its own slider stands.
             if new.look.by != self._visitor.number:
                 self._time.value = round(new.look.time, 2)
@@ -117,7 +117,7 @@ class PlanPanel:
         for (drawn, _), plot in zip(self._drawn, self._plots, strict=False):
             drawn.content = plot_html(plot, seconds, slider)
         self._clear_plots(len(self._plots))
-        self._tell_values(view.look.time)
+        self._show_values(view.look.time)
 
     def _clear_plots(self, first: int) -> None:
         """Take away the plots from the `first` on: of a plan before, or that had a proof."""
@@ -125,7 +125,7 @@ class PlanPanel:
             for html in pair:
                 html.content = ""
 
-    def _tell_values(self, time: float) -> None:
+    def _show_values(self, time: float) -> None:
         for (_, legend), plot in zip(self._drawn, self._plots, strict=False):
             legend.content = legend_html(plot, time)
 
@@ -153,7 +153,7 @@ class PlanPanel:
         if number >= len(state.outlines):
             return
         if problem := visitor.obstacle(state, MakePlan):
-            visitor.tell("Refused", problem)
+            visitor.notify("Refused", problem)
             return
         outline = state.outlines[number]
         visitor.ask(

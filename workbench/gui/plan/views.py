@@ -12,7 +12,7 @@ from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
-from workbench.model.plan import ArmPlan, Plan, Strategy, count_taken, floored, parts_taken
+from workbench.model.plan import ArmPlan, Plan, Strategy, count_taken, floor_distance, parts_taken
 from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {
@@ -143,7 +143,7 @@ def _outline_row(outline: Outline, taken: str, button: str, words: Words) -> str
     values = (
         "" if outline.cycle is None else f"{outline.cycle:.1f} s",
         f"{outline.planning * 1000:.0f} ms",
-        "" if outline.clearance is None else mm(floored(outline.clearance)),
+        "" if outline.clearance is None else mm(floor_distance(outline.clearance)),
         "" if outline.apart is None else mm(outline.apart, 0),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)

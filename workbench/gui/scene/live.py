@@ -11,11 +11,11 @@ from workbench.gui.scene.candidate import strokes_of
 from workbench.gui.scene.marks import add_lines
 from workbench.gui.scene.robot import place
 from workbench.gui.scene.stage import T_WORLD_STAGE
-from workbench.gui.scene.surroundings import Camera
+from workbench.gui.scene.surroundings import BrowserCamera
 from workbench.gui.shared.colours import BAD, GOOD, rgb_of, verdict_colour
 from workbench.gui.shared.own import Carried, Dragged
 from workbench.gui.shared.solids import with_hard_edges
-from workbench.gui.texts.scene import PoseText
+from workbench.gui.texts.scene import PosePageText
 from workbench.model.candidate import Reason, kind_of
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
@@ -38,7 +38,7 @@ class DrawnVerdicts:
     Concurrency: the renderer's thread.
     """
 
-    def __init__(self, scene: viser.SceneApi, camera: Camera):
+    def __init__(self, scene: viser.SceneApi, camera: BrowserCamera):
         """Nothing is dragged.
 
         Args:
@@ -134,7 +134,7 @@ def _covered(dragged: Dragged) -> Floats:
     return np.concatenate(corners)
 
 
-def beside(camera: Camera, points: Floats) -> Floats:
+def beside(camera: BrowserCamera, points: Floats) -> Floats:
     """A point (3,) [m] at the right of all points (n, 3) [m], as a camera sees them."""
     away = points.mean(axis=0) - camera.position
     right = np.cross(away, camera.up_direction)
@@ -156,9 +156,9 @@ def kinds_in(glance: Glance) -> list[Reason]:
 
 def live_message(glance: Glance) -> Message:
     """How many would work, and how far that was checked, in one sentence."""
-    return PoseText.DRAGGED(count=int(glance.working.sum()), total=len(glance.reasons))
+    return PosePageText.DRAGGED(count=int(glance.working.sum()), total=len(glance.reasons))
 
 
 def short_message(glance: Glance) -> Message:
     """The same in the scene, where there is little room beside the bin; the panel says it whole."""
-    return PoseText.WORKING(count=int(glance.working.sum()), total=len(glance.reasons))
+    return PosePageText.WORKING(count=int(glance.working.sum()), total=len(glance.reasons))

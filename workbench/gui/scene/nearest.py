@@ -17,13 +17,13 @@ from workbench.gui.shared.playback import Run, moments, timeline
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, short, table_html
 from workbench.gui.shared.visitor import Visitor
-from workbench.gui.texts.cycle import CycleText
+from workbench.gui.texts.cycle import CyclePageText
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
-from workbench.model.plan import Plan, Proof, Proven, floored
+from workbench.model.plan import Plan, Proof, Proven, floor_distance
 from workbench.proof.claims.clearance import linear_clearance
 from workbench.proof.claims.spot import Spot
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
@@ -61,7 +61,7 @@ def _of_plan(row: Sequence[Proven], number: int, text: Message) -> Message:
 
 def _nearest_message(state: State, plan: Plan, proof: Proof) -> Message:
     """The smallest clearance on free legs with its place: how near, when, which leg, what."""
-    place, distance = proof.nearest, LabelText.AT_LEAST(distance=floored(proof.clearance))
+    place, distance = proof.nearest, LabelText.AT_LEAST(distance=floor_distance(proof.clearance))
     if place is None or place.pair is None:
         return NearestText.FROM_EVERYTHING(distance=distance)
     # Parts by the numbers of the scan, that of the first plan.
@@ -95,7 +95,7 @@ def _straight_message(state: State, proof: Proof) -> Message:
     if not kept:
         return NearestText.REQUIRED(margin=margin)
     bound, arm, leg = min(kept)
-    near = LabelText.AT_LEAST(distance=floored(bound))
+    near = LabelText.AT_LEAST(distance=floor_distance(bound))
     if bound < TOUCH:
         near = LabelText.TOUCHING()
     return NearestText.LINEAR(
@@ -112,7 +112,7 @@ def proof_html(state: State, links: "PlanLinks") -> str:
     """What was proven of a plan or of a row, in three lines; place and certificates are clicked."""
     for number, proven_plan in enumerate(state.whole_row):
         if not proven_plan.proof.holds:
-            fails = CycleText.PROOF_FAILS(violation=proven_plan.proof.violations[0].message)
+            fails = CyclePageText.PROOF_FAILS(violation=proven_plan.proof.violations[0].message)
             text = _of_plan(state.whole_row, number, fails)
             return line(links.render(text), kind="bad")
     name, certificates = certificates_of(state)
@@ -185,14 +185,14 @@ class PlanLinks:
             return
         spot = nearest_place(state.cell, plan, proof)
         if spot is None:
-            visitor.tell("Nothing to show", "on its free legs the plan comes near nothing")
+            visitor.notify("Nothing to show", "on its free legs the plan comes near nothing")
             return
         self._before()
         run = _run(_runs_of(state, plan), proof.nearest.arm, proof.nearest.leg)
         runs, time = timeline(*state.plans), run.start + spot.seconds
         visitor.own.end()
         visitor.look.change(time=time, is_playing=False, by=None)
-        near = visitor.words.render(LabelText.AT_LEAST(distance=floored(proof.clearance)))
+        near = visitor.words.render(LabelText.AT_LEAST(distance=floor_distance(proof.clearance)))
         visitor.own.change(visited=Visited(plan, time, spot, near))
         first, second = spot.points
         q = {arm: moment.q for arm, moment in moments(state.cell, runs, time).items()}

@@ -31,7 +31,7 @@ from workbench.gui.shared.colours import (
     rgb_of,
 )
 from workbench.gui.shared.look import View
-from workbench.gui.shared.playback import Moment, Run, joint_values, part_poses, tcp_path
+from workbench.gui.shared.playback import ArmMoment, Run, joint_values, part_poses, tcp_path
 from workbench.gui.shared.solids import with_hard_edges
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
@@ -47,7 +47,7 @@ SEE_THROUGH = 0.45
 """Opacity of what is planned; what is real is solid."""
 
 
-class Scene:
+class ScenePicture:
     """Draws a view by changing only what differs from the view drawn before.
 
     Concurrency: one thread.
@@ -299,7 +299,7 @@ class Scene:
         for node, T in zip(self._parts, poses, strict=True):
             place(node, T)
 
-    def _pose_robot(self, robot: DrawnRobot, stands: Mapping[str, Moment]) -> None:
+    def _pose_robot(self, robot: DrawnRobot, stands: Mapping[str, ArmMoment]) -> None:
         links = self._kinematics.link_poses(joint_values(self._cell, stands))
         robot.pose(links, {arm: moment.opening for arm, moment in stands.items()})
 

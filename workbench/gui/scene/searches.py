@@ -21,7 +21,7 @@ from workbench.gui.texts.scene import SearchText
 from workbench.model.errors import InputError
 from workbench.model.messages.commands import EditText
 from workbench.model.messages.message import all_of, plain
-from workbench.model.scan import Search, SearchOverrides
+from workbench.model.scan import SearchOverrides, SearchRecord
 from workbench.words.words import IN_ENGLISH, Words
 
 MOST_ROWS = 6
@@ -99,7 +99,7 @@ class SearchInputs:
         if place >= len(searches):
             return
         if problem := visitor.lacks(visitor.bench.state, TakeScan):
-            visitor.tell("Refused", problem)
+            visitor.notify("Refused", problem)
             return
         number = searches[place].number
         chosen = None if look.now.search == number else number
@@ -125,13 +125,13 @@ class SearchInputs:
         return UseDetections(search.detections, EditText.SEARCH_TAKEN(search=place))
 
 
-def searched(state: State, number: int | None) -> Search | None:
+def searched(state: State, number: int | None) -> SearchRecord | None:
     """The search with that number, if it is one of this scan."""
     return next((search for search in state.searches if search.number == number), None)
 
 
 def searches_html(
-    searches: Sequence[Search],
+    searches: Sequence[SearchRecord],
     chosen: int | None,
     rows: Sequence[str],
     words: Words = IN_ENGLISH,
@@ -152,7 +152,7 @@ def searches_html(
     )
 
 
-def _row(place: int, search: Search, is_chosen: bool, button: str, words: Words) -> str:
+def _row(place: int, search: SearchRecord, is_chosen: bool, button: str, words: Words) -> str:
     found = search.detections
     gaps = [detection.gap for detection in found if detection.gap is not None]
     values = (

@@ -34,7 +34,7 @@ Pressed = Callable[[Floats, Floats], None]
 """Told the origin (3,) [m] and direction (3,) of a ray in the part's frame."""
 
 
-class Stage:
+class GraspStage:
     """The part, the marks of its grasps, and the tool where the chosen one has it.
 
     Lifetime: as long as its browser; `open` and `close` as often as wanted.

@@ -14,7 +14,7 @@ from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import BESIDE_BIN, BRAND, STATION, rgb_of
 from workbench.gui.shared.look import View
-from workbench.gui.texts.scene import PoseText
+from workbench.gui.texts.scene import PosePageText
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, frozen
 from workbench.model.part import Bin, Region, Station
@@ -43,7 +43,7 @@ def add_stations(scene: viser.SceneApi, cell: Cell) -> None:
         add_lines(scene, f"{name}/edge", edge_of(station), STATION, 2.5)
         scene.add_label(
             f"{name}/label",
-            str(PoseText.STATION(name=station.name)),
+            str(PosePageText.STATION(name=station.name)),
             font_screen_scale=0.8,
             anchor="top-center",
             position=(0.0, 0.0, -0.02),

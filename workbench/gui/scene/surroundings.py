@@ -45,7 +45,7 @@ UP = (0.0, 0.0, 1.0)
 """Where the sky is."""
 
 
-class Camera(Protocol):
+class BrowserCamera(Protocol):
     """What viser knows of a browser's camera: its frame looks along z, with y down."""
 
     @property

@@ -84,7 +84,7 @@ class GraspSearch:
         except Exception as error:
             # A rim: a library that cannot be filled stays as it is.
             log.exception("a search for grasps failed")
-            self._visitor.tell("Internal error", f"{type(error).__name__}: {error}")
+            self._visitor.notify("Internal error", f"{type(error).__name__}: {error}")
         self._is_running = False
         self._line.content = "".join(line(text, kind="hint") for text in says)
         self._changed()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import viser
 
-from workbench.app.calibration.calibration import calibrated
+from workbench.app.calibration.calibration import compute_calibration
 from workbench.app.core.state import State
 from workbench.gui.shared.colours import BAD, BESIDE_BIN, BUSY, GOOD, rgb_of
 from workbench.model.calibration import Calibration, PlateObservation
@@ -40,7 +40,7 @@ class Overlay:
 def solved(state: State) -> Calibration | str:
     """The answer of the poses scanned so far, or why there is none."""
     try:
-        return calibrated(state.cell, state.observations)
+        return compute_calibration(state.cell, state.observations)
     except InputError as error:
         return str(error)
 

@@ -7,7 +7,7 @@ from html import escape
 from workbench.app.core.state import Phase
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
-from workbench.gui.texts.cycle import LinkText
+from workbench.gui.texts.cycle import LinkPageText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message, as_message
@@ -33,10 +33,10 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
     if state.phase is Phase.SENDING and link.phase:
         phase = as_message(link.phase)
         if link.step:
-            phase = LinkText.STEP(phase=phase, number=link.step, total=link.steps)
+            phase = LinkPageText.STEP(phase=phase, number=link.step, total=link.steps)
     name = LabelText.NAME(name=controller.link)
     if link.version:
-        name = LinkText.VERSION(link=controller.link, version=link.version)
+        name = LinkPageText.VERSION(link=controller.link, version=link.version)
     facts: list[tuple[Message | str, Message | str]] = [
         ("Controller", LabelText.ADDRESS(host=controller.host, port=controller.port)),
         ("Robot link", name),
@@ -48,14 +48,14 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         facts.append(("Last answer at", clock(link.acknowledged_at)))
     if link.reported_at and state.phase is Phase.SENDING:
         age = max(0.0, view.at - link.reported_at)
-        facts.append(("Last report", LinkText.AGO(age=age)))
+        facts.append(("Last report", LinkPageText.AGO(age=age)))
     if link.stop:
         facts.append(("Stop", link.stop))
     if state.receipts:
         last = state.receipts[-1]
-        at = (LinkText.SENT_AT if last.sent else LinkText.RECEIVED_AT)(at=clock(last.at))
+        at = (LinkPageText.SENT_AT if last.sent else LinkPageText.RECEIVED_AT)(at=clock(last.at))
         facts += [
-            ("Messages", LinkText.COUNT(count=last.done, total=last.total)),
+            ("Messages", LinkPageText.COUNT(count=last.done, total=last.total)),
             ("Last message", at),
             ("On the wire", _wire(last, link)),
         ]
@@ -74,16 +74,16 @@ def _wire(last: Receipt, link: LinkStatus) -> Message:
     """The last message and its answer as the protocol has them, for who looks for a fault."""
     sent, answer = last.sent or last.heard, link.acknowledged
     if sent and answer:
-        return LinkText.ANSWERED(sent=sent, answer=answer)
+        return LinkPageText.ANSWERED(sent=sent, answer=answer)
     return LabelText.NAME(name=sent or answer)
 
 
 def _part(report: PartReport) -> Message:
     part = FoundPart(report.detection)
     if report.is_picked:
-        return LinkText.PICKED(part=part)
+        return LinkPageText.PICKED(part=part)
     why = as_message(report.why)
-    text = LinkText.UNKNOWN if report.is_picked is None else LinkText.FAILED
+    text = LinkPageText.UNKNOWN if report.is_picked is None else LinkPageText.FAILED
     return text(part=part, why=why)
 
 
@@ -100,10 +100,10 @@ def joints_html(
     """
     if not joints:
         return line("The controller reports no joint values.", kind="hint")
-    reported = words.render(LinkText.REPORTED_LAST(at=heard))
+    reported = words.render(LinkPageText.REPORTED_LAST(at=heard))
     last = line(reported, kind="warn") if heard else ""
     most = max(len(arm.joints) for arm in cell.arms)
-    heads = (words.render(LinkText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
+    heads = (words.render(LinkPageText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
     head = "".join(f"<th>{escape(text)}</th>" for text in heads)
     rows = ""
     for axis in range(most):

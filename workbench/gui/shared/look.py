@@ -13,7 +13,7 @@ from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import Statistics
 from workbench.gui.shared.calibrating import Overlay
 from workbench.gui.shared.own import NOTHING_OWN, Own, Visited
-from workbench.gui.shared.playback import Moment, Run, moments
+from workbench.gui.shared.playback import ArmMoment, Run, moments
 from workbench.model.calibration import BinCheck, Calibration
 from workbench.model.geometry import Floats, Shape
 from workbench.model.messages.message import Message
@@ -158,7 +158,7 @@ class FilmMoment:
     what goes on.
     """
 
-    arms: Mapping[str, Moment]
+    arms: Mapping[str, ArmMoment]
     parts: tuple[FilmPart, ...]
     says: Message
 
@@ -225,7 +225,7 @@ class View:
         return all(joint in joints for arm in self.state.cell.arms for joint in arm.joints)
 
     @property
-    def real(self) -> dict[str, Moment]:
+    def real(self) -> dict[str, ArmMoment]:
         """How every arm stands, by name: as reported, or as reported last, and else at home.
 
         What the fingers do nobody reports: while a plan is sent they are as planned.
@@ -265,17 +265,17 @@ class View:
         )
 
     @property
-    def moments(self) -> dict[str, Moment]:
+    def moments(self) -> dict[str, ArmMoment]:
         """How every arm is planned, by name: on its plan, jogged, as observed, or as filmed."""
         cell = self.state.cell
         now = moments(cell, self.runs, self.look.time)
         if self.jogged is not None:
             now |= {
-                arm: Moment(q, cell.arm(arm).tool.stroke[1], None)
+                arm: ArmMoment(q, cell.arm(arm).tool.stroke[1], None)
                 for arm, q in self.jogged.q.items()
             }
         if self.overlay is not None:
-            now[self.overlay.arm] = Moment(self.overlay.q, 0.0, None)
+            now[self.overlay.arm] = ArmMoment(self.overlay.q, 0.0, None)
         if self.filmed is not None:
             now |= self.filmed.arms
         return now

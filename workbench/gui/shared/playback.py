@@ -66,7 +66,7 @@ class SyncPoint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
+class ArmMoment:
     """What one arm does at one time: its joints `q` (n,) [rad], its fingers' `opening` [m].
 
     `leg` is the leg under way, or the last one that was; None before the first.
@@ -128,7 +128,7 @@ def _does(row: Sequence[Plan], place: int, arm_plan: ArmPlan, leg: Leg) -> str:
     return AGAIN if arm_plan.arm in before else OVER
 
 
-def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, Moment]:
+def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, ArmMoment]:
     """What every arm of the cell does at `time` [s], by name.
 
     Between two waypoints the joints move in proportion to the time.  Arms that do not move
@@ -140,14 +140,14 @@ def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, Moment]
         runs: from `timeline`.
         time: on the plan's clock; before 0 counts as 0, after the end as the end.
     """
-    found: dict[str, Moment] = {}
+    found: dict[str, ArmMoment] = {}
     for arm in cell.arms:
         run = latest(runs, arm.name, time)
         if run is None:
-            found[arm.name] = Moment(arm.home, arm.tool.stroke[0], None)
+            found[arm.name] = ArmMoment(arm.home, arm.tool.stroke[0], None)
         else:
             q = interpolated(run.leg.q, run.leg.t, time - run.start)
-            found[arm.name] = Moment(q, run.leg.opening, run.leg)
+            found[arm.name] = ArmMoment(q, run.leg.opening, run.leg)
     return found
 
 
@@ -207,7 +207,7 @@ def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], sin
     return float(min(times[best], max(run.end for run in runs)))
 
 
-def joint_values(cell: Cell, now: Mapping[str, Moment]) -> dict[str, float]:
+def joint_values(cell: Cell, now: Mapping[str, ArmMoment]) -> dict[str, float]:
     """The value of every joint of the moving arms, by name [rad or m]."""
     return cell.joint_values({arm: moment.q for arm, moment in now.items()})
 

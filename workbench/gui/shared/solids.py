@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import trimesh
 
-from workbench.formats.meshes.triangles import joined, triangles_of
+from workbench.formats.meshes.triangles import join_surfaces, triangles_of
 from workbench.model.geometry import Floats, Ints, Solid
 
 Colour = tuple[int, int, int]
@@ -40,7 +40,9 @@ def by_colour(
         pose = solid.T_owner_shape if T is None else T * solid.T_owner_shape
         surface.apply_transform(pose.homogeneous)
         groups[rgb(solid.colour)].append(surface)
-    return [(colour, *with_hard_edges(joined(surfaces))) for colour, surfaces in groups.items()]
+    return [
+        (colour, *with_hard_edges(join_surfaces(surfaces))) for colour, surfaces in groups.items()
+    ]
 
 
 def rgb(colour: tuple[float, float, float]) -> Colour:

@@ -31,7 +31,7 @@ PAGE = 60
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class CandidateOrder:
     """What one browser wants to see of the table."""
 
     only: Reason | None = None
@@ -91,7 +91,7 @@ def stages_html(candidates: Sequence[Candidate], words: Words = IN_ENGLISH) -> s
 
 
 def ordered(
-    candidates: Sequence[Candidate], order: Order, words: Words = IN_ENGLISH
+    candidates: Sequence[Candidate], order: CandidateOrder, words: Words = IN_ENGLISH
 ) -> tuple[int, ...]:
     """Indices of the candidates of all pages, in the order wanted."""
     wanted = [
@@ -126,7 +126,7 @@ def clickable(button: str) -> str:
     return f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
 
 
-def told_css(words: Mapping[str, str]) -> str:
+def make_text_css(words: Mapping[str, str]) -> str:
     """Rules by which the style sheet shows a text for each button: viser shows none for them.
 
     Args:
@@ -204,7 +204,7 @@ def _filter_chip(text: str, count: int, colour: str, is_on: bool, button: str) -
 def candidates_html(
     candidates: Sequence[Candidate],
     shown: Sequence[int],
-    order: Order,
+    order: CandidateOrder,
     *,
     headings: Mapping[Column, str],
     rows: Sequence[str],
@@ -245,7 +245,7 @@ def chosen_html(place: int | None) -> str:
     return f'<style class="wb-style wb-row-chosen">{row}{{background:var(--wb-chosen)}}</style>'
 
 
-def _arrow(order: Order, column: Column) -> str:
+def _arrow(order: CandidateOrder, column: Column) -> str:
     if order.column != column:
         return ""
     return "<span> ▾</span>" if order.is_descending else "<span> ▴</span>"

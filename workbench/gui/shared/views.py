@@ -17,7 +17,7 @@ from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.rights import what_is_missing
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
-from workbench.gui.texts.cycle import CycleText, StatusText
+from workbench.gui.texts.cycle import CyclePageText, StatusText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.calibration import BinCheck
 from workbench.model.candidate import Candidate, Verdict
@@ -148,7 +148,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         right = f"{100 * live.getting_ready.done:.0f}%"
         return _box("busy", waiting, right, title=getting_ready)
     if state.job is not None and state.phase is not Phase.SENDING:
-        note = words.render(live.told_of(state.job.number)[1] or state.message)
+        note = words.render(live.progress_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
         return _box("busy", "", f"{seconds:.1f} s", title=sentence(note))
     match state.phase:
@@ -258,9 +258,9 @@ def scan_line(state: State, words: Words = IN_ENGLISH) -> str:
     if state.scan is None:
         return hint(state, TakeScan, purpose, 2, words)
     points, source = len(state.scan.points), as_message(state.scan.source)
-    scanned = CycleText.SCANNED(points=points, source=source)
+    scanned = CyclePageText.SCANNED(points=points, source=source)
     if state.scan.at:
-        scanned = CycleText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
+        scanned = CyclePageText.SCANNED_AT(points=points, source=source, at=clock(state.scan.at))
     return line(words.render(scanned), span=2, tip=purpose)
 
 
@@ -281,7 +281,9 @@ def parts_line(
     parts = LabelText.PARTS(count=count)
     if check is not None:
         parts = as_message(parts_in_words(state.cell, check, state.detections))
-    found = (CycleText.FOUND_MORE if count > 4 else CycleText.FOUND)(parts=parts, scores=scores)
+    found = (CyclePageText.FOUND_MORE if count > 4 else CyclePageText.FOUND)(
+        parts=parts, scores=scores
+    )
     problems = (f"{sentence(words.render(size))}." for size in wrong_sizes)
     warnings = (line(problem, kind="bad", span=2) for problem in problems)
     return line(words.render(found), span=2, tip=purpose) + "".join(warnings)
@@ -296,26 +298,26 @@ def forecast_line(
         return ""
     facts: list[Message] = []
     if forecast.coordinated is not None:
-        facts.append(CycleText.FORECAST_APART(share=forecast.coordinated))
+        facts.append(CyclePageText.FORECAST_APART(share=forecast.coordinated))
     if forecast.success is not None:
-        facts.append(CycleText.FORECAST_PLANNED(share=forecast.success))
+        facts.append(CyclePageText.FORECAST_PLANNED(share=forecast.success))
     if forecast.planning is not None:
-        facts.append(CycleText.FORECAST_TIME(time=forecast.planning))
+        facts.append(CyclePageText.FORECAST_TIME(time=forecast.planning))
     if forecast.parts_per_hour is not None:
-        facts.append(CycleText.FORECAST_RATE(count=round(forecast.parts_per_hour)))
+        facts.append(CyclePageText.FORECAST_RATE(count=round(forecast.parts_per_hour)))
     is_same = predictions.cell_digest == cell.digest
-    of_pairs = CycleText.FORECAST if is_same else CycleText.FORECAST_OTHER_CELL
+    of_pairs = CyclePageText.FORECAST if is_same else CyclePageText.FORECAST_OTHER_CELL
     text = of_pairs(piles=predictions.piles, distance=forecast.threshold, facts=facts)
     return line(words.render(text), kind="hint")
 
 
 def _ready_message(state: State, plan: Plan) -> Message:
-    text = CycleText.PLAN(
+    text = CyclePageText.PLAN(
         strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.arms)
     )
     if len(state.plans) > 1:
         number = len(state.sent_before) + 1
-        text = CycleText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
+        text = CyclePageText.PLAN_OF_ROW(count=len(state.plans), number=number, plan=text)
     return StatusText.PLAN_READY(plan=text)
 
 

@@ -31,10 +31,10 @@ from viser.infra._async_message_buffer import AsyncMessageBuffer
 from websockets.http11 import Request, Response
 
 from workbench.app.core.people import NOBODY, Person, Role
-from workbench.gui.incoming.gate import Gate
+from workbench.gui.incoming.gate import MessageGate
 from workbench.gui.shared.icons import keep_icons
 from workbench.model.errors import InputError
-from workbench.words.choosing import first_guess, known
+from workbench.words.choosing import find_language, first_guess
 from workbench.words.words import ENGLISH
 
 POLICY_VIOLATION = 1008
@@ -113,7 +113,7 @@ def open_viser(host: str, port: int, secret: str | None = None) -> viser.ViserSe
         if not is_own_page(headers.get("Origin"), headers.get("Host", ""), host):
             await raw.close(POLICY_VIOLATION, "this page belongs to another site")
 
-    Gate(server, lambda number: _person(inner, number).name).close()
+    MessageGate(server, lambda number: _person(inner, number).name).close()
     # First in the row: viser waits for these before it reads anything from the browser.
     inner._client_connect_cb.insert(0, turn_away)
     # A browser may have come in since the server started to listen.
@@ -128,7 +128,7 @@ def language_of(client: viser.ClientHandle) -> str:
     if connection is None or connection.request is None:
         return ENGLISH
     headers = connection.request.headers
-    language = known(headers.get(LANGUAGE, ""))
+    language = find_language(headers.get(LANGUAGE, ""))
     return language or first_guess(", ".join(headers.get_all("Accept-Language")))
 
 

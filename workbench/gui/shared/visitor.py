@@ -13,7 +13,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.watching import WatchPlan
-from workbench.app.core.decide import NOT_REPORTED, allowed
+from workbench.app.core.decide import NOT_REPORTED, check_allowed
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.core.rights import lacks_right, obstacle
 from workbench.app.core.state import Phase, State
@@ -21,7 +21,7 @@ from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
 from workbench.gui.shared.look import CLOCK, PLAYBACK, SharedLook, SteeredLook, View
 from workbench.gui.shared.own import OwnLook
-from workbench.gui.shared.tables import named_css, primary_css, told_css
+from workbench.gui.shared.tables import make_text_css, named_css, primary_css
 from workbench.gui.shared.views import sentence
 from workbench.gui.shared.viser_server import buttons_of, element_id, language_of, person_of
 from workbench.model.cell import Cell
@@ -198,7 +198,7 @@ class Visitor:
         if isinstance(command, Approve) and name == NOBODY:
             name = SOMEBODY
         try:
-            allowed(state, command, name, now, joints, self.person.role)
+            check_allowed(state, command, name, now, joints, self.person.role)
         except CommandRefused as error:
             return error.message
         return None
@@ -235,7 +235,7 @@ class Visitor:
         """Have three numbers in a row say what each is; otherwise they are x, y and z."""
         self._named[element_id(three)] = names
 
-    def show_told(self) -> None:
+    def show_button_texts(self) -> None:
         """Bring what buttons and numbers say to where the page shows it, after that has changed."""
         if self._style is None:
             # Those that nothing is ever explained of say what they were made with.
@@ -244,7 +244,9 @@ class Visitor:
         # Texts within styles are nothing that a translation of HTML finds.
         say = self.words.say
         named = {key: (say(x), say(y), say(z)) for key, (x, y, z) in self._named.items()}
-        rules = named_css(named) + told_css({key: say(text) for key, text in self._told.items()})
+        rules = named_css(named) + make_text_css(
+            {key: say(text) for key, text in self._told.items()}
+        )
         rules += primary_css(self._primary) if self._primary else ""
         content = f'<style class="wb-style">{rules}</style>'
         if self._style is None:
@@ -298,16 +300,16 @@ class Visitor:
         try:
             action()
         except WorkbenchError as error:
-            self.tell("Refused", self.words.render(error.message))
+            self.notify("Refused", self.words.render(error.message))
         except Exception as error:
             # A rim: nothing that goes wrong for one browser may end the page for all.
             log.exception("what the page was asked for failed")
-            self.tell("Internal error", f"{type(error).__name__}: {error}")
+            self.notify("Internal error", f"{type(error).__name__}: {error}")
         else:
             return True
         return False
 
-    def tell(self, title: str, text: str, *, color: Literal["red", "blue"] = "red") -> None:
+    def notify(self, title: str, text: str, *, color: Literal["red", "blue"] = "red") -> None:
         """Show a note in this browser; a red one when something did not happen."""
         self.client.add_notification(title, text, color=color, auto_close_seconds=SECONDS_TO_READ)
 

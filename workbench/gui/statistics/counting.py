@@ -15,7 +15,7 @@ WORTH_COUNTING = frozenset({Phase.DONE, Phase.FAULT, Phase.LOCALIZED, Phase.PLAN
 """Phases in which something has come of a cycle, or of a planning."""
 
 
-class Counted:
+class EntryCounter:
     """Counts the entries of a session that are new since the last time.
 
     Lifetime: until `close`.

@@ -40,7 +40,7 @@ class LearningControls:
     def show(self, view: View) -> None:
         """Offer the search where parts were left of which the cell has the kind."""
         kinds = {part.name for part in view.state.cell.parts}
-        self._left = tuple(one for one in view.statistics.remaining if one.part in kinds)
+        self._left = tuple(it for it in view.statistics.remaining if it.part in kinds)
         self._offer()
 
     def _offer(self) -> None:
@@ -52,7 +52,7 @@ class LearningControls:
         from workbench.app.filling.words import proposal_words
 
         left, cell = self._left, self._visitor.cell
-        name = Counter(one.part for one in left).most_common(1)[0][0]
+        name = Counter(it.part for it in left).most_common(1)[0][0]
         found = propose_apart(cell, name, left, report, cancelled)
         says = [said(message, self._visitor.words) for message in proposal_words(name, found)]
         if not found.entries:

@@ -16,7 +16,7 @@ from workbench.app.core.state import State
 from workbench.app.records.keeping import KINDS, write_backup
 from workbench.app.records.restoring import Thing, look_apart, restore_apart
 from workbench.formats.files.change_log import LOG, add_line, utc
-from workbench.formats.files.whole_files import make_folder, sent_name, uploaded
+from workbench.formats.files.whole_files import make_folder, sent_name, write_upload
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line
 from workbench.gui.shared.viser_server import taken_upload
@@ -103,7 +103,7 @@ class RestoreControls:
         except InputError as error:
             self._told.content = line(self._visitor.words.render(error.message), kind="bad")
             return
-        self._look(Chosen(name, lambda: uploaded(name, content)))
+        self._look(Chosen(name, lambda: write_upload(name, content)))
 
     def _on_take(self, event: Any) -> None:
         if event.client is not None and event.target.value != NONE:
@@ -166,7 +166,7 @@ class RestoreControls:
     def _begin(self, work: Callable[[], None]) -> None:
         """Have something done in a thread of its own; what goes wrong is reported in its place."""
 
-        def told() -> None:
+        def work_and_report() -> None:
             try:
                 work()
             except JobCancelled:
@@ -179,4 +179,4 @@ class RestoreControls:
             if self._view is not None:
                 self.show(self._view)
 
-        threading.Thread(target=told, name="restore", daemon=True).start()
+        threading.Thread(target=work_and_report, name="restore", daemon=True).start()

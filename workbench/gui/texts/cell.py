@@ -3,7 +3,7 @@
 from workbench.model.messages.message import Text
 
 
-class CellText(Text, subject="page-cell"):
+class CellPageText(Text, subject="page-cell"):
     """The cell as a tree, its file, reach, and the robot jogged on the page."""
 
     FILE_REFUSED = "The cell file cannot be used: {problem}"

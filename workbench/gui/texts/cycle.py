@@ -15,7 +15,7 @@ class StatusText(Text, subject="page-status"):
     PLACED = "{count} of {total} placed"
 
 
-class CycleText(Text, subject="page-cycle"):
+class CyclePageText(Text, subject="page-cycle"):
     """Results of the steps, the threshold, the row and the sending."""
 
     SCANNED = "{points:n} points ({source})"
@@ -62,7 +62,7 @@ class CycleText(Text, subject="page-cycle"):
     REPORTED_BY_WHY = "reported by {person}: {why}"
 
 
-class LinkText(Text, subject="page-link"):
+class LinkPageText(Text, subject="page-link"):
     """The robot link: its protocol, its last message, and the parts."""
 
     VERSION = "{link} (protocol {version})"

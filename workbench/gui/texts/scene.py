@@ -52,7 +52,7 @@ class SearchText(Text, subject="page-search"):
     SCORES = "scores {scores}"
 
 
-class PoseText(Text, subject="page-pose"):
+class PosePageText(Text, subject="page-pose"):
     """The configuration of a candidate that the scene shows."""
 
     CLEAR_NEAR = "clear; on linear motion the tool keeps {margin:mm} from all but {part}"

@@ -10,7 +10,7 @@ import numpy as np
 import viser
 
 from workbench.app.core.state import State
-from workbench.formats.cells.drawn_tools import Drawing
+from workbench.formats.cells.drawn_tools import CadDrawing
 from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import sent_name
 from workbench.formats.meshes.cad_files import KINDS
@@ -59,7 +59,7 @@ class CadPick:
             has_solids: one of several solids may be chosen; otherwise all are taken.
         """
         self._visitor, self._changed = visitor, changed
-        self.drawing: Drawing | None = None
+        self.drawing: CadDrawing | None = None
         self.look: CadLook | None = None
         gui = visitor.gui
         self._pick = gui.add_upload_button(
@@ -118,7 +118,7 @@ class CadPick:
         self._forget()
         self._offer(())
         try:
-            self.drawing = Drawing(sent_name(name), np.frombuffer(content, np.uint8), self.unit)
+            self.drawing = CadDrawing(sent_name(name), np.frombuffer(content, np.uint8), self.unit)
         except InputError as error:
             self._line.content = line(self._visitor.words.render(error.message), kind="bad")
             self._changed()
@@ -140,7 +140,7 @@ class CadPick:
         if self.drawing is None:
             return
         # Another object for each look: by it an answer that comes too late is told.
-        self.drawing = Drawing(self.drawing.file, self.drawing.content, self.unit)
+        self.drawing = CadDrawing(self.drawing.file, self.drawing.content, self.unit)
         self.look = None
         size = size_message(self.drawing.file, self.drawing.content.size)
         reading = self._visitor.words.render(UploadText.READING(file=size))
@@ -148,7 +148,7 @@ class CadPick:
         self._changed()
         Thread(target=self._read, args=(self.drawing,), name="look-at-cad", daemon=True).start()
 
-    def _read(self, drawing: Drawing) -> None:
+    def _read(self, drawing: CadDrawing) -> None:
         try:
             look = cad_look(
                 drawing.file,

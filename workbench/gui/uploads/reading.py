@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from workbench.app.records.forms import Content, large_arrays, restored
+from workbench.app.records.forms import Content, large_arrays, restore_value
 from workbench.formats.clouds.scans import read_scan
 from workbench.formats.files.apart import Answer, Work, apart
-from workbench.formats.files.whole_files import uploaded
+from workbench.formats.files.whole_files import write_upload
 from workbench.formats.meshes.cad_look import CadLook, look_at
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import ScannerMount
@@ -83,7 +83,7 @@ def look_at_file(file: Path, unit: str, solid: str) -> Answer:
 
 def scan_in_file(file: Path, mount: Any) -> Answer:
     """As `sent_scan`; the mount is in canonical form."""
-    return _make_answer(read_scan(file, restored(ScannerMount, mount, _nothing)))
+    return _make_answer(read_scan(file, restore_value(ScannerMount, mount, _nothing)))
 
 
 def poses_in_file(file: Path, part: str) -> Answer:
@@ -94,9 +94,9 @@ def poses_in_file(file: Path, part: str) -> Answer:
 def _read(
     kind: Any, name: str, content: Content, work: Work, *arguments: Any, cancelled: Cancelled
 ) -> Any:
-    with uploaded(name, content) as file:
+    with write_upload(name, content) as file:
         answer = apart(file, work, *arguments, cancelled=cancelled)
-    return restored(kind, answer.told, lambda digest: answer.arrays[digest].data)
+    return restore_value(kind, answer.value, lambda digest: answer.arrays[digest].data)
 
 
 def _make_answer(value: Any) -> Answer:

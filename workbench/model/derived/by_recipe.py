@@ -126,12 +126,12 @@ def _part(part: Part, recipe: Recipe) -> Part:
     if not recipe.grasps:
         return part
     entries = tuple(
-        entry if _is_enabled(entry, recipe) else _disabled(entry) for entry in part.library.entries
+        entry if _is_enabled(entry, recipe) else _disable(entry) for entry in part.library.entries
     )
     return replace(part, library=replace(part.library, entries=entries))
 
 
-def _disabled(entry: Entry) -> Entry:
+def _disable(entry: Entry) -> Entry:
     if isinstance(entry, GraspPattern):
         return replace(entry, grasp=replace(entry.grasp, is_enabled=False))
     return replace(entry, is_enabled=False)

@@ -146,7 +146,7 @@ class Message:
         """
 
         def shown(place: re.Match[str]) -> str:
-            return _shown(self.args[place[1]], place[2] or "", template_of)
+            return _format_arg(self.args[place[1]], place[2] or "", template_of)
 
         return _PLACE.sub(shown, template_of(self.text))
 
@@ -177,7 +177,7 @@ class Message:
         return {"id": self.id, "args": {name: _form(arg) for name, arg in self.args.items()}}
 
     @property
-    def told(self) -> dict[str, Any]:
+    def program_form(self) -> dict[str, Any]:
         """What programs get: `id`, `args` and the English `text`; both empty without an id."""
         form = {"id": "", "args": {}} if self.text is Others.PLAIN else self.form
         return {**form, "text": str(self)}
@@ -216,7 +216,7 @@ def _english(text: Text) -> str:
     return text.template
 
 
-def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
+def _format_arg(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
     if "|" in how:
         singular, several = how.split("|")
         return singular if arg == 1 else several
@@ -231,7 +231,7 @@ def _shown(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
 
 
 def _join_list(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
-    shown = [_shown(arg, "", template_of) for arg in args]
+    shown = [_format_arg(arg, "", template_of) for arg in args]
     joint = {"and": Others.AND, "or": Others.OR}.get(how)
     if joint is None or len(shown) < 2:
         return ", ".join(shown)

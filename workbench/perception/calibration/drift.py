@@ -18,7 +18,7 @@ import numpy as np
 from scipy.special import stdtr
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
-from workbench.perception.calibration.things import Kind, Sighting
+from workbench.perception.calibration.things import Kind, ThingSighting
 
 DAY = 86400.0
 """[s] Days are those of UTC."""
@@ -59,8 +59,8 @@ class Course:
     `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
     seems to be moved, NaN along what a day does not tell.  `change` (6,) [m, rad] is what has
     become of that from the first three days to the last three, with its `deviation` and the
-    `freedom` of it, all NaN where nothing can be compared; `is_told` (6,) where the first week and
-    the last one do not differ by chance.
+    `freedom` of it, all NaN where nothing can be compared; `is_significant` (6,) where the first
+    week and the last one do not differ by chance.
     """
 
     thing: str
@@ -70,12 +70,12 @@ class Course:
     change: Floats
     deviation: Floats
     freedom: Floats
-    is_told: Bools
+    is_significant: Bools
 
     def __post_init__(self) -> None:
         for name in ("moved", "change", "deviation", "freedom"):
             put(self, **{name: frozen(getattr(self, name))})
-        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_told, np.bool_))
+        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_significant, np.bool_))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,7 +104,7 @@ def known(information: Floats) -> Bools:
     return np.asarray((lost**2).sum(axis=1) < LEAK**2)
 
 
-def estimated(sightings: Sequence[Sighting]) -> Estimate:
+def estimated(sightings: Sequence[ThingSighting]) -> Estimate:
     """The motion of the scanner that sightings tell by least squares, and how sure it is.
 
     Their own information says how directions compare; how large their errors are is taken from
@@ -129,13 +129,13 @@ def estimated(sightings: Sequence[Sighting]) -> Estimate:
     return Estimate(moved, (back * values[is_held]) @ back.T / spread, len(sightings))
 
 
-def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
+def courses(sightings: Sequence[ThingSighting]) -> tuple[Course, ...]:
     """Each thing day after day, what stands still first; parts are one thing, whichever they are.
 
     Args:
         sightings: since the calibration, of one place of bin and fixtures.
     """
-    by_thing: defaultdict[tuple[str, Kind], list[Sighting]] = defaultdict(list)
+    by_thing: defaultdict[tuple[str, Kind], list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
         by_thing[(PARTS if sighting.kind == "part" else sighting.thing, sighting.kind)].append(
             sighting
@@ -147,8 +147,8 @@ def courses(sightings: Sequence[Sighting]) -> tuple[Course, ...]:
     return tuple(_course(*key, by_thing[key], CHANCE / tests) for key in order)
 
 
-def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float) -> Course:
-    by_day: defaultdict[int, list[Sighting]] = defaultdict(list)
+def _course(thing: str, kind: Kind, sightings: Sequence[ThingSighting], chance: float) -> Course:
+    by_day: defaultdict[int, list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
         by_day[int(sighting.at // DAY)].append(sighting)
     days = np.array(sorted(by_day))
@@ -169,5 +169,5 @@ def _course(thing: str, kind: Kind, sightings: Sequence[Sighting], chance: float
         odds[axis] = 2 * stdtr(freedom[axis], -away)
         change[axis] = last[-now:].mean() - first[:now].mean()
         deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
-    is_told = np.asarray(odds < chance)  # not where nothing is compared
-    return Course(thing, kind, days, moved, change, deviation, freedom, is_told)
+    is_significant = np.asarray(odds < chance)  # not where nothing is compared
+    return Course(thing, kind, days, moved, change, deviation, freedom, is_significant)

@@ -23,7 +23,7 @@ from workbench.perception.calibration.drift import (
     courses,
     estimated,
 )
-from workbench.perception.calibration.things import Sighting
+from workbench.perception.calibration.things import ThingSighting
 
 FEWEST_PARTS = 4
 """Parts put down by which a pose is refined."""
@@ -58,7 +58,7 @@ class Drift:
             put(self, moved=frozen(self.moved), covariance=frozen(self.covariance))
 
 
-def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> Drift:
+def drift_of(sightings: Sequence[ThingSighting], prior: Floats, distance: float) -> Drift:
     """What all sightings since the calibration say together.
 
     Args:
@@ -72,10 +72,10 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     steady = [
         course for course in fixed if not any(_disagree(course, other).any() for other in fixed)
     ]
-    has_drifted = any(course.is_told.any() for course in steady)
+    has_drifted = any(course.is_significant.any() for course in steady)
     put_down = _recent([sighting for sighting in sightings if sighting.kind == "part"], has_drifted)
-    by_parts = told_by_parts(put_down) if len(put_down) >= FEWEST_PARTS else None
-    drifted = [course.thing for course in steady if course.is_told.any()]
+    by_parts = estimate_from_parts(put_down) if len(put_down) >= FEWEST_PARTS else None
+    drifted = [course.thing for course in steady if course.is_significant.any()]
     others = list(steady)
     if by_parts is not None:
         others += [_as_change(by_parts, course) for course in drifts if course.kind == "part"]
@@ -85,7 +85,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     for course in others:
         seen |= np.isfinite(course.change)
     is_bin_off = any(
-        (course.is_told & (~seen | _disagree(course, other))).any()
+        (course.is_significant & (~seen | _disagree(course, other))).any()
         for course in drifts
         if course.kind == "bin"
         for other in others or [course]
@@ -97,7 +97,7 @@ def drift_of(sightings: Sequence[Sighting], prior: Floats, distance: float) -> D
     return Drift(drifts, tuple(drifted), is_bin_off, left, moved, covariance, len(put_down))
 
 
-def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
+def _recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSighting]:
     """Those of the last days, where what was before is of a scanner that hung elsewhere."""
     if not has_drifted or not put_down:
         return put_down
@@ -105,7 +105,7 @@ def _recent(put_down: list[Sighting], has_drifted: bool) -> list[Sighting]:
     return [sighting for sighting in put_down if sighting.at // DAY >= days[0]]
 
 
-def told_by_parts(put_down: Sequence[Sighting]) -> Estimate:
+def estimate_from_parts(put_down: Sequence[ThingSighting]) -> Estimate:
     """The motion of the scanner that parts tell, as sure as they agree.
 
     A part that has slipped in the hand is seen as exactly as one that has not; some may be from

@@ -44,7 +44,7 @@ SURE = 0.95
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
+class PlateFit:
     """The best answer, and what is not known of it.
 
     `shift` and `turn` [m] are the deviations of a ball's coordinate by a shift of the whole plate
@@ -77,7 +77,7 @@ class Fit:
         return (found + found.T) / 2
 
 
-def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Fit:
+def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> PlateFit:
     """Weighed least squares over the shifts and turns of the plate, from a fit that is near.
 
     Args:
@@ -92,13 +92,15 @@ def best_fit(poses: Sequence[PlatePose], start: Answer, centres: Floats) -> Fit:
     return fit
 
 
-def _fit_weighed(poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float) -> Fit:
+def _fit_weighed(
+    poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
+) -> PlateFit:
     """The best answer by one ratio of the weights, and what it leaves over."""
     for _ in range(STEPS):
         rows, off = _weigh(poses, answer, centres, ratio)
         bread = _inverse(np.einsum("nik,nil->kl", rows, rows))
         answer = moved(answer, -bread @ np.einsum("nik,ni->k", rows, off))
-    return Fit(answer, *_deviations(poses, answer, centres, ratio))
+    return PlateFit(answer, *_deviations(poses, answer, centres, ratio))
 
 
 def rigid_slopes(pose: PlatePose, answer: Answer, centres: Floats) -> Floats:
@@ -107,7 +109,7 @@ def rigid_slopes(pose: PlatePose, answer: Answer, centres: Floats) -> Floats:
 
 
 def predicted_offsets(
-    poses: Sequence[PlatePose], fit: Fit, centres: Floats
+    poses: Sequence[PlatePose], fit: PlateFit, centres: Floats
 ) -> list[tuple[float, float] | None]:
     """How far each pose is from where all the others predict it.
 
@@ -197,7 +199,7 @@ def _weigh(
 def _deviations(
     poses: Sequence[PlatePose], answer: Answer, centres: Floats, ratio: float
 ) -> tuple[float, float, float, Floats, Floats]:
-    """All of `Fit` but its answer.
+    """All of `PlateFit` but its answer.
 
     The sums of squares left over are what both variances would leave on average.  A variance that
     was measured by few numbers is taken as larger by some (n + 2) / (n - 2): as the 95 % quantile

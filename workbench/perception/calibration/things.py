@@ -54,7 +54,7 @@ SURE = (0.0001, 0.0005)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
+class ThingSighting:
     """A thing in a scan: how far from where it was expected, and what that says of the scanner.
 
     All are small motions (6,) [m, rad]: the shift of the point of the thing at the bin's middle,
@@ -121,7 +121,7 @@ def put_slopes(
 
 def sight_things(
     cell: Cell, scan: Scan, put_down: Sequence[PutPart] = (), *, at: float = 0.0
-) -> list[Sighting]:
+) -> list[ThingSighting]:
     """Everything known that a scan shows well enough to say where it is.
 
     Args:
@@ -131,14 +131,14 @@ def sight_things(
         at: [s since the epoch] when.
     """
     middle = cell.bin.T_world_bin.translation
-    found: list[Sighting] = []
+    found: list[ThingSighting] = []
     T_seen = check_bin(scan, cell.bin).T_world_bin
     if T_seen is not None:
         known = np.repeat(1 / np.square(SURE), 3)
         if not cell.bin.has_walls:
             known *= [0, 0, 1, 1, 1, 0]
         off = motion_at(T_seen * cell.bin.T_world_bin.inverse(), middle)
-        found.append(Sighting("bin", "bin", at, off, np.diag(known)))
+        found.append(ThingSighting("bin", "bin", at, off, np.diag(known)))
     surfaces = _Surfaces(cell, put_down)
     points = _looked_at(cell, scan, put_down)
     view = scan.T_world_scanner.translation
@@ -150,7 +150,7 @@ def sight_things(
             off, information, place = fitted
             back = np.linalg.inv(moved_to(middle - place))
             off, information = moved_to(middle - place) @ off, back.T @ information @ back
-            found.append(Sighting(name, kind, at, off, information, slopes))
+            found.append(ThingSighting(name, kind, at, off, information, slopes))
     return found
 
 

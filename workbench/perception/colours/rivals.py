@@ -30,13 +30,13 @@ class Guess:
 
 
 @dataclass(slots=True, eq=False)
-class Shape:
+class ShapeScores:
     """What shape says to guesses at a part that was found, each asked once.
 
     `found` (4, 4) [m] is its pose, `surfaces` are those of all kinds.
     """
 
-    one: PartSearch
+    search: PartSearch
     surfaces: Sequence[PartSurface]
     found: Floats
     known: dict[Guess, Floats | None] = field(default_factory=dict[Guess, Floats | None])
@@ -46,8 +46,8 @@ class Shape:
 
         Kinds whose shape is the same have it in the same frame.
         """
-        order = sorted(range(len(kinds)), key=lambda j: self.surfaces[j] is not self.one.surface)
-        points = self.one.surface.coarse.points
+        order = sorted(range(len(kinds)), key=lambda j: self.surfaces[j] is not self.search.surface)
+        points = self.search.surface.coarse.points
         found = list[Guess]()
         for j in order:
             kind = kinds[j]
@@ -65,18 +65,18 @@ class Shape:
 
     def _are_near(self, surface: PartSurface, poses: Floats) -> Bools:
         """Which poses (k, 4, 4) of a kind are not seen far less well than the part found."""
-        depth_map, tolerance = self.one.depth_map, self.one.tolerance
-        own = closeness(tally(depth_map, self.one.surface, self.found[None], tolerance))[0]
+        depth_map, tolerance = self.search.depth_map, self.search.tolerance
+        own = closeness(tally(depth_map, self.search.surface, self.found[None], tolerance))[0]
         seen = closeness(tally(depth_map, surface, poses, tolerance))
         return np.asarray(seen >= (1.0 - FAR_BEHIND) * own)
 
     def _bring_to_rest(self, guess: Guess) -> Floats | None:
         surface = self.surfaces[guess.kind]
-        if surface is self.one.surface and np.array_equal(guess.pose, self.found):
+        if surface is self.search.surface and np.array_equal(guess.pose, self.found):
             return self.found
         if not self._are_near(surface, guess.pose[None])[0]:
             return None
-        depth_map, tolerance = self.one.depth_map, self.one.tolerance
-        own = tally(depth_map, self.one.surface, self.found[None], tolerance)[0]
+        depth_map, tolerance = self.search.depth_map, self.search.tolerance
+        own = tally(depth_map, self.search.surface, self.found[None], tolerance)[0]
         pose = refine_at_full_resolution(depth_map, surface, guess.pose[None], tolerance)
         return None if is_better(own, tally(depth_map, surface, pose, tolerance)) else pose[0]

@@ -21,7 +21,7 @@ from workbench.perception.colours.painted import (
     painted,
     points_on,
 )
-from workbench.perception.colours.rivals import Guess, Shape
+from workbench.perception.colours.rivals import Guess, ShapeScores
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice
 from workbench.perception.localization.judging import PartSearch, without
@@ -39,7 +39,7 @@ FEWEST, LEAST = 12, 0.03
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class SeenPart:
     """A part that was chosen, guesses at it by its shape, and how each fits under each light.
 
     `table` (g, n, l) are squared distances of n points as `light.distances` has them, None of a
@@ -48,7 +48,7 @@ class Seen:
 
     kind: int
     number: int
-    shape: Shape
+    shape: ShapeScores
     guesses: Sequence[Guess]
     paints: Floats
     table: Floats | None
@@ -75,7 +75,7 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Told:
+class ColourReading:
     """What colours say of a part that was chosen: of which kind it is, and how it lies."""
 
     kind: int
@@ -84,7 +84,7 @@ class Told:
     assessed: Assessment
 
 
-def told_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
+def resolve_by_colour(scan: Scan, brought: Sequence[PartSearch]) -> list[PartSearch]:
     """The searches of all kinds, each part that was chosen as its colours show it.
 
     Args:
@@ -125,29 +125,29 @@ def _look(
     i: int,
     on: np.ndarray,
     deviation: Floats,
-) -> Seen:
+) -> SeenPart:
     surfaces = [each.surface for each in brought]
-    shape = Shape(brought[k], surfaces, brought[k].choice.chosen[i].pose)
+    shape = ShapeScores(brought[k], surfaces, brought[k].choice.chosen[i].pose)
     points, some = scan.points[on], shape.guesses(kinds)
     each = [kinds[guess.kind].at(points, guess.pose) for guess in some]  # type: ignore[union-attr]
     paints = np.array(each)
     if scan.colours is None or not len(on):
-        return Seen(k, i, shape, some, paints, None)
+        return SeenPart(k, i, shape, some, paints, None)
     different, which = np.unique(paints.reshape(-1, 3), axis=0, return_inverse=True)
     table = distances(linear(scan.colours[on]), different, deviation)
     rows = np.arange(len(on))
     found = [table[rows, paint] for paint in which.reshape(len(some), len(on))]
-    return Seen(k, i, shape, some, paints, np.array(found))
+    return SeenPart(k, i, shape, some, paints, np.array(found))
 
 
 def _decide(
     brought: Sequence[PartSearch],
     kinds: Sequence[Painted | None],
-    seen: Seen,
+    seen: SeenPart,
     lights: Bools,
     light: int,
     deviation: Floats,
-) -> Told:
+) -> ColourReading:
     """What stands of the guesses at a part; `light` is the likeliest."""
     search = brought[seen.kind]
     own = search.choice.chosen[seen.number]
@@ -166,7 +166,7 @@ def _decide(
         shape.allows(Guess(k, own.pose, np.empty((0, 3)))) is not None for k in bare
     )
     if not is_open and all(shape.allows(seen.guesses[g]) is None for g in rivals):
-        return Told(seen.kind, seen.number, chosen, own)
+        return ColourReading(seen.kind, seen.number, chosen, own)
     kind = kinds[chosen.kind]
     assert kind is not None
     pose = shape.allows(chosen)
@@ -179,7 +179,7 @@ def _decide(
         share=1.0 if not is_open and _flips_show(kind) else own.share,
         by_colour=not is_open,
     )
-    return Told(seen.kind, seen.number, chosen, assessed)
+    return ColourReading(seen.kind, seen.number, chosen, assessed)
 
 
 def _is_alike(first: Guess, second: Guess) -> bool:
@@ -195,7 +195,9 @@ def _flips_show(kind: Painted) -> bool:
     return not any(is_same_surface(itself, kind.shows(flip)) for flip in flips)
 
 
-def _chosen_anew(brought: Sequence[PartSearch], decisions: Sequence[Told]) -> list[PartSearch]:
+def _chosen_anew(
+    brought: Sequence[PartSearch], decisions: Sequence[ColourReading]
+) -> list[PartSearch]:
     """The searches with what was told: parts turned, and those of another kind moved to it."""
     choices = [
         Choice(

@@ -118,10 +118,12 @@ def _outdone(
     the scan says against the larger one would count against neither.
     """
     shared = {
-        frozenset((one, other))
-        for one, other in combinations(sorted(areas), 2)
-        if one[0] != other[0]
-        and all(_share(areas[one][k], areas[other][k]) > SAME_SURFACE for k in (one[0], other[0]))
+        frozenset((first, other))
+        for first, other in combinations(sorted(areas), 2)
+        if first[0] != other[0]
+        and all(
+            _share(areas[first][k], areas[other][k]) > SAME_SURFACE for k in (first[0], other[0])
+        )
     }
     evidence = {
         (k, i): brought[k].depth_map.pitch ** 2

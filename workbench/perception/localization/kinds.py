@@ -58,7 +58,7 @@ FEW_KINDS = 5
 
 
 @dataclass(slots=True, eq=False)
-class Entry:
+class KindHypotheses:
     """The hypotheses of one kind that are left.
 
     `gains` (k,) [m^2] is the area that speaks for each of them; `largest` (pixels,) [m^2] that of
@@ -88,7 +88,7 @@ def localize_parts(
     detail: float,
     report: Report,
     cancelled: Cancelled,
-    tell: ResolveByColour = lambda _, brought: list(brought),
+    resolve_by_colour: ResolveByColour = lambda _, brought: list(brought),
 ) -> LocalizationResult:
     """All parts of all kinds that a cell picks; see `plugins.localizer.Localizer.find`."""
     steps = count()
@@ -123,7 +123,7 @@ def localize_parts(
             for (search, doubted), pixels, is_its_turn in zip(apart, taken, turns, strict=True)
         ]
         compete(found, proposed, closely)
-    searches = iter(tell(scan, found))
+    searches = iter(resolve_by_colour(scan, found))
     return merged(
         together(
             scan,
@@ -216,7 +216,7 @@ def compete(
         closely: see there.
     """
     entries = [
-        Entry(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
+        KindHypotheses(search, list(poses), np.empty(0), np.zeros(search.depth_map.depth.size))
         for search, poses in zip(brought, found, strict=True)
         if poses
     ]
@@ -236,7 +236,9 @@ def compete(
                 _cover(other, entry.search, taken)
 
 
-def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Assessment | None:
+def _try_to_take(
+    entry: KindHypotheses, hypothesis: Hypothesis, closely: Closely
+) -> Assessment | None:
     search = entry.search
     if _is_outdone(entry, hypothesis):
         search.choice.rejected.append(
@@ -254,7 +256,7 @@ def _try_to_take(entry: Entry, hypothesis: Hypothesis, closely: Closely) -> Asse
     )
 
 
-def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:
+def _is_outdone(entry: KindHypotheses, hypothesis: Hypothesis) -> bool:
     """Whether much larger parts of other kinds leave too little of what it explains."""
     seen = hypothesis.sighting
     area = max(seen.gain, 0.0) * entry.search.depth_map.pitch**2
@@ -263,7 +265,7 @@ def _is_outdone(entry: Entry, hypothesis: Hypothesis) -> bool:
     return left < len(outdone) and left < enough(seen)
 
 
-def _cover(entry: Entry, kind: PartSearch, taken: Assessment) -> None:
+def _cover(entry: KindHypotheses, kind: PartSearch, taken: Assessment) -> None:
     """What a part of another kind that was taken explains in this kind's maps."""
     area = taken.sighting.gain * kind.depth_map.pitch**2
     explained = look(entry.search.depth_map, kind.surface, taken.pose, kind.tolerance).explained
@@ -331,6 +333,8 @@ def _overlap(
     def is_in(surface: PartSurface, T_one: pin.SE3, host: PartSurface, T_host: pin.SE3) -> bool:
         return reaches_into(surface, host, T_host.actInv(T_one).homogeneous)
 
-    one, other = brought[j].surface, brought[k].surface
+    first_surface, other = brought[j].surface, brought[k].surface
     T_one, T_other = first.T_world_part, second.T_world_part
-    return is_in(one, T_one, other, T_other) or is_in(other, T_other, one, T_one)
+    return is_in(first_surface, T_one, other, T_other) or is_in(
+        other, T_other, first_surface, T_one
+    )

@@ -64,7 +64,7 @@ def find_near_symmetry(
         points: (n, 3) [m] spread over it.
         diameter: of the part [m].
     """
-    itself = _Itself(scene, points[:: max(1, len(points) // SAMPLES)], diameter)
+    itself = _MovedSurface(scene, points[:: max(1, len(points) // SAMPLES)], diameter)
     middle = points.mean(axis=0)
     moments, axes = np.linalg.eigh(np.cov(points.T))
     # The main axis is the one whose moment stands apart: that of a disc or of a rod.
@@ -87,7 +87,7 @@ def find_near_symmetry(
 
 
 def _turns(
-    itself: "_Itself", middle: Floats, direction: Floats
+    itself: "_MovedSurface", middle: Floats, direction: Floats
 ) -> tuple[list[Floats], Floats | None]:
     """The turns about one axis that are near-symmetries, and the axis if all of them are."""
     half = itself.settled(_turn(middle, direction, np.pi))
@@ -110,7 +110,7 @@ def _turn(centre: Floats, direction: Floats, angle: float) -> Floats:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Itself:
+class _MovedSurface:
     """A surface to compare with its own moved points."""
 
     scene: o3d.t.geometry.RaycastingScene

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Tool
-from workbench.model.geometry import Box, Floats, Mesh, Solid, copied, finest, put
+from workbench.model.geometry import Box, Floats, Mesh, Solid, copy_pose, finest, put
 from workbench.model.part import Part
 from workbench.perception.simulation.physics import add_solid
 from workbench.perception.views.surfaces import triangles_of
@@ -61,7 +61,7 @@ class Shaking:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class HeldPart:
     """A part in the hand once it is closed, `T_tcp_closed`, and at the end, `T_tcp_part`.
 
     Both are None where the fingers came down on the part, or met nothing that they could hold.
@@ -73,7 +73,7 @@ class Held:
     def __post_init__(self) -> None:
         for name in ("T_tcp_closed", "T_tcp_part"):
             T = getattr(self, name)
-            put(self, **{name: None if T is None else copied(T)})
+            put(self, **{name: None if T is None else copy_pose(T)})
 
     @property
     def slip(self) -> tuple[float, float] | None:
@@ -166,14 +166,14 @@ class Gripping:
         mujoco.mj_step(self._model, data, nstep=round(WHILE / STEP))
         return pose_of(data)
 
-    def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> Held:
+    def grip(self, T_world_tcp: pin.SE3, opening: float, shaking: Shaking) -> HeldPart:
         """Close fingers that are open by `opening` [m] at a pose of the hand, lift and shake."""
         model = self._model
         data = self._refine_best_symmetric(T_world_tcp * self._T_flange_tcp.inverse())
         data.qpos[7:] = opening / 2
         mujoco.mj_forward(model, data)
         if self._touches(data):
-            return Held()
+            return HeldPart()
         model.dof_damping[6:] = shaking.force / CLOSING
         data.qfrc_applied[6:] = -shaking.force
         for _ in range(round(LONGEST / STEP / 10)):
@@ -183,14 +183,14 @@ class Gripping:
         mujoco.mj_step(model, data, nstep=round(SETTLE / STEP))
         closed = T_world_tcp.actInv(pose_of(data))
         if not self._touches(data):
-            return Held()
+            return HeldPart()
         # The plane goes, and the hand accelerates upwards and to all sides.
         model.geom_contype[self._floor] = 0
         a = shaking.acceleration
         for way in ((0, 0, a), (a, 0, 0), (-a, 0, 0), (0, a, 0), (0, -a, 0), (0, 0, 0)):
             model.opt.gravity[:] = -np.array(way, float) - (0.0, 0.0, GRAVITY)
             mujoco.mj_step(model, data, nstep=round(SHAKE / STEP))
-        return Held(closed, T_world_tcp.actInv(pose_of(data)))
+        return HeldPart(closed, T_world_tcp.actInv(pose_of(data)))
 
     def _touches(self, data: mujoco.MjData) -> bool:
         """Whether a finger is in touch with the part."""

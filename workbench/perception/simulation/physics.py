@@ -15,6 +15,10 @@ TIMESTEP = 0.002
 MOST_PIECES = 32
 """Of a part that is simulated with its finest pieces."""
 
+MEMORY = 1 << 28
+"""[bytes] For contacts: where it does not suffice MuJoCo drops some, and parts fall through the
+floor.  Its own estimate is too small for flat parts of many pieces.  Only what is used is taken."""
+
 LONGEST = 4.0
 """[s] of simulated time after the last drop, if the parts do not come to rest before."""
 
@@ -48,6 +52,7 @@ def model_of(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
+    spec.memory = MEMORY
     for solid in (*bin.solids, *around):
         add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):

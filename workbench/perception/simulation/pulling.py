@@ -50,7 +50,7 @@ SLIPS, TIPS = 0.001, float(np.deg2rad(2.0))
 
 
 @dataclass(frozen=True, slots=True)
-class Grip:
+class GripForce:
     """The `force` [N] of each finger or of the vacuum, `friction`, no unit, `lip` [m]: a cup's."""
 
     force: float
@@ -61,7 +61,9 @@ class Grip:
 class Pulling:
     """A part in a hand.  Lifetime: as long as both.  Concurrency: one thread at a time."""
 
-    def __init__(self, part: Part, tool: Tool, T_tcp_part: pin.SE3, centre: Floats, grip: Grip):
+    def __init__(
+        self, part: Part, tool: Tool, T_tcp_part: pin.SE3, centre: Floats, grip: GripForce
+    ):
         """The part lies so, its centre of mass (3,) [m] there in its own frame."""
         self._grip, self._T_tcp_part = grip, T_tcp_part
         self._fingers = len(tool.fingers)

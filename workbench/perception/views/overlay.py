@@ -38,7 +38,7 @@ TINTS = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Overlay:
+class PartOverlay:
     """A picture (rows, columns, 3) of bytes, and where each part's number belongs in it.
 
     `places` (n, 2) [pixels] are column and row of the middle of what is drawn of each part, NaN
@@ -58,7 +58,7 @@ class Overlay:
         )
 
 
-def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> Overlay:
+def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> PartOverlay:
     """The scan as its scanner sees it, in its colours if it has some, with parts drawn over it.
 
     Args:
@@ -88,7 +88,7 @@ def overlay(scan: Scan, parts: Sequence[tuple[trimesh.Trimesh, Floats]]) -> Over
         window[drawn & ~inner] = colours[k]
         rows, columns = np.nonzero(drawn)
         places[k] = u + columns.mean(), v + rows.mean()
-    return Overlay(picture.round(), places, colours)
+    return PartOverlay(picture.round(), places, colours)
 
 
 def _camera(points: Floats) -> tuple[Pinhole, int]:

@@ -132,13 +132,13 @@ def _first_met(
     places: Places,
     margin: float,
     around: Around,
-    is_told: bool,
+    is_first_asked: bool,
     last: Ints,
     R: Floats,
     c: Floats,
     W: Floats,
 ) -> tuple[int, int]:
-    """What a hand meets in one of its ways, the first pair if it shall be told, or else any.
+    """What a hand meets in one of its ways, the first pair with `is_first_asked`, or else any.
 
     `last` (2,) is the pair that was met last, as it is likely to be met again; -1 for a cut into
     the part itself.
@@ -152,14 +152,14 @@ def _first_met(
         cut = hands.cuts[w, phase]
         if cut != NOTHING:
             cut = (cut // pieces) * still + places.first[d] + cut % pieces
-            if not is_told:
+            if not is_first_asked:
                 last[:] = -1
                 return phase, cut
         _put(
             places.R[d], places.p[d], hands.R[w], hands.p[w], hands.opening[w, phase],
             around, R, c,
         )  # fmt: skip
-        if not is_told and last[0] >= 0:
+        if not is_first_asked and last[0] >= 0:
             again = _first_near(last[0], last[1:], number, margin, around, R, c, W)
             if again >= 0:
                 return phase, last[0] * still + again

@@ -24,14 +24,14 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.kinematics.robot import Tree
+from workbench.planning.kinematics.robot import JointTree
 
 # The loops below index into whole arrays instead of passing rows: a slice costs an allocation,
 # and these run some hundred thousand times for one plan.
 
 
 @njit(cache=True)
-def joint_pose(j: int, tree: Tree, q: Floats, R: Floats, p: Floats, z: Floats) -> None:
+def joint_pose(j: int, tree: JointTree, q: Floats, R: Floats, p: Floats, z: Floats) -> None:
     """Write rotation R (j, 3, 3), position p (j, 3) [m] and axis z (j, 3) of one joint.
 
     In the world; those of the joint before it have to be there; `q` (nq,) is in rad and m.
@@ -146,7 +146,7 @@ def walk(
     z: float,
     radius: float,
     joint: int,
-    tree: Tree,
+    tree: JointTree,
     d: Floats,
     p_j: Floats,
     z_j: Floats,
@@ -172,7 +172,7 @@ def walk(
         travel[row, j] = moved
 
 
-class Drift(NamedTuple):
+class PairDrift(NamedTuple):
     """How two bodies move against each other from a state on, seen from what carries both.
 
     `x`, `y`, `z` [m] is how far the centre of the one moves against that of the other, and `a_...`
@@ -196,7 +196,7 @@ class Drift(NamedTuple):
 
 @njit(cache=True)
 def nearing(
-    drift: Drift, a: int, b: int, x: float, y: float, z: float, R: Floats, half: Floats
+    drift: PairDrift, a: int, b: int, x: float, y: float, z: float, R: Floats, half: Floats
 ) -> float:
     """How much nearer [m] two bodies can come along the direction (x, y, z), whose length is 1.
 
@@ -238,7 +238,7 @@ class Boxes(NamedTuple):
 
 @njit(cache=True)
 def close_pairs(
-    tree: Tree,
+    tree: JointTree,
     boxes: Boxes,
     q: Floats,
     d: Floats,
@@ -283,7 +283,7 @@ def close_pairs(
 
 @njit(cache=True)
 def place_bodies(
-    tree: Tree,
+    tree: JointTree,
     boxes: Boxes,
     q: Floats,
     d: Floats,
@@ -323,7 +323,7 @@ def place_bodies(
 
 @njit(cache=True)
 def gather_close(
-    tree: Tree,
+    tree: JointTree,
     boxes: Boxes,
     d: Floats,
     first: Ints,

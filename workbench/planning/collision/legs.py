@@ -13,7 +13,7 @@ from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 
 STRAIGHT: frozenset[LegName] = frozenset({"approach", "extract"})
 """Legs on which tool and held part may come as near as the policy's `near_margin`."""
@@ -103,7 +103,7 @@ Run = tuple[ArmPlan, LegName, float]
 """A leg of an arm, with the opening of its fingers [m]."""
 
 
-def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> Phase:
+def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> LegPhase:
     """What is true while some legs run.
 
     Args:
@@ -115,7 +115,7 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> Phase:
     holding += [plan for plan, name, _ in waiting if name in HOLDING - {"place"}]
     placed = [plan for plan, name, _ in runs if name == "home"]
     placed += [plan for plan, name, _ in waiting if name in ("place", "home")]
-    return Phase(
+    return LegPhase(
         moving=frozenset(plan.arm for plan, _, _ in runs),
         openings={plan.arm: opening for plan, _, opening in (*runs, *waiting)},
         held={plan.arm: (plan.detection, plan.T_tcp_part) for plan in holding},
@@ -137,7 +137,7 @@ class Stretch:
     """
 
     runs: tuple[tuple[ArmPlan, Leg], ...]
-    phase: Phase
+    phase: LegPhase
     standing: Mapping[str, Floats]
 
 

@@ -6,7 +6,7 @@ parabola that touches both.  So a motion is a chain of quadratic Bezier curves i
 straight pieces and corners.  A corner that the controller cannot round as asked is rounded less or
 becomes a stop.  So where corners are rounded the sharp ones are checked as well, and where they are
 wide roundings between the two.  One that is streamed cuts corners straight, from sample to sample,
-by less than half of both segments (`walked`).
+by less than half of both segments (`bound_curves`).
 
 A curve is proven clear by halving: at its middle no pair may be closer than its margin plus
 the most that the rest of the curve can bring it nearer (`bounds`).  Where that is unknown,
@@ -64,7 +64,7 @@ def straight(path: Floats) -> Curves:
     return Curves(np.stack([starts, (starts + ends) / 2, ends], axis=1), np.arange(len(starts)))
 
 
-def walked(path: Floats, motion: MotionModel, zone: float) -> Curves:
+def bound_curves(path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All that a controller may make of waypoints (m, n) [rad], with a zone below 0.5.
 
     That is every linear motion from waypoint to waypoint, where it stops or a zone cannot be done;
@@ -145,7 +145,7 @@ def path_contact(
     among: Ints | None = None,
 ) -> tuple[Contact, Floats, int] | None:
     """The first contact along waypoints (m, n) [rad] as executed; see `chain_contact`."""
-    curves = walked(path, world.motion, world.policy.zone)
+    curves = bound_curves(path, world.motion, world.policy.zone)
     return chain_contact(world, columns, base, curves, among=among)
 
 

@@ -32,7 +32,7 @@ def kept(begins: Floats) -> Floats:
 
 
 @dataclass(frozen=True, slots=True)
-class Phase:
+class LegPhase:
     """What is true during one leg.
 
     `moving`: the arms that move.  `openings`: arm -> finger opening [m]; of arms not named, fingers
@@ -166,7 +166,7 @@ class Pairing:
             self._ancestors[j, j] = True
         self._known: dict[tuple[object, ...], Checks] = {}
 
-    def checks(self, phase: Phase, joint: Ints) -> Checks:
+    def checks(self, phase: LegPhase, joint: Ints) -> Checks:
         """The pairs of a phase.
 
         Args:
@@ -177,7 +177,7 @@ class Pairing:
             self._known[phase.key] = self._checks(phase, joint)
         return self._known[phase.key]
 
-    def _checks(self, phase: Phase, joint: Ints) -> Checks:
+    def _checks(self, phase: LegPhase, joint: Ints) -> Checks:
         a, b = self.first, self.second
         moving = [self._arm[name] for name in phase.moving]
         held = np.full(len(self._carrier), -1)

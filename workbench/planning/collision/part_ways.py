@@ -19,7 +19,7 @@ from workbench.planning.collision.bodies import extent, part_label
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import NOTHING
 from workbench.planning.collision.pairing import kept
-from workbench.planning.collision.rolled import Placed, placed
+from workbench.planning.collision.rolled import Placed, place_pieces
 from workbench.planning.collision.surroundings import Surroundings
 
 STEP = 0.004
@@ -243,7 +243,7 @@ class PartWays:
         far = np.append(np.arange(COMES_OFF, self._release, COMES_OFF), self._release)
         steps = far[:, None] * way / float(np.linalg.norm(way))
         detection = self._detections[number]
-        pieces = placed(self._cell.part(detection.part), detection)
+        pieces = place_pieces(self._cell.part(detection.part), detection)
         # A turn is possible when its pieces are in nothing whose own place is known.
         possible, deepest = np.ones(max(len(piece) for piece in pieces), bool), (-np.inf, "")
         for piece, (name, bed) in product(pieces, beds):
@@ -278,7 +278,7 @@ class PartWays:
         ]
         for k, detection in enumerate(self._detections):
             if k != number:
-                pieces = placed(self._cell.part(detection.part), detection)
+                pieces = place_pieces(self._cell.part(detection.part), detection)
                 found += [(part_label(k), piece) for piece in pieces]
         at = self._detections[number].T_world_part
         reach = max(solid.reach for solid in self._still.pieces[number])

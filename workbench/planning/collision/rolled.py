@@ -20,7 +20,7 @@ from workbench.model.geometry import (
     Sphere,
     pose_from_rpy,
 )
-from workbench.model.part import Part, turned
+from workbench.model.part import Part, make_turn
 from workbench.model.scan import Detection
 
 TURNS, MOST_TURNS, BETWEEN = 24, 720, 0.001
@@ -59,10 +59,10 @@ def turns_about(axis: Floats, count: int = TURNS) -> tuple[pin.SE3, ...]:
     """Turns about an axis (2, 3) [m], see `axis_of`, in equal steps, none at all first."""
     point, direction = axis
     angles = np.arange(count) * 2 * np.pi / count
-    return tuple(turned(direction, float(angle), point) for angle in angles)
+    return tuple(make_turn(direction, float(angle), point) for angle in angles)
 
 
-def placed(part: Part, detection: Detection) -> tuple[Placed, ...]:
+def place_pieces(part: Part, detection: Detection) -> tuple[Placed, ...]:
     """Each piece of a part where it lies; where its roll is unknown, at every turn."""
     T, rooms = detection.T_world_part, room_of(part, detection)
     turns = [pin.SE3.Identity()]

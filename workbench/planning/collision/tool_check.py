@@ -30,8 +30,8 @@ class Fit:
 
     `opening` [m] and `turn` (of the `grips`) are those of the way.  `is_closed`: the first way is
     free as the hand arrives, and met is what it does as the fingers close; `pair` are the numbers
-    of tool solid and obstacle (`ToolCheck.told`), None where a way fits; `is_touching` says that
-    the two touch, not only come too near.
+    of tool solid and obstacle (`ToolCheck.measure_pair`), None where a way fits; `is_touching` says
+    that the two touch, not only come too near.
     """
 
     opening: float
@@ -63,7 +63,7 @@ class ToolCheck:
         The part to be taken has no margin; the tool may cut into it by `press` [m].
         """
         pair = self._contact(arm, T_world_tcp, opening, target, press)
-        return None if pair is None else self.told(arm, T_world_tcp, opening, pair)
+        return None if pair is None else self.measure_pair(arm, T_world_tcp, opening, pair)
 
     def _contact(
         self, arm: Arm, T_world_tcp: pin.SE3, opening: float, target: int, press: float
@@ -73,11 +73,13 @@ class ToolCheck:
             gaps = self._still.gaps(T.act(tool.centre))
             for g in np.flatnonzero(gaps - tool.radius < self._margin).tolist():
                 margin = -press if self._still.owner[g] == target else self._margin
-                if self.told(arm, T_world_tcp, opening, (number, g))[1] < margin:
+                if self.measure_pair(arm, T_world_tcp, opening, (number, g))[1] < margin:
                     return number, g
         return None
 
-    def told(self, arm: Arm, T_world_tcp: pin.SE3, opening: float, pair: tuple[int, int]) -> Met:
+    def measure_pair(
+        self, arm: Arm, T_world_tcp: pin.SE3, opening: float, pair: tuple[int, int]
+    ) -> Met:
         """The labels and the distance [m] of a pair of tool solid and obstacle."""
         number, g = pair
         tool = self._tools[arm.name][number]
@@ -184,7 +186,7 @@ class ToolCheck:
                 wide = float(hands.opening[w, int(is_closed)])
                 pair = self._contact(arm, T_world_tcp, wide, number, press)
                 if pair is not None:
-                    touches = self.told(arm, T_world_tcp, wide, pair)[1] <= 0
+                    touches = self.measure_pair(arm, T_world_tcp, wide, pair)[1] <= 0
                     refusal = refusal or Fit(opening, turn, is_closed, pair, touches)
                     break
             if pair is None:

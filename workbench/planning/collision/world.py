@@ -17,7 +17,7 @@ from workbench.planning.collision.bounds import close_pairs
 from workbench.planning.collision.contact import Contact, Swept
 from workbench.planning.collision.distances.cores import cores_of
 from workbench.planning.collision.distances.measuring import distance, has_pieces
-from workbench.planning.collision.pairing import Phase, pairing_of
+from workbench.planning.collision.pairing import LegPhase, pairing_of
 from workbench.planning.collision.part_ways import PartWays
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.sweeping.edges import Edges, edges_of
@@ -84,7 +84,7 @@ class World:
         self._still = np.zeros(self.kinematics.model.nq)
         self._placed: dict[int, float | str | None] = {}
         self._make_pairs()
-        self.enter(Phase(frozenset(arm.name for arm in cell.arms)))
+        self.enter(LegPhase(frozenset(arm.name for arm in cell.arms)))
 
     @cached_property
     def tool_check(self) -> ToolCheck:
@@ -100,7 +100,7 @@ class World:
         """The arm of that name."""
         return self.cell.arm(name)
 
-    def enter(self, phase: Phase) -> None:
+    def enter(self, phase: LegPhase) -> None:
         """Attach, release and set margins for a leg."""
         holders = {number: arm for arm, (number, _) in phase.held.items()}
         lying = {

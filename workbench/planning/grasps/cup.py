@@ -8,7 +8,7 @@ import pinocchio as pin
 from workbench.model.cell import Tool
 from workbench.model.geometry import Floats, Mesh
 from workbench.planning.grasps.pads import outline
-from workbench.planning.grasps.part_rays import Grid, tops
+from workbench.planning.grasps.part_rays import RayGrid, tops
 
 CELLS = 24
 """Across the cup."""
@@ -56,7 +56,7 @@ class Cup:
         self.radius = max(float(np.linalg.norm(tip[:, :2], axis=1).max()), SMALLEST)
         step = 2 * self.radius / CELLS
         edge = -self.radius + step / 2
-        self._grid = Grid(edge, edge, step, (CELLS, CELLS))
+        self._grid = RayGrid(edge, edge, step, (CELLS, CELLS))
         u, v = self._grid.centres
         far = np.hypot(u, v) / self.radius
         self._is_lip = (far >= LIP) & (far <= 1.0)

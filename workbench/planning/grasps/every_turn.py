@@ -15,7 +15,7 @@ from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.part import Grasp, Part, turned
+from workbench.model.part import Grasp, Part, make_turn
 from workbench.model.scan import Detection
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.rolled import axis_of, room_of, turns_about
@@ -79,7 +79,7 @@ def _without_turn(axis: Floats, T_part_tcp: pin.SE3) -> pin.SE3:
             break
     side = side - (side @ direction) * direction
     angle = np.arctan2(np.cross(side, across) @ direction, side @ across)
-    return turned(direction, float(-angle), point) * T_part_tcp
+    return make_turn(direction, float(-angle), point) * T_part_tcp
 
 
 @lru_cache(maxsize=8)

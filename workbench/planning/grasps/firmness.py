@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.grasps import GripText
 from workbench.model.messages.message import Message
 from workbench.planning.grasps.cup import Cup
-from workbench.planning.grasps.grip_program import Contacts, Program, Touch
+from workbench.planning.grasps.grip_program import Contacts, GripProgram, Touch
 from workbench.planning.grasps.pads import Hold
 
 GRAVITY = 9.81
@@ -32,7 +32,7 @@ LIP_POINTS = 16
 REFINED = 4
 """Directions that are tried beside the first ones, each square to the weakest side so far."""
 
-MOST_TOLD = 9.9
+MOST_TIMES = 9.9
 """Times the load: more is as good."""
 
 _FIRST = [np.array(d) / np.linalg.norm(d) for d in product((-1, 0, 1), repeat=3) if np.any(d)]
@@ -103,7 +103,7 @@ def firmness(contacts: Contacts, centre: Floats, mass: float, acceleration: floa
         Share 0 where the grip holds nothing at all.
     """
     load = RESERVE * mass * (GRAVITY + acceleration)
-    program = Program(contacts)
+    program = GripProgram(contacts)
     radius, worst = np.inf, np.zeros(3)
     ways = list(DIRECTIONS)
     for number in range(len(DIRECTIONS) + REFINED):
@@ -147,7 +147,7 @@ def in_words(firmness: Firmness) -> Message:
         acceleration=firmness.acceleration,
     )
     if firmness.is_enough:
-        return GripText.HOLDS(times=min(firmness.share, MOST_TOLD), conditions=by)
+        return GripText.HOLDS(times=min(firmness.share, MOST_TIMES), conditions=by)
     # What is not enough is never reported as 1.00.
     share = float(np.floor(firmness.share * 100)) / 100
     match firmness.turns, firmness.is_cup:

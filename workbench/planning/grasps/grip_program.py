@@ -47,7 +47,7 @@ class Contacts:
     pull: Floats | None = None
 
 
-class Program:
+class GripProgram:
     """The linear program of a grip: the unknowns are six numbers a touch, and the load.
 
     A touch has the pressure, even and along both sides [N]; and the force of friction along both

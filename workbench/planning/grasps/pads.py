@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Tool
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Ints, Mesh, Shape, Sphere
-from workbench.planning.grasps.part_rays import Grid, tops
+from workbench.planning.grasps.part_rays import RayGrid, tops
 
 CELLS = 40
 """Of the grid, along the longer side of the fingers."""
@@ -74,7 +74,7 @@ class Pads:
         step = max(float((high - low).max()) / CELLS, SMALLEST)
         shape = tuple(np.maximum(np.floor((high - low) / step), 1).astype(int).tolist())
         edge = (high - low - (np.array(shape) - 1) * step) / 2
-        self.grid = Grid(float(low[0] + edge[0]), float(low[1] + edge[1]), step, shape)
+        self.grid = RayGrid(float(low[0] + edge[0]), float(low[1] + edge[1]), step, shape)
         self._cell = float((high - low).prod()) / (shape[0] * shape[1])
         everywhere = np.full(shape, np.inf)
         # The inner faces when closed, as travels of each finger: NaN where it has none.

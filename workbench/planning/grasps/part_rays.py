@@ -27,7 +27,7 @@ ON_EDGE = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class RayGrid:
     """Parallel rays: cell (i, k) stands at `u + i * step`, `v + k * step` [m]."""
 
     u: float
@@ -95,7 +95,7 @@ def first_hits(mesh: Mesh, origins: Floats, directions: Floats) -> tuple[Floats,
     )
 
 
-class Surface:
+class MeshSurface:
     """The surface of a mesh, made ready once to be asked for its nearest points many times.
 
     Triangles without an area have no normal and are passed over: in a closed surface their
@@ -134,7 +134,7 @@ class Surface:
 
 def nearest_points(mesh: Mesh, points: Floats) -> tuple[Floats, Floats, Ints]:
     """For one question: points (n, 3) nearest to others (n, 3), distances (n,) [m], triangles."""
-    return Surface(mesh).nearest(points)
+    return MeshSurface(mesh).nearest(points)
 
 
 def _spheres(corners: Floats) -> tuple[Floats, Floats]:
@@ -150,7 +150,7 @@ def _sphere_around(centres: Floats, radii: Floats) -> tuple[Floats, float]:
 
 
 def tops(
-    points: Floats, triangles: Ints, grid: Grid, limits: Floats, sense: float
+    points: Floats, triangles: Ints, grid: RayGrid, limits: Floats, sense: float
 ) -> tuple[Floats, Ints]:
     """What something that comes down each ray of a grid, from its limit on, meets first.
 

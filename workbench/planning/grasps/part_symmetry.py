@@ -8,7 +8,7 @@ import pinocchio as pin
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Mesh
 from workbench.model.symmetry import Symmetry, SymmetryAxis, turn_about
-from workbench.planning.grasps.part_rays import Surface, normals_of, samples_of
+from workbench.planning.grasps.part_rays import MeshSurface, normals_of, samples_of
 
 TOLERANCE = 0.004
 """Share of the part's diameter by which the turned surface may differ from the unturned one."""
@@ -63,7 +63,7 @@ def proposed_symmetry(mesh: Mesh) -> FoundSymmetry | None:
 
     The axis with the most turns, then the most exact, and with it all others that make a group.
     """
-    itself = _Itself(mesh)
+    itself = _TurnedSurface(mesh)
     found = _axes_of(itself)
     if not found:
         return None
@@ -90,10 +90,10 @@ def proposed_symmetry(mesh: Mesh) -> FoundSymmetry | None:
 
 def deviation_of(mesh: Mesh, symmetry: Symmetry) -> float:
     """How far the surface lies from itself at most [m] after the turns that somebody stated."""
-    return _Itself(mesh).worst(symmetry)
+    return _TurnedSurface(mesh).worst(symmetry)
 
 
-def _axes_of(itself: "_Itself") -> list[tuple[Symmetry, float]]:
+def _axes_of(itself: "_TurnedSurface") -> list[tuple[Symmetry, float]]:
     """Axes with turns, the one with the most first, and how far off the turned surface is [m].
 
     Lines through the centre of the surface are tried along its principal axes, the part's own axes
@@ -112,7 +112,7 @@ def _axes_of(itself: "_Itself") -> list[tuple[Symmetry, float]]:
     return found
 
 
-def _across(itself: "_Itself", symmetry: Symmetry) -> list[tuple[Symmetry, float]]:
+def _across(itself: "_TurnedSurface", symmetry: Symmetry) -> list[tuple[Symmetry, float]]:
     """A half turn across an axis, which no face need show: the best of many, if it holds."""
     first = np.linalg.svd(symmetry.axis[None])[2][1]
 
@@ -138,12 +138,12 @@ def tolerance_of(mesh: Mesh) -> float:
     return max(TOLERANCE * float(np.linalg.norm(np.ptp(mesh.points, axis=0))), LEAST_TOLERANCE)
 
 
-class _Itself:
+class _TurnedSurface:
     """A surface to be compared with its own turned points."""
 
     def __init__(self, mesh: Mesh):
         self.mesh = mesh
-        self._surface = Surface(mesh)
+        self._surface = MeshSurface(mesh)
         _, areas = normals_of(mesh)
         corners = mesh.points[mesh.triangles]
         self.centre = areas @ corners.mean(axis=1) / areas.sum()

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Floats
-from workbench.model.part import PartPlace, turned
+from workbench.model.part import PartPlace, make_turn
 from workbench.model.symmetry import BALL, ROUND, SAME, Symmetry
 from workbench.planning.collision.legs import FREE_STEP, turn_steps
 
@@ -25,7 +25,7 @@ def ways_to_lie(place: PartPlace, symmetry: Symmetry) -> tuple[pin.SE3, ...]:
     some stand for all.
     """
     z = np.array([0.0, 0.0, 1.0])
-    turns = [turned(z, a).homogeneous for a in turn_steps(place.free_rotation, FREE_STEP)]
+    turns = [make_turn(z, a).homogeneous for a in turn_steps(place.free_rotation, FREE_STEP)]
     motions = symmetry.motions(ROUND_STEPS)
     every = np.einsum("ij,ajk,skl->asil", place.T_world_part.homogeneous, turns, motions)
     every = every.reshape(-1, 4, 4)

@@ -35,7 +35,7 @@ WITHIN = 1e-9
 """Share of a squared speed that rounding may decide."""
 
 
-def timed(
+def compute_times(
     path: Floats,
     velocity: Floats,
     acceleration: Floats,

@@ -13,7 +13,7 @@ from workbench.model.robot import Joint
 AXES = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
 
 
-class Tree(NamedTuple):
+class JointTree(NamedTuple):
     """The joints as arrays for compiled code, joint 0 being the world.
 
     `parents` (j,) the joint before each; `R` (j, 3, 3) and `p` (j, 3) [m] the fixed transform
@@ -79,14 +79,14 @@ class Kinematics:
         return self.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
 
 
-def _tree(model: pin.Model, cell: Cell) -> Tree:
+def _tree(model: pin.Model, cell: Cell) -> JointTree:
     axes, slides = np.zeros((model.njoints, 3)), np.zeros(model.njoints)
     for joint in cell.robot.joints:
         if joint.kind != "fixed":
             number = model.getJointId(joint.name)
             axes[number] = joint.axis
             slides[number] = 1.0 if joint.kind == "prismatic" else 0.0
-    return Tree(
+    return JointTree(
         np.array(list(model.parents)),
         np.array([T.rotation for T in model.jointPlacements]),
         np.array([T.translation for T in model.jointPlacements]),

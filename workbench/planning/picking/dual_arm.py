@@ -27,7 +27,7 @@ from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Pl
 from workbench.planning.collision.arm_sweeps import ArmContact, ArmSweep, first_contact, standing
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, phase_of
-from workbench.planning.collision.motion import Curves, chain_contact, walked
+from workbench.planning.collision.motion import Curves, bound_curves, chain_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.in_step import in_step
@@ -40,7 +40,7 @@ CARRYING = LEG_NAMES.index("return")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
+class ArmTask:
     """An arm with its plan, and the leg that is to run."""
 
     plan: ArmPlan
@@ -51,13 +51,13 @@ class Task:
         """The leg as planned until now."""
         return self.plan.leg(self.name)
 
-    def with_leg(self, leg: Leg) -> "Task":
+    def with_leg(self, leg: Leg) -> "ArmTask":
         """The same task with another way."""
         legs = tuple(leg if old.name == leg.name else old for old in self.plan.legs)
-        return Task(replace(self.plan, legs=legs), self.name)
+        return ArmTask(replace(self.plan, legs=legs), self.name)
 
 
-Pair = tuple[Task, Task]
+Pair = tuple[ArmTask, ArmTask]
 
 
 def pairs_of(world: World, picks: Sequence[Pick], cost: Cost) -> list[tuple[Pick, Pick]]:
@@ -141,7 +141,7 @@ def coordinate(
     rng, steps = np.random.default_rng(np.random.SeedSequence([seed, 0])), list[Step]()
     guarantee = Guarantee.TIME_INDEPENDENT
     for name in LEG_NAMES:
-        together = _together(world, (Task(single, name), Task(other, name)), rng)
+        together = _together(world, (ArmTask(single, name), ArmTask(other, name)), rng)
         if isinstance(together, Verdict):
             return together
         (first, second), some, is_in_step = together
@@ -195,8 +195,8 @@ def _enter(world: World, pair: Pair) -> None:
         world.allow_start_contacts(world.configuration(starts))
 
 
-def _sweep_of(world: World, task: Task) -> ArmSweep:
-    curves = walked(np.asarray(task.leg.q), world.motion, world.policy.zone)
+def _sweep_of(world: World, task: ArmTask) -> ArmSweep:
+    curves = bound_curves(np.asarray(task.leg.q), world.motion, world.policy.zone)
     return ArmSweep(task.plan.arm, curves.points)
 
 
@@ -227,7 +227,9 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
         lead = lead_of(task.leg, world.policy.straight_points)
         begin = standing(task.plan.arm, lead[0])
         if len(lead) > 1:
-            begin = ArmSweep(task.plan.arm, walked(lead, world.motion, world.policy.zone).points)
+            begin = ArmSweep(
+                task.plan.arm, bound_curves(lead, world.motion, world.policy.zone).points
+            )
         ends = (begin, standing(task.plan.arm, goal))
         if any(first_contact(world, base, end, way) is not None for end in ends):
             continue
@@ -277,7 +279,7 @@ def _one_after_the_other(world: World, pair: Pair) -> list[Step] | None:
     return None
 
 
-def passes(world: World, moving: Task, waiting: ArmPlan, done: int) -> bool:
+def passes(world: World, moving: ArmTask, waiting: ArmPlan, done: int) -> bool:
     """Whether one arm can go while the other stands where it is with this many of its legs done."""
     waits: list[Run] = []
     if done:

@@ -9,9 +9,9 @@ from workbench.model.candidate import Verdict
 from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.collision.legs import lead_of
-from workbench.planning.collision.motion import RESOLUTION, walked
+from workbench.planning.collision.motion import RESOLUTION, bound_curves
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import Pace, pace_of
 from workbench.planning.picking.route import MOTIONS
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
@@ -40,7 +40,7 @@ def in_step(
         if world.contact(whole) is not None:
             return None
     lead = np.hstack([lead_of(leg, policy.straight_points) for leg in legs])
-    if len(lead) > 1 and check(walked(lead, world.motion, policy.zone)) is not None:
+    if len(lead) > 1 and check(bound_curves(lead, world.motion, policy.zone)) is not None:
         return None
     if MOTIONS[name] == "joint":
         with world.at_full_margins():
@@ -51,7 +51,7 @@ def in_step(
         if len(legs[0].q) != len(legs[1].q):
             return None
         path = np.hstack([legs[0].q, legs[1].q])
-        if check(walked(path, world.motion, policy.zone)) is not None:
+        if check(bound_curves(path, world.motion, policy.zone)) is not None:
             return None
     return _with_times(world, plans, legs, path)
 
@@ -116,7 +116,7 @@ def _with_times(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
     pace = pace_in_step(world, [plan.arm for plan in plans])
-    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
+    times = compute_times(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
     count = len(plans[0].joints)
     return (
         replace(legs[0], q=path[:, :count], t=times),

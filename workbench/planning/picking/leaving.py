@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import chain_contact, walked
+from workbench.planning.collision.motion import bound_curves, chain_contact
 from workbench.planning.collision.world import World
 
 ROOM = 0.0005
@@ -44,7 +44,7 @@ def find_contact_after_release(
     if number == len(path) - 1:
         return None if contact is None else (contact, path[-1], len(path) - 2)
     with world.at_full_margins():
-        curves = walked(path[number:], world.motion, world.policy.zone)
+        curves = bound_curves(path[number:], world.motion, world.policy.zone)
         found = chain_contact(world, columns, base, curves, among=pairs)
     return None if found is None else (found[0], found[1], found[2] + number)
 

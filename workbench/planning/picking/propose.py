@@ -178,7 +178,7 @@ def _judge_fit(check: ToolCheck, arm: Arm, grasp: Grasp, T_world_tcp: pin.SE3, f
     if arm.tool.fingers:
         opening = grasp.grip if fit.is_closed else fit.opening
         note = VerdictNote.FINGERS(opening=opening)
-    labels, distance = check.told(arm, T_world_tcp, opening, fit.pair)
+    labels, distance = check.measure_pair(arm, T_world_tcp, opening, fit.pair)
     return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, labels, distance, note=note)
 
 

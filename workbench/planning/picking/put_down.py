@@ -17,7 +17,7 @@ from workbench.model.part import DOWN, PartPlace
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.rolled import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
@@ -49,7 +49,7 @@ class PutDown:
 
 
 def plan_straight_descents(
-    world: World, arm: Arm, phase: Phase, q_from: Floats, near: Floats | None = None
+    world: World, arm: Arm, phase: LegPhase, q_from: Floats, near: Floats | None = None
 ) -> Iterator[Floats | Verdict]:
     """The linear motions (m, n) to the places of an arm, in order; what speaks against others.
 
@@ -81,7 +81,7 @@ class _Hands(NamedTuple):
     approach: Floats = np.array(DOWN)
 
 
-def _hands(world: World, arm: Arm, phase: Phase) -> Iterator[_Hands | Verdict]:
+def _hands(world: World, arm: Arm, phase: LegPhase) -> Iterator[_Hands | Verdict]:
     """Where the hand would be at each place; or that the part stands in things.
 
     Places of the hand that differ in nothing but how it is turned are one.
@@ -127,7 +127,7 @@ def _ways_at(world: World, place: PartPlace, number: int) -> Iterator[pin.SE3 | 
 
 
 def _straight(
-    world: World, arm: Arm, phase: Phase, hands: _Hands, starts: Floats
+    world: World, arm: Arm, phase: LegPhase, hands: _Hands, starts: Floats
 ) -> Iterator[Floats | Verdict]:
     """The linear motions (m, n) to a place, and what speaks against others.
 
@@ -165,7 +165,7 @@ def _straight(
             yield Verdict(Reason.NO_PLACE, Stage.PLACE, pair, distance, met[1])
 
 
-def _standing_in(world: World, phase: Phase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
+def _standing_in(world: World, phase: LegPhase, arm: Arm, T_world_tcp: pin.SE3) -> Verdict | None:
     """That the part in the hand would stand in something at a place, whatever the arm does.
 
     Most places that do not work are refused by it, and it is cheap.
@@ -190,7 +190,7 @@ class PlaceConfigurations:
 
 
 def find_configurations_at_places(
-    world: World, arm: Arm, phase: Phase, starts: Floats
+    world: World, arm: Arm, phase: LegPhase, starts: Floats
 ) -> PlaceConfigurations:
     """Whether a part, held so, can be brought to a place for its kind: the place alone counts.
 
@@ -245,7 +245,7 @@ def find_configurations_at_places(
     return PlaceConfigurations([], Verdict(Reason.NO_PLACE, Stage.PLACE, None, away, q, note))
 
 
-def put_down(world: World, pick: Pick, others: Phase) -> PutDown | Verdict:
+def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
     """A way to a place and out of there, beside what other arms have placed.
 
     That of the pick comes first.
@@ -314,7 +314,7 @@ def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
     return Verdict(Reason.NO_PLACE, Stage.PLACE, contact.pair, contact.distance, q)
 
 
-def _way_out(world: World, pick: Pick, arm: Arm, phase: Phase, down: Floats) -> Floats | Verdict:
+def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) -> Floats | Verdict:
     """The linear motion (m, n) of the open hand out of where it has put the part `down`.
 
     It goes out as it had come to the part in the bin; where that is not possible, straight back.

@@ -15,7 +15,7 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.motion import path_contact
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.every_turn import uneven
@@ -208,9 +208,9 @@ def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, nearest.shortfall, nearest.nearest, note)
 
 
-def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
+def approach_phase(candidate: Candidate, arm: Arm) -> LegPhase:
     """The phase in which an arm comes to the candidate's part with its fingers open."""
-    return Phase(
+    return LegPhase(
         moving=frozenset({arm.name}),
         openings={arm.name: candidate.grasp.opening},
         targets={arm.name: candidate.detection},
@@ -218,9 +218,11 @@ def approach_phase(candidate: Candidate, arm: Arm) -> Phase:
     )
 
 
-def holding_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool) -> Phase:
+def holding_phase(
+    candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool
+) -> LegPhase:
     """The phase of a leg with the candidate's part in the hand."""
-    return Phase(
+    return LegPhase(
         moving=frozenset({arm.name}),
         openings={arm.name: candidate.grasp.grip},
         held={arm.name: (candidate.detection, T_tcp_part)},
@@ -297,7 +299,7 @@ def _approach(
     world.enter(approach_phase(candidate, arm))
     found = path_contact(world, columns, base, path)
     if found is None:
-        world.enter(Phase(frozenset({arm.name}), {arm.name: grasp.opening}))
+        world.enter(LegPhase(frozenset({arm.name}), {arm.name: grasp.opening}))
         q = path[0]
         contact = world.contact(world.configuration({arm.name: q}))
     else:

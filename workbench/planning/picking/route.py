@@ -18,7 +18,7 @@ from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.put_down import PutDown, home_of, put_down
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
@@ -195,7 +195,7 @@ def _refuse_later_leg(verdict: Verdict, name: LegName) -> Verdict:
 def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)
-    times = timed(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
+    times = compute_times(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 

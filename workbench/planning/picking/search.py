@@ -11,14 +11,19 @@ from workbench.model.cell import Policy
 from workbench.model.geometry import Floats, Ints
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.contact import Contact
-from workbench.planning.collision.motion import Curves, chain_contact, segment, walked
+from workbench.planning.collision.motion import Curves, bound_curves, chain_contact, segment
 from workbench.planning.collision.sweeping.edges import Edges
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import Pace
 from workbench.planning.planners.asking import CompiledCheck
 from workbench.planning.planners.clock import processor_time
 from workbench.planning.planners.ease import ease_corners
-from workbench.planning.planners.shorten import merged, resample, shorten_path, skip_waypoints
+from workbench.planning.planners.shorten import (
+    merge_corners,
+    resample,
+    shorten_path,
+    skip_waypoints,
+)
 from workbench.plugins.planner import EdgeCheck, Planner, planner_named
 
 FINE = 0.0001
@@ -135,8 +140,8 @@ def onward(
 def _walked_from(before: Floats | None, path: Floats, motion: MotionModel, zone: float) -> Curves:
     """All curves of a path, with the corner at its start where it comes from `before`."""
     if before is None:
-        return walked(path, motion, zone)
-    curves = walked(np.vstack([before, path]), motion, zone)
+        return bound_curves(path, motion, zone)
+    curves = bound_curves(np.vstack([before, path]), motion, zone)
     return Curves(curves.points[1:], curves.waypoints[1:])
 
 
@@ -190,7 +195,7 @@ def _forms(
 
 def as_sent(path: Floats, is_clear: EdgeCheck, count: int, motion: MotionModel) -> Floats:
     """A path (m, n) [rad] shortened, divided into `count` waypoints or what it needs, rounded."""
-    path = merged(shorten_path(path, is_clear, most=count), is_clear)
+    path = merge_corners(shorten_path(path, is_clear, most=count), is_clear)
     return _round(resample(path, count), motion)
 
 

@@ -5,7 +5,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.inverse import configurations
 
@@ -47,7 +47,7 @@ def sample_showing_configurations(
         Configurations (n,) [rad].
     """
     rng, world = np.random.default_rng(seed), World(cell, ())
-    world.enter(Phase(frozenset(each_arm.name for each_arm in cell.arms)))
+    world.enter(LegPhase(frozenset(each_arm.name for each_arm in cell.arms)))
     chain = world.chains[arm.name]
     found: list[tuple[Floats, Floats]] = []
     for _ in range(count * TRIES):

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Plan, Step, Strategy
 from workbench.planning.collision.world import World
-from workbench.planning.picking.dual_arm import Task, find_arm_contact, passes
+from workbench.planning.picking.dual_arm import ArmTask, find_arm_contact, passes
 
 COUNT = len(LEG_NAMES)
 
@@ -93,7 +93,7 @@ class Weave:
     def _is_possible(self, move: Move) -> bool:
         if move not in self.possible:
             tasks = [
-                Task(arm, LEG_NAMES[done]) if moves else None
+                ArmTask(arm, LEG_NAMES[done]) if moves else None
                 for arm, done, moves in zip(self.arms, move.done, move.moves, strict=True)
             ]
             if tasks[0] and tasks[1]:

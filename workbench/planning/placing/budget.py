@@ -15,7 +15,14 @@ from workbench.model.messages.message import Message
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.placing.chance import DRAWS, SURE, Counted, counted, draw_errors, within
+from workbench.planning.placing.chance import (
+    DRAWS,
+    SURE,
+    Counted,
+    draw_errors,
+    select_counted,
+    within,
+)
 from workbench.planning.placing.contact import Grip, cup_grip, finger_grip
 from workbench.planning.placing.sources import calibration_error, localization_error
 
@@ -121,7 +128,7 @@ def budget_of(cell: Cell, detection: Detection, candidate: Candidate) -> Budget:
     covariance = sum(shares.values(), np.zeros((6, 6)))
     places = arm.places_for(part.name)
     place = places[0] if places else None
-    what = counted(part, detection, place)
+    what = select_counted(part, detection, place)
     off = off_of(covariance, R_part_hand, what)
     shift, turn = (float(np.quantile(samples, SURE)) for samples in off)
     return Budget(

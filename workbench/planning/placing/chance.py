@@ -44,7 +44,7 @@ class Counted:
         return np.linalg.norm(shifts, axis=1), np.linalg.norm(turns, axis=1)
 
 
-def counted(part: Part, detection: Detection, place: PartPlace | None) -> Counted:
+def select_counted(part: Part, detection: Detection, place: PartPlace | None) -> Counted:
     """What makes a difference of a part that is to lie at a place, None: somewhere.
 
     Turns about the axis of a part that is round do not; nor those about one about which its roll is

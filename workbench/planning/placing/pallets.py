@@ -11,7 +11,7 @@ from workbench.model.cell import Arm
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Obstacle
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 
 SLACK = 0.0005
@@ -19,7 +19,7 @@ SLACK = 0.0005
 
 
 def open_places(
-    world: World, arm: Arm, number: int, phase: Phase | None = None
+    world: World, arm: Arm, number: int, phase: LegPhase | None = None
 ) -> tuple[PartPlace, ...]:
     """The places of an arm where a part found may be put now, in the order in which they are tried.
 
@@ -95,7 +95,7 @@ def _is_open(
     )
 
 
-def _just_put(world: World, phase: Phase) -> list[tuple[Part, pin.SE3]]:
+def _just_put(world: World, phase: LegPhase) -> list[tuple[Part, pin.SE3]]:
     return [
         (world.cell.part(world.detections[number].part), world.chains[arm].pose(q) * T_tcp_part)
         for arm, (number, T_tcp_part, q) in phase.placed.items()

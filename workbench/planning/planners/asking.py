@@ -45,7 +45,7 @@ def look_at_the_clock(is_clear: EdgeCheck) -> None:
         is_clear.on_time()
 
 
-class Answers(NamedTuple):
+class RecordedAnswers(NamedTuple):
     """What a function was answered so far: it begins anew with each answer, and gets as far again.
 
     `known` (k,) are the answers in the order of its questions; `asked` (2,) how many questions it
@@ -58,7 +58,7 @@ class Answers(NamedTuple):
 
 
 @njit(cache=True)
-def look_up(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
+def look_up(a: Floats, b: Floats, edges: Edges, answers: RecordedAnswers) -> int:
     """`CLEAR`, `BLOCKED` or `ASK` for the next straight motion, from a to b (n,) [rad]."""
     number = answers.asked[0]
     answers.asked[0] += 1
@@ -74,7 +74,7 @@ def look_up(a: Floats, b: Floats, edges: Edges, answers: Answers) -> int:
 
 
 def asking(
-    compiled: Callable[[Edges, Answers], Floats], is_clear: EdgeCheck, count: int, most: int
+    compiled: Callable[[Edges, RecordedAnswers], Floats], is_clear: EdgeCheck, count: int, most: int
 ) -> Floats:
     """What a compiled function returns once it has its answers, a path (m, n) [rad].
 
@@ -85,7 +85,7 @@ def asking(
         most: questions that it can ask.
     """
     edges = edges_in(is_clear, count)
-    answers = Answers(np.zeros(most, np.bool_), np.zeros(2, np.int64), np.zeros((2, count)))
+    answers = RecordedAnswers(np.zeros(most, np.bool_), np.zeros(2, np.int64), np.zeros((2, count)))
     look_at_the_clock(is_clear)
     while len(result := compiled(edges, answers)) == 0:
         a, b = answers.edge

@@ -35,7 +35,7 @@ class _Spent(threading.local):
     began = (0.0, 0.0)
 
 
-class _Listener(event.Listener):
+class _CompileListener(event.Listener):
     """Told by numba, in the thread that compiles."""
 
     def on_start(self, event: event.Event) -> None:
@@ -52,4 +52,4 @@ class _Listener(event.Listener):
 
 
 _spent = _Spent()
-event.register(_LOCK, _Listener())
+event.register(_LOCK, _CompileListener())

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import Answers, asking, look_up
+from workbench.planning.planners.asking import RecordedAnswers, asking, look_up
 from workbench.plugins.planner import EdgeCheck
 
 STEPS = (0.3, 0.1)
@@ -66,7 +66,7 @@ def _seconds(a: Floats, c: Floats, b: Floats, v: Floats, acc: Floats, zone: floa
 
 @njit(cache=True)
 def _is_open(
-    a: Floats, c: Floats, b: Floats, zone: float, edges: Edges, answers: Answers, last: Ints
+    a: Floats, c: Floats, b: Floats, zone: float, edges: Edges, answers: RecordedAnswers, last: Ints
 ) -> int:
     """Whether it is clear from a to b (n,) by way of a corner c, and across its rounding.
 
@@ -90,7 +90,7 @@ def _is_open(
 
 @njit(cache=True)
 def _ease(
-    path: Floats, v: Floats, acc: Floats, zone: float, edges: Edges, answers: Answers
+    path: Floats, v: Floats, acc: Floats, zone: float, edges: Edges, answers: RecordedAnswers
 ) -> Floats:
     path = path.copy()
     joints, last = path.shape[1], np.zeros(1, np.int64)

@@ -27,7 +27,7 @@ from workbench.plugins.planner import EdgeCheck, Search
 GOAL_BIAS = 10
 
 
-class Tree:
+class SearchTree:
     """Configurations (n,) [rad] with their parents; grows by doubling its array.
 
     Concurrency: one thread.
@@ -111,7 +111,7 @@ def rrt(
 
     Every `GOAL_BIAS`-th sample is the goal.  Configurations are (n,) [rad].
     """
-    tree = Tree(start)
+    tree = SearchTree(start)
     for iteration in range(iterations):
         is_goal = iteration % GOAL_BIAS == 0
         sample = goal if is_goal else sample_around(start, goal, lower, upper, iteration, rng)
@@ -123,7 +123,7 @@ def rrt(
     return Search(None, iterations)
 
 
-def _extend(tree: Tree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:
+def _extend(tree: SearchTree, target: Floats, weights: Floats, is_clear: EdgeCheck) -> int | None:
     """One edge from the nearest configuration towards the target."""
     near = tree.nearest(target, weights)
     step = target - tree.q[near]

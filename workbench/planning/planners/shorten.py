@@ -5,7 +5,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats
 from workbench.planning.collision.sweeping.edges import ASK, CLEAR, Edges
-from workbench.planning.planners.asking import Answers, asking, look_up
+from workbench.planning.planners.asking import RecordedAnswers, asking, look_up
 from workbench.plugins.planner import EdgeCheck
 
 CUTS = (0.8, 0.5, 0.25)
@@ -41,7 +41,7 @@ def skip_waypoints(path: Floats, is_clear: EdgeCheck) -> Floats:
 
 
 @njit(cache=True)
-def _shorten(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
+def _shorten(path: Floats, most: int, edges: Edges, answers: RecordedAnswers) -> Floats:
     path = _skip(path, edges, answers)
     for _ in range(ROUNDS):
         if len(path) > 0 and 2 * len(path) - 2 <= most:
@@ -50,7 +50,7 @@ def _shorten(path: Floats, most: int, edges: Edges, answers: Answers) -> Floats:
 
 
 @njit(cache=True)
-def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
+def _cut(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
     """Every corner cut off as widely as `CUTS` allow; nothing where an answer is missing."""
     last = len(path) - 1
     kept = np.empty((2 * len(path), path.shape[1]))
@@ -79,7 +79,7 @@ def _cut(path: Floats, edges: Edges, answers: Answers) -> Floats:
 
 
 @njit(cache=True)
-def _skip(path: Floats, edges: Edges, answers: Answers) -> Floats:
+def _skip(path: Floats, edges: Edges, answers: RecordedAnswers) -> Floats:
     """From each kept waypoint on to the furthest one that can be reached straight."""
     kept = np.empty_like(path)
     kept[0] = path[0]
@@ -99,7 +99,7 @@ def _skip(path: Floats, edges: Edges, answers: Answers) -> Floats:
     return kept[:count].copy()
 
 
-def merged(path: Floats, is_clear: EdgeCheck) -> Floats:
+def merge_corners(path: Floats, is_clear: EdgeCheck) -> Floats:
     """The same path (m, n) [rad], corners less than `TINY` apart made one where that is clear.
 
     A tiny segment between long ones is a sharp corner twice: it slows the arm down to a crawl.

@@ -2,7 +2,7 @@
 
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import ClearanceText
-from workbench.model.plan import Proof, floored
+from workbench.model.plan import Proof, floor_distance
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
 
@@ -18,7 +18,7 @@ def linear_clearance(proof: Proof) -> float | None:
 
 def clearance_message(proof: Proof) -> Message:
     """Both least distances of a plan, from below."""
-    free, linear = floored(proof.clearance), linear_clearance(proof)
+    free, linear = floor_distance(proof.clearance), linear_clearance(proof)
     if linear is None:
         return ClearanceText.FREE(free=free)
-    return ClearanceText.BOTH(free=free, linear=floored(max(linear, 0.0)))
+    return ClearanceText.BOTH(free=free, linear=floor_distance(max(linear, 0.0)))

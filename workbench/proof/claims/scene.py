@@ -11,7 +11,7 @@ from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Scene
 from workbench.proof.claims.tolerances import turns_for
-from workbench.proof.engine.bodies import Body
+from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.shapes import hull
 
@@ -20,13 +20,13 @@ ALIKE = 3e-4
 around it."""
 
 
-def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[Body, ...]:
+def bodies_of(cell: Cell, tree: Tree, scene: Scene) -> tuple[CheckedBody, ...]:
     """Links, tools, fixtures, the bin, the parts of the scene, and what else the scan shows."""
     robot = (*_links(cell, tree), *_housing(cell, tree), *_tools(cell, tree))
     return (*robot, *still_of(cell, scene), *_parts(cell, scene))
 
 
-def _links(cell: Cell, tree: Tree) -> Iterator[Body]:
+def _links(cell: Cell, tree: Tree) -> Iterator[CheckedBody]:
     arm_of = {tree.model.getJointId(joint): arm.name for arm in cell.arms for joint in arm.joints}
     tools = {_tool(arm): arm for arm in cell.arms}
     for link in cell.robot.links:
@@ -35,29 +35,31 @@ def _links(cell: Cell, tree: Tree) -> Iterator[Body]:
         name = f"tool {link.name}" if link.name in tools else f"link {link.name}"
         for solid in link.collision:
             T = T_joint_link * solid.T_owner_shape
-            yield Body("link", link.name, name, arm_of.get(joint, ""), -1, joint, T, solid.shape)
+            yield CheckedBody(
+                "link", link.name, name, arm_of.get(joint, ""), -1, joint, T, solid.shape
+            )
 
 
-def _tools(cell: Cell, tree: Tree) -> Iterator[Body]:
+def _tools(cell: Cell, tree: Tree) -> Iterator[CheckedBody]:
     for arm in cell.arms:
         joint, T_joint_flange = tree.flange(arm)
         name = f"tool {_tool(arm)}"
         for solid in arm.tool.body:
             label, T = f"{arm.name} {solid.name}", T_joint_flange * solid.T_owner_shape
-            yield Body("tool", label, name, arm.name, -1, joint, T, solid.shape)
+            yield CheckedBody("tool", label, name, arm.name, -1, joint, T, solid.shape)
         for finger, slide in zip(arm.tool.fingers, tree.fingers[arm.name], strict=True):
             label, T = f"{arm.name} {finger.solid.name}", finger.solid.T_owner_shape
-            yield Body("tool", label, name, arm.name, -1, slide, T, finger.solid.shape, True)
+            yield CheckedBody("tool", label, name, arm.name, -1, slide, T, finger.solid.shape, True)
 
 
-def _housing(cell: Cell, tree: Tree) -> Iterator[Body]:
+def _housing(cell: Cell, tree: Tree) -> Iterator[CheckedBody]:
     """What an arm carries of the scanner; it is compared like a link."""
     for arm in cell.arms:
         joint, T_joint_flange = tree.flange(arm)
         for solid in cell.scanner.housing_of(arm.name):
             label, T = f"{arm.name} {solid.name}", T_joint_flange * solid.T_owner_shape
             name = f"link {arm.name}_scanner"
-            yield Body("link", label, name, arm.name, -1, joint, T, solid.shape)
+            yield CheckedBody("link", label, name, arm.name, -1, joint, T, solid.shape)
 
 
 def _tool(arm: Arm) -> str:
@@ -65,11 +67,11 @@ def _tool(arm: Arm) -> str:
     return f"{arm.name}_tool"
 
 
-def still_of(cell: Cell, scene: Scene) -> Iterator[Body]:
+def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
     """Fixtures, the bin, and what the scan shows beside the parts."""
 
-    def still(label: str, T: pin.SE3, solid: Solid) -> Body:
-        return Body("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)
+    def still(label: str, T: pin.SE3, solid: Solid) -> CheckedBody:
+        return CheckedBody("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)
 
     for fixture in cell.fixtures:
         for solid in fixture.solids:
@@ -78,10 +80,12 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[Body]:
         yield still(solid.name, cell.bin.T_world_bin, solid)
     for number, seen in enumerate(scene.obstacles):
         shape = Box(seen.size)
-        yield Body("still", f"seen-{number + 1}", "still", "", -1, 0, seen.T_world_box, shape)
+        yield CheckedBody(
+            "still", f"seen-{number + 1}", "still", "", -1, 0, seen.T_world_box, shape
+        )
 
 
-def _parts(cell: Cell, scene: Scene) -> Iterator[Body]:
+def _parts(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
     for number, detection in enumerate(scene.detections):
         label, part = f"part-{number + 1}", cell.part(detection.part)
         for piece in part.pieces:
@@ -89,7 +93,7 @@ def _parts(cell: Cell, scene: Scene) -> Iterator[Body]:
             if not detection.roll_known:
                 room, T_part_room = room_of(piece, roll_axis(part, detection))
                 shape, T = room, detection.T_world_part * T_part_room
-            yield Body(
+            yield CheckedBody(
                 "part", label, label, "", number, 0, T, shape, is_rolled=not detection.roll_known
             )
 

@@ -11,8 +11,14 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, Shape
 from workbench.model.plan import Plan, Violation
 from workbench.proof.claims.scene import bodies_of
-from workbench.proof.claims.stages import Moving, Step, carried, steps_of, waiting_fingers
-from workbench.proof.claims.table import Table
+from workbench.proof.claims.stages import (
+    MovingArm,
+    MovingStep,
+    find_carried,
+    steps_of,
+    waiting_fingers,
+)
+from workbench.proof.claims.table import PairTable
 from workbench.proof.engine.robot import Tree, tree_of
 from workbench.proof.engine.space import Space
 
@@ -49,7 +55,7 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
         return None
     tree = tree_of(cell)
     bodies = bodies_of(cell, tree, plan.scene)
-    table = Table(cell, tree, bodies)
+    table = PairTable(cell, tree, bodies)
     space = Space(tree, bodies, table)
     wanted = set(place.pair)
     rows = [row for row in range(len(table.first)) if set(table.labels(row)) == wanted]
@@ -57,13 +63,18 @@ def spot_of(cell: Cell, plan: Plan, place: Violation) -> Spot | None:
         for arm_motion in step.moving:
             if (arm_motion.arm.name, arm_motion.leg.name) == (place.arm, place.leg) and rows:
                 found = [detection.T_world_part for detection in plan.detections]
-                space.put_parts(found, carried(cell, tree, plan, step))
+                space.put_parts(found, find_carried(cell, tree, plan, step))
                 return _locate(tree, space, step, arm_motion, place, rows)
     return None
 
 
 def _locate(
-    tree: Tree, space: Space, step: Step, arm_motion: Moving, place: Violation, rows: list[int]
+    tree: Tree,
+    space: Space,
+    step: MovingStep,
+    arm_motion: MovingArm,
+    place: Violation,
+    rows: list[int],
 ) -> Spot:
     seconds = _seconds(arm_motion, place)
     wanted = 0.0 if place.distance is None else place.distance
@@ -88,7 +99,7 @@ def _locate(
     return Spot(seconds, space.nearest(), distance, shown, others)
 
 
-def _seconds(arm_motion: Moving, place: Violation) -> float:
+def _seconds(arm_motion: MovingArm, place: Violation) -> float:
     """When [s] on a leg the arm is nearest to the configuration of a place."""
     q, t, after = np.asarray(arm_motion.leg.q), np.asarray(arm_motion.leg.t), place.waypoint or 0
     best, seconds = np.inf, float(t[-1])
@@ -103,7 +114,7 @@ def _seconds(arm_motion: Moving, place: Violation) -> float:
 
 
 def _states(
-    tree: Tree, step: Step, arm_motion: Moving, q_arm: Floats, seconds: float
+    tree: Tree, step: MovingStep, arm_motion: MovingArm, q_arm: Floats, seconds: float
 ) -> Iterator[tuple[Floats, Mapping[str, float]]]:
     """Whole configurations (nq,) that may have been meant, the likeliest first."""
     others = [other for other in step.moving if other is not arm_motion]

@@ -25,7 +25,7 @@ NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract"})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class LegStage:
     """Part of a leg: `sets` are all configurations it may pass.
 
     `comes_off`: a lifted part may begin in touch with its bed here; `leaves`: the hand may begin
@@ -39,7 +39,7 @@ class Stage:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moving:
+class MovingArm:
     """An arm on a leg: `path` (m, n) [rad, m] are its waypoints with the fingers' places."""
 
     plan: ArmPlan
@@ -50,7 +50,7 @@ class Moving:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class MovingStep:
     """Legs that run at once; `base` (nq,) [rad, m] has all else where it stands.
 
     `waiting` are the arms that have not moved yet: their fingers are closed in `base`, and may be
@@ -58,14 +58,14 @@ class Step:
     where it has put them, as these legs begin.
     """
 
-    moving: tuple[Moving, ...]
+    moving: tuple[MovingArm, ...]
     waiting: tuple[Arm, ...]
     base: Floats
     held: Mapping[int, ArmPlan]
     placed: Mapping[int, ArmPlan]
 
 
-def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
+def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[MovingStep]:
     """The steps of a plan in their order."""
     q = tree.rest.copy()
     held: dict[int, ArmPlan] = {}
@@ -76,7 +76,7 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
         waiting = [
             arm for arm in waiting if all(arm is not arm_motion.arm for arm_motion in moving)
         ]
-        yield Step(moving, tuple(waiting), q.copy(), dict(held), dict(placed))
+        yield MovingStep(moving, tuple(waiting), q.copy(), dict(held), dict(placed))
         for arm_motion in moving:
             q[tree.columns[arm_motion.arm.name]] = _whole(
                 arm_motion.arm, arm_motion.leg.q[-1], arm_motion.fingers_after
@@ -88,7 +88,9 @@ def steps_of(cell: Cell, tree: Tree, plan: Plan) -> Iterator[Step]:
                 placed[number] = held.pop(number)
 
 
-def carried(cell: Cell, tree: Tree, plan: Plan, step: Step) -> dict[int, tuple[int, pin.SE3]]:
+def find_carried(
+    cell: Cell, tree: Tree, plan: Plan, step: MovingStep
+) -> dict[int, tuple[int, pin.SE3]]:
     """Parts in a hand or put down during a step: detection -> joint, and `T_joint_part`."""
     where: dict[int, tuple[int, pin.SE3]] = {}
     for number, arm_plan in step.held.items():
@@ -116,8 +118,8 @@ def put_at(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> pin.SE3:
 
 
 def stages_of(
-    cell: Cell, tree: Tree, step: Step, arm_motion: Moving, left_at: int
-) -> Iterator[Stage]:
+    cell: Cell, tree: Tree, step: MovingStep, arm_motion: MovingArm, left_at: int
+) -> Iterator[LegStage]:
     """The stages of one leg.
 
     Args:
@@ -131,22 +133,22 @@ def stages_of(
     sets = _way_of(cell, tree, arm_motion)
     if name == "extract":
         first, rest = _cut(sets, *_find_release(tree, step, arm_motion, cell.policy.release))
-        yield Stage(first, now, comes_off=True)
-        yield Stage(rest, now)
+        yield LegStage(first, now, comes_off=True)
+        yield LegStage(rest, now)
     elif name == "home":
         is_left = np.arange(len(arm_motion.path)) >= left_at
-        yield Stage(sets.after(~is_left), now, leaves=True)
-        yield Stage(sets.after(is_left), now)
+        yield LegStage(sets.after(~is_left), now, leaves=True)
+        yield LegStage(sets.after(is_left), now)
     else:
-        yield Stage(sets, now)
+        yield LegStage(sets, now)
     if name in ("approach", "place") and arm_motion.arm.tool.fingers:
         fingers = np.zeros(tree.model.nq, bool)
         fingers[tree.columns[arm_motion.arm.name][len(arm_motion.arm.joints) :]] = True
         lets_go = replace(now, moves=fingers, lets_go=arm_motion.plan.detection)
-        yield Stage(fingers_of(tree, arm_motion), lets_go)
+        yield LegStage(fingers_of(tree, arm_motion), lets_go)
 
 
-def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
+def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
     """What is true while arms are on their legs; what only one leg allows, for one arm alone."""
     moves = np.zeros(tree.model.nq, bool)
     for arm_motion in ones:
@@ -166,7 +168,7 @@ def situation_of(tree: Tree, step: Step, *ones: Moving) -> Situation:
     )
 
 
-def course_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
+def course_of(cell: Cell, tree: Tree, arm_motion: MovingArm) -> Sets:
     """All configurations of a leg, fingers included, for what does not depend on its stages."""
     sets = _way_of(cell, tree, arm_motion)
     if arm_motion.fingers_after == arm_motion.leg.opening:
@@ -174,7 +176,7 @@ def course_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
     return sets.with_others(fingers_of(tree, arm_motion))
 
 
-def _way_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
+def _way_of(cell: Cell, tree: Tree, arm_motion: MovingArm) -> Sets:
     """The way of a leg; before the first one the fingers may be anywhere in their stroke."""
     columns, arm = tree.columns[arm_motion.arm.name], arm_motion.arm
     sets = sweep_path(columns, arm_motion.path, cell.controller.motion, cell.policy.zone)
@@ -184,7 +186,7 @@ def _way_of(cell: Cell, tree: Tree, arm_motion: Moving) -> Sets:
     return sets.with_others(sweep_change(columns, closed, wide, 0))
 
 
-def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
+def waiting_fingers(tree: Tree, step: MovingStep) -> tuple[Sets, ...]:
     """Where fingers may be of arms that have not moved yet: anywhere in their stroke.
 
     The last plan left them open, or a person moved them.  One block of sets, or none.
@@ -198,7 +200,7 @@ def waiting_fingers(tree: Tree, step: Step) -> tuple[Sets, ...]:
     return (sweep_change(columns, closed, wide, 0),)
 
 
-def fingers_of(tree: Tree, arm_motion: Moving) -> Sets:
+def fingers_of(tree: Tree, arm_motion: MovingArm) -> Sets:
     """The way of the fingers when a leg has ended."""
     after = _whole(arm_motion.arm, arm_motion.leg.q[-1], arm_motion.fingers_after)
     return sweep_change(
@@ -206,7 +208,9 @@ def fingers_of(tree: Tree, arm_motion: Moving) -> Sets:
     )
 
 
-def _find_release(tree: Tree, step: Step, arm_motion: Moving, least: float) -> tuple[int, Floats]:
+def _find_release(
+    tree: Tree, step: MovingStep, arm_motion: MovingArm, least: float
+) -> tuple[int, Floats]:
     """The segment in which a lifted part has come `least` [m] far, and where in it (n,)."""
     places = np.array(
         [tcp(tree, step.base, arm_motion.arm, q).translation for q in arm_motion.path]
@@ -242,7 +246,7 @@ def tcp(tree: Tree, base: Floats, arm: Arm, values: Floats) -> pin.SE3:
     return tree.data.oMi[joint] * T_joint_flange * arm.tool.T_flange_tcp
 
 
-def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> Moving:
+def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> MovingArm:
     arm, leg = cell.arm(plan.arm), plan.leg(name)
     after = leg.opening
     if name == "approach":
@@ -250,7 +254,7 @@ def _moving(cell: Cell, plan: ArmPlan, name: LegName) -> Moving:
     elif name == "place":
         after = plan.leg("home").opening
     path = np.stack([_whole(arm, q, leg.opening) for q in leg.q])
-    return Moving(plan, arm, leg, path, after)
+    return MovingArm(plan, arm, leg, path, after)
 
 
 def _whole(arm: Arm, q: Floats, opening: float) -> Floats:

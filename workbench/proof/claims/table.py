@@ -26,7 +26,7 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Ints
-from workbench.proof.engine.bodies import Body, is_round
+from workbench.proof.engine.bodies import CheckedBody, is_round
 from workbench.proof.engine.pairs import BodyPairs, Pairs
 from workbench.proof.engine.robot import Tree
 
@@ -65,10 +65,10 @@ class Situation:
     lets_go: int = -1
 
 
-class Table(BodyPairs):
+class PairTable(BodyPairs):
     """All pairs of bodies that can ever be compared, and which of them count in a situation."""
 
-    def __init__(self, cell: Cell, tree: Tree, bodies: tuple[Body, ...]) -> None:
+    def __init__(self, cell: Cell, tree: Tree, bodies: tuple[CheckedBody, ...]) -> None:
         self._cell, self._tree, self._bodies = cell, tree, bodies
         names = {name: k for k, name in enumerate(dict.fromkeys(b.name for b in bodies))}
         name = np.array([names[b.name] for b in bodies])

@@ -17,18 +17,18 @@ from workbench.proof.claims.motion import sweep_path
 from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import (
     NEAR_MARGIN_LEGS,
-    Moving,
-    Stage,
-    Step,
-    carried,
+    LegStage,
+    MovingArm,
+    MovingStep,
     course_of,
+    find_carried,
     fingers_of,
     situation_of,
     stages_of,
     steps_of,
     waiting_fingers,
 )
-from workbench.proof.claims.table import Situation, Table, least_distance_allowed
+from workbench.proof.claims.table import PairTable, Situation, least_distance_allowed
 from workbench.proof.engine.pairs import Pairs
 from workbench.proof.engine.robot import Tree
 from workbench.proof.engine.search import SIGHT, TIGHT, Found, Nearest, search
@@ -65,8 +65,8 @@ class Walked:
 class _Question:
     """One search as it was asked, to be asked again more closely."""
 
-    step: Step
-    one: Moving
+    step: MovingStep
+    moving: MovingArm
     sets: tuple[tuple[Sets, ...], ...]
     pairs: Pairs
     found: Found
@@ -87,7 +87,7 @@ class Walk:
         self._stated = stated
         self._resolution = resolution
         bodies = bodies_of(cell, tree, plan.scene)
-        self._table = Table(cell, tree, bodies)
+        self._table = PairTable(cell, tree, bodies)
         self._space = Space(tree, bodies, self._table)
         self._numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self._violations: list[Violation] = []
@@ -111,21 +111,21 @@ class Walk:
             clearance, nearest = self._stated.clearance, self._stated.nearest
         clearances: dict[tuple[str, str], Floats] = {}
         for asked in self._asked:
-            key, bounds = (asked.one.arm.name, asked.one.leg.name), asked.found.bounds
+            key, bounds = (asked.moving.arm.name, asked.moving.leg.name), asked.found.bounds
             clearances[key] = np.minimum(clearances.get(key, SIGHT), bounds)
         table = tuple((arm, leg, bounds) for (arm, leg), bounds in clearances.items())
         looks = self._space.looks
         return Walked(tuple(self._violations), table, tuple(apart), clearance, nearest, looks)
 
-    def _put(self, step: Step) -> None:
+    def _put(self, step: MovingStep) -> None:
         """Every part where it is during a step: lying, in a hand, or where it was put."""
         found = [detection.T_world_part for detection in self._plan.detections]
-        self._space.put_parts(found, carried(self._cell, self._tree, self._plan, step))
+        self._space.put_parts(found, find_carried(self._cell, self._tree, self._plan, step))
         self._known.clear()
 
     # -- one arm, all others standing -----------------------------------------------------
 
-    def _alone(self, step: Step, arm_motion: Moving) -> None:
+    def _alone(self, step: MovingStep, arm_motion: MovingArm) -> None:
         """An arm on its leg against everything but arms that move meanwhile."""
         others = [self._numbers[other.arm.name] for other in step.moving if other is not arm_motion]
         left_at = 0
@@ -157,7 +157,9 @@ class Walk:
             self._known[key] = self._table.pairs(now, self._space.joints)
         return self._known[key]
 
-    def _as_it_begins(self, step: Step, arm_motion: Moving, stage: Stage, pairs: Pairs) -> Pairs:
+    def _as_it_begins(
+        self, step: MovingStep, arm_motion: MovingArm, stage: LegStage, pairs: Pairs
+    ) -> Pairs:
         """Pairs with what they have to keep where they may begin closer than otherwise."""
         near, sink = self._cell.policy.near_margin, self._cell.policy.sink
         margins, may_touch = pairs.margins.copy(), pairs.beds if stage.comes_off else pairs.left
@@ -175,7 +177,7 @@ class Walk:
                 self._violations.append(self._violation(arm_motion, state, problem))
         return pairs.keeping(margins)
 
-    def _left_at(self, step: Step, arm_motion: Moving) -> int:
+    def _left_at(self, step: MovingStep, arm_motion: MovingArm) -> int:
         """The first waypoint of the way home at which the hand has left the part.
 
         It keeps its margin from there on.  However wide the fingers are open, it has not left a
@@ -194,7 +196,9 @@ class Walk:
             self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
         return len(arm_motion.path)
 
-    def _is_between(self, step: Step, arm_motion: Moving, values: Floats, rows: Ints) -> bool:
+    def _is_between(
+        self, step: MovingStep, arm_motion: MovingArm, values: Floats, rows: Ints
+    ) -> bool:
         """Whether fingers that close at joints (n,) [rad, m] would meet a part, in pairs (r,).
 
         Each moves by half of what the opening changes: where the nearest is `d` away from the part,
@@ -216,7 +220,7 @@ class Walk:
 
     # -- arms that move at once -------------------------------------------------------------
 
-    def _together(self, step: Step) -> None:
+    def _together(self, step: MovingStep) -> None:
         """Arms against each other: at any speeds, or in step where the plan says so."""
         first, second = step.moving
         pairs = self._pairs(situation_of(self._tree, step, first, second))
@@ -241,7 +245,7 @@ class Walk:
             return
         self._ask(step, first, tuple(sets), pairs, second)
 
-    def _apart(self, step: Step) -> Iterator[tuple[str, str, Floats]]:
+    def _apart(self, step: MovingStep) -> Iterator[tuple[str, str, Floats]]:
         """How far arms stay apart (w,) [m] after each waypoint, shoulders left out.
 
         Two that move at once are checked as they are planned, at the times of the plan.
@@ -271,11 +275,11 @@ class Walk:
 
     def _ask(
         self,
-        step: Step,
-        arm_motion: Moving,
+        step: MovingStep,
+        arm_motion: MovingArm,
         sets: tuple[tuple[Sets, ...], ...],
         pairs: Pairs,
-        other: Moving | None = None,
+        other: MovingArm | None = None,
     ) -> None:
         keeps_full_margin = any(
             each.leg.name not in NEAR_MARGIN_LEGS
@@ -304,7 +308,7 @@ class Walk:
                 problem = ProofText.MARGIN_BESIDE(margin=margin, arm=other.arm.name, leg=leg)
             self._violations.append(self._violation(arm_motion, found.too_near, problem))
 
-    def _claim(self, arm_motion: Moving) -> Floats:
+    def _claim(self, arm_motion: MovingArm) -> Floats:
         """What was stated of a leg: bounds (w,) [m] after each waypoint; too much of one left out.
 
         What two arms keep from each other is stated with the leg of the first.
@@ -342,21 +346,21 @@ class Walk:
             # How near, not whether too near: that has been answered.
             shown = asked.pairs.among(asked.pairs.shown)
             pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
-            base, count = asked.step.base, len(asked.one.path)
+            base, count = asked.step.base, len(asked.moving.path)
             again = search(self._space, base, sets, pairs, TIGHT, count, within)
             if not again.gave_up:
                 asked.found.bounds[close] = again.bounds[close]
             if again.nearest is not None and again.nearest.distance < within:
                 within, state, where = again.nearest.distance, again.nearest, asked
         bound = min(float(question.found.bounds.min()) for question in free)
-        return bound, self._violation(where.one, state, ProofText.NEAREST())
+        return bound, self._violation(where.moving, state, ProofText.NEAREST())
 
-    def _with(self, step: Step, arm_motion: Moving, values: Floats) -> Floats:
+    def _with(self, step: MovingStep, arm_motion: MovingArm, values: Floats) -> Floats:
         q = step.base.copy()
         q[self._tree.columns[arm_motion.arm.name]] = values
         return q
 
-    def _violation(self, arm_motion: Moving, state: Nearest, problem: Message) -> Violation:
+    def _violation(self, arm_motion: MovingArm, state: Nearest, problem: Message) -> Violation:
         columns = self._tree.columns[arm_motion.arm.name][: len(arm_motion.arm.joints)]
         labels, q = self._table.labels(state.row), state.q[columns]
         return Violation(
@@ -364,7 +368,7 @@ class Walk:
         )
 
 
-def _sample(arm_motion: Moving, times: Floats) -> Floats:
+def _sample(arm_motion: MovingArm, times: Floats) -> Floats:
     """Where an arm is (k, n) [rad, m] at times (k,) [s] of its leg, and after it."""
     return np.stack(
         [np.interp(times, arm_motion.leg.t, column) for column in arm_motion.path.T], axis=1

@@ -13,7 +13,7 @@ Kind = Literal["link", "tool", "still", "part"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class CheckedBody:
     """One shape.
 
     `label` is what people read, `name` what it is part of: two bodies of one name are never
@@ -34,7 +34,7 @@ class Body:
     is_rolled: bool = False
 
 
-def is_round(body: Body, tree: Tree) -> bool:
+def is_round(body: CheckedBody, tree: Tree) -> bool:
     """Whether a body fills the same space however its joint is turned: a flange on its axis."""
     joint = tree.joints.get(body.joint)
     if joint is None or joint.kind != "revolute":

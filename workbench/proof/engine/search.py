@@ -199,7 +199,7 @@ class _Search:
         close = self._sift(batch, items, world, spreads)
         if len(close.items) and not self.is_over():
             # The direction in which a pair is apart in one set often is good for others.
-            order = np.argsort(close.told, kind="stable")
+            order = np.argsort(close.whole_bounds, kind="stable")
             once = close.items[order[np.unique(close.items[order, 2], return_index=True)[1]]]
             once = once[~self._space.known(self._pairs.rows[once[:, 2]])]
             planes(once, self._ways(sets, q, once), self._asked, *compiled)
@@ -267,7 +267,12 @@ class _Search:
         close = self._sift(batch, items, world, spreads)
         if not len(close.items):
             return close.items
-        asked, space, lower_bounds, which = self._asked, self._space, close.told, close.items[:, 2]
+        asked, space, lower_bounds, which = (
+            self._asked,
+            self._space,
+            close.whole_bounds,
+            close.items[:, 2],
+        )
         at = batch.at[close.items[:, :2]].max(axis=1)
         ways = self._measure_pairs(q, close, at)
         if ways:
@@ -278,8 +283,8 @@ class _Search:
             )
         # What is no number is not far enough, here and below.
         is_left = ~(lower_bounds >= self._needs(which, at)) & (close.moves > self._fine[which])
-        is_told = asked.shown[which] & ~is_left
-        np.minimum.at(self.found.bounds, at[is_told], lower_bounds[is_told])
+        is_reported = asked.shown[which] & ~is_left
+        np.minimum.at(self.found.bounds, at[is_reported], lower_bounds[is_reported])
         return close.items[is_left]
 
     def _needs(self, which: Ints, at: Ints) -> Floats:
@@ -300,12 +305,12 @@ class _Search:
         margins = self._asked.margins[which]
         # Where it will be halved anyway, measuring would hardly save that.
         is_hopeless = close.moves > max(self._resolution, LOOSE)
-        is_hopeless &= close.told + LOOSE < self._needs(which, at)
+        is_hopeless &= close.whole_bounds + LOOSE < self._needs(which, at)
         is_hopeless &= close.lower >= margins.clip(0.0)
-        order = np.lexsort((close.told, second, first))
+        order = np.lexsort((close.whole_bounds, second, first))
         order = order[~is_hopeless[order]]
         rows, shown = self._pairs.rows[which], self._asked.shown[which]
-        columns = first, second, at, rows, close.told, close.moves, margins, shown
+        columns = first, second, at, rows, close.whole_bounds, close.moves, margins, shown
         columns = order, *(column[order] for column in (*columns, space.known(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
@@ -325,7 +330,7 @@ class _Search:
             if found.too_near is not None:
                 return {}
             bound = max(bound, distance - moves)
-            close.told[n] = bound
+            close.whole_bounds[n] = bound
             if bound < margin or (counts and bound < goals[place]) or not is_known:
                 ways[n] = space.way()
         return ways

@@ -100,7 +100,7 @@ Placed = tuple[Shape, pin.SE3]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Pieces:
+class _BoundedPieces:
     """The pieces of a shape; around each a box (n, 3) and a ball (n,) [m] in the shape's frame."""
 
     shapes: tuple[coal.CollisionGeometry, ...]
@@ -110,10 +110,10 @@ class _Pieces:
 
 
 @lru_cache(maxsize=4096)
-def _pieces(shape: Shape) -> _Pieces:
+def _pieces(shape: Shape) -> _BoundedPieces:
     pieces = pieces_of(shape)
     hulls = [hull(piece) for piece in pieces]
-    return _Pieces(
+    return _BoundedPieces(
         tuple(coal_shape(piece) for piece in pieces),
         np.array([convex.centre for convex in hulls]),
         np.array([convex.half for convex in hulls]),
@@ -146,7 +146,7 @@ def measure(first: Placed, second: Placed) -> coal.DistanceResult:
     return best
 
 
-def _apart_at_least(pieces: _Pieces, other: _Pieces, T: pin.SE3) -> Floats:
+def _apart_at_least(pieces: _BoundedPieces, other: _BoundedPieces, T: pin.SE3) -> Floats:
     """How far pieces are apart at least (n, m) [m]: the box around each, the ball around the other.
 
     `T` is the pose of the other shape in the frame of the one.

@@ -31,13 +31,13 @@ class OpenPairs(NamedTuple):
     """Pairs whose lower bound is not yet large enough: `items` (n, 3) as `Batch` says.
 
     `lower` [m] is a bound in the middles of the sets; `moves` [m] how much nearer they may come in
-    them, `told` [m] a bound for the whole of them.
+    them, `whole_bounds` [m] a bound for the whole of them.
     """
 
     items: Ints
     lower: Floats
     moves: Floats
-    told: Floats
+    whole_bounds: Floats
 
 
 @njit(cache=True)
@@ -156,7 +156,7 @@ def sieve(
         world: where those of the pairs are at the middles of the sets.
         spread: the sets.
     """
-    lower, moves, told = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
+    lower, moves, whole_bounds = np.empty(len(items)), np.empty(len(items)), np.empty(len(items))
     left, count = np.empty(len(items), np.int64), 0
     most, normal, scratch = world.moves, np.empty(3), np.empty((4, 3))
     for n in range(len(items)):
@@ -198,11 +198,11 @@ def sieve(
                 along = apart(normal, ka, a, kb, b, common, chain, bodies, world, spread)
                 bound = max(bound, along)
         if not bound >= need:
-            left[count], lower[count], moves[count], told[count] = n, low, far, bound
+            left[count], lower[count], moves[count], whole_bounds[count] = n, low, far, bound
             count += 1
         elif asked.shown[pair]:
             bounds[place] = min(bounds[place], bound)
-    return OpenPairs(items[left[:count]], lower[:count], moves[:count], told[:count])
+    return OpenPairs(items[left[:count]], lower[:count], moves[:count], whole_bounds[:count])
 
 
 @njit(cache=True)

@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.proof.engine.bodies import Body
+from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.frames import Bodies, JointTree, levers, poses
 from workbench.proof.engine.pairs import BodyPairs
 from workbench.proof.engine.robot import Tree
@@ -28,7 +28,7 @@ class Space:
     Concurrency: one thread at a time.
     """
 
-    def __init__(self, tree: Tree, bodies: tuple[Body, ...], table: BodyPairs) -> None:
+    def __init__(self, tree: Tree, bodies: tuple[CheckedBody, ...], table: BodyPairs) -> None:
         self.tree, self.bodies, self.table = tree, bodies, table
         self.looks, self.at = 0, tree.rest
         self.chain, self.arrays = _chain_of(tree), _arrays_of(bodies, table)
@@ -119,7 +119,7 @@ class Space:
         return self._measured.oMg[number]
 
 
-def _arrays_of(bodies: tuple[Body, ...], table: BodyPairs) -> Bodies:
+def _arrays_of(bodies: tuple[CheckedBody, ...], table: BodyPairs) -> Bodies:
     at, hulls = [body.T_joint_body for body in bodies], [hull(body.shape) for body in bodies]
     return Bodies(
         np.array([body.joint for body in bodies]),

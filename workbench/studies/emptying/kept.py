@@ -7,7 +7,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
-from workbench.app.emptying.changes import changed
+from workbench.app.emptying.changes import apply_change
 from workbench.app.provenance.gathering import files_digest
 from workbench.formats.files.json_keys import json_text, parse_object
 from workbench.formats.files.whole_files import MB, make_folder, read_whole, write_whole
@@ -76,7 +76,7 @@ def _program() -> str:
 
 @lru_cache(maxsize=256)
 def _digest(cell: str, part: str, change: Message | None) -> str:
-    return changed(cell_of(cell, part), change).digest
+    return apply_change(cell_of(cell, part), change).digest
 
 
 def _read(folder: Path, task: PileTask) -> EmptiedPile | None:

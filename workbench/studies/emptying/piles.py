@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 from workbench.app.emptying import empty
-from workbench.app.emptying.changes import changed
+from workbench.app.emptying.changes import apply_change
 from workbench.app.picking.pile_check import check_pile, kinds_in_turn
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
@@ -47,13 +47,13 @@ def emptied(task: PileTask) -> EmptiedPile:
     """Drop a pile and empty it; see `app.emptying.empty`."""
     cell = _warm(task.cell, task.part, task.seen, task.change)
     pile = empty.fallen(cell_of(task.cell, task.part), cell, task)
-    return empty.emptied(cell, task, pile, estimates=not task.change)
+    return empty.empty_pile(cell, task, pile, estimates=not task.change)
 
 
 @lru_cache(maxsize=4)
 def _warm(name: str, part: str, seen: str, change: Message | None) -> Cell:
     """The cell, after one plan: compiled code is loaded before a clock runs."""
-    cell = changed(cell_of(name, part), change)
+    cell = apply_change(cell_of(name, part), change)
     pile = drop_parts(kinds_in_turn(cell.parts, 2), cell.bin, seed=0)
     if seen == "scan":
         scan = synthesize(cell, pile, seed=0)

@@ -49,7 +49,7 @@ def draw_emptying(path: Path, found: Mapping[str, Any], title: str) -> None:
     write_plot(path, figure, title)
 
 
-MOST_TOLD = 12
+MOST_LISTED = 12
 """Parts that are named when the pointer is on a bar."""
 
 
@@ -60,5 +60,5 @@ def _hover_text(scenes: list[dict[str, Any]], kind: str) -> str:
         for left in scene["left"]
         if left["kind"] == kind
     ]
-    more = len(lines) - MOST_TOLD
-    return "<br>".join([*lines[:MOST_TOLD], *([f"and {more} more"] if more > 0 else [])])
+    more = len(lines) - MOST_LISTED
+    return "<br>".join([*lines[:MOST_LISTED], *([f"and {more} more"] if more > 0 else [])])

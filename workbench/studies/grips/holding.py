@@ -17,7 +17,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, spread_directions
 from workbench.model.part import Grasp, GraspLibrary, Part
 from workbench.model.prediction import TOGETHER
-from workbench.perception.simulation.pulling import Grip, Pulling
+from workbench.perception.simulation.pulling import GripForce, Pulling
 from workbench.planning.grasps.firmness import GRAVITY
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_suggestions import suggest
@@ -130,7 +130,7 @@ def pulled(case: Case) -> Pulled | None:
         tool,
         grasp.T_part_tcp.inverse(),
         _centre(part),
-        Grip(case.force, friction, lip),
+        GripForce(case.force, friction, lip),
     )
     R = pin.exp3(rng.normal(size=3))
     ways = np.vstack([np.array(said.worst), spread_directions(WAYS) @ R.T])

@@ -14,7 +14,7 @@ import numpy as np
 from workbench.model.cell import Arm, Cell, Fixture, ScannerMount
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Floats, Solid, pose_from_rpy
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.planners.clock import processor_time
@@ -256,7 +256,7 @@ def _share_reached(cell: Cell) -> float:
     shares: list[float] = []
     for arm in cell.arms:
         moving = frozenset({arm.name})
-        world.enter(Phase(moving, {arm.name: arm.tool.stroke[1]}, straight=moving))
+        world.enter(LegPhase(moving, {arm.name: arm.tool.stroke[1]}, straight=moving))
         among = world.pairs.alone(arm.name)
         found = judged(world, arm, middle, 0, among=among)
         if all(target.q is None for target in found):

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import Chain, chain_of
 from workbench.planning.kinematics.inverse import configurations
@@ -70,7 +70,7 @@ def nearest_to_zero(q: Floats, lower: Floats, upper: Floats, slides: Floats) -> 
 def _homes(cell: Cell, away: float, up: float) -> list[Floats] | None:
     """One clear configuration for each arm, the least awkward one."""
     world = World(cell, ())
-    world.enter(Phase(frozenset(arm.name for arm in cell.arms)))
+    world.enter(LegPhase(frozenset(arm.name for arm in cell.arms)))
     answers = [_answers(cell, arm, world.chains[arm.name], away, up) for arm in cell.arms]
     return _clear_together(world, cell.arms, answers, {})
 

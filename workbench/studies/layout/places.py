@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell, Fixture
 from workbench.model.geometry import Box, Solid, pose_from_rpy
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.studies.layout.homes import TURNS, side_of
 from workbench.studies.targets import judged
@@ -37,7 +37,7 @@ def _place(cell: Cell, arm: Arm) -> tuple[tuple[pin.SE3, ...], pin.SE3] | None:
     """Poses where the arm can release a part, one turned four ways, and the tray's top."""
     world = World(cell, ())
     moving = frozenset({arm.name})
-    world.enter(Phase(moving, straight=moving))
+    world.enter(LegPhase(moving, straight=moving))
     _, width, _ = cell.bin.size
     for gap, x, height in product((0.15, 0.2, 0.28), (0.0, -0.1, 0.1), (0.08, 0.15)):
         p = np.array([x, side_of(cell, arm) * (width / 2 + gap), height])

@@ -15,9 +15,9 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.collision.motion import segment
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.picking.in_step import columns_of, pace_in_step, way_in_step
 from workbench.planning.picking.search import curve_check
 from workbench.planning.planners.clock import processor_time
@@ -78,7 +78,7 @@ class BothArms:
             OMPL: World(cell, (), policy=patient),
         }
         for world in self.worlds.values():
-            world.enter(Phase(frozenset(self.arms)))
+            world.enter(LegPhase(frozenset(self.arms)))
         self.columns = columns_of(self.worlds[OURS], self.arms)
 
     def ends(self, seed: int) -> Ends:
@@ -131,7 +131,7 @@ class BothArms:
         if isinstance(found, Verdict):
             return Attempt(planner, ends, used, None, None)
         pace = pace_in_step(world, self.arms)
-        times = timed(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
+        times = compute_times(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
         return Attempt(planner, ends, used, found, float(times[-1]))
 
 

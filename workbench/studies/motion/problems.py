@@ -10,7 +10,7 @@ from workbench.formats.robots.motion_problems import MotionProblem, MotionSet
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Bin
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.plugins.robot_link import controller_by, usual_link
 
@@ -46,7 +46,7 @@ class Case:
 def case_of(name: str, robot: str, number: int, problem: MotionProblem, policy: Policy) -> Case:
     """A problem of the set `name`, the `number`-th in it."""
     world = World(_cell_of(problem, policy), ())
-    world.enter(Phase(frozenset({ARM})))
+    world.enter(LegPhase(frozenset({ARM})))
     chain = world.chains[ARM]
     limits = problem.robot.limits(problem.joints)[:2]
     invalid, ends = "", []

@@ -22,7 +22,7 @@ from workbench.model.part import Grasp
 from workbench.model.scan import Detection
 from workbench.planning.collision.legs import grips, hand_turns
 from workbench.planning.collision.motion import path_contact
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
 from workbench.planning.kinematics.inverse import starts_of
@@ -231,18 +231,18 @@ def _hold(arm: Arm, grasp: Grasp, T_part_authored: pin.SE3, T_part_tcp: pin.SE3)
     return Hold(arm, grasp, T_part_tcp.inverse(), away)
 
 
-def _bringing(number: int, moves: Hold) -> Phase:
+def _bringing(number: int, moves: Hold) -> LegPhase:
     """A hand that moves with the part."""
-    return Phase(
+    return LegPhase(
         moving=frozenset({moves.arm.name}),
         openings={moves.arm.name: moves.grasp.grip},
         held={moves.arm.name: (number, moves.T_tcp_part)},
     )
 
 
-def _coming(number: int, moves: Hold, stands: Hold) -> Phase:
+def _coming(number: int, moves: Hold, stands: Hold) -> LegPhase:
     """An open hand about to take the part that the other hand has, or just off it."""
-    return Phase(
+    return LegPhase(
         moving=frozenset({moves.arm.name}),
         openings={moves.arm.name: moves.grasp.opening, stands.arm.name: stands.grasp.grip},
         held={stands.arm.name: (number, stands.T_tcp_part)},

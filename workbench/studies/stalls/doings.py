@@ -160,7 +160,7 @@ async def _sent_beside(visitor: Visit, cad: dict[str, bytes]) -> None:
         state = await visitor.until(has_ended, "the end of a motion")
         if state["phase"] != "done":
             raise LinkError(f"the motion was broken off: {state['fault']}")
-        await visitor.told(f"beside{kind}", "closed")
+        await visitor.wait_for_text(f"beside{kind}", "closed")
 
 
 async def chosen(visitor: Visit, name: str, content: bytes) -> None:
@@ -223,4 +223,4 @@ async def _restore(visitor: Visit) -> None:
     await visitor.choose("Choose a backup", "kept.zip", content, "added")
     await asyncio.sleep(0.5)
     await visitor.browser.set("Restore it", True)
-    await visitor.told("kept.zip is restored")
+    await visitor.wait_for_text("kept.zip is restored")

@@ -88,7 +88,7 @@ class Visit:
             lambda state: state["job"] is None and state["getting_ready"] is None, "a task"
         )
 
-    async def told(self, *words: str) -> None:
+    async def wait_for_text(self, *words: str) -> None:
         """Wait until the page shows a text with all these words."""
 
         def stands(state: object) -> bool:
@@ -109,7 +109,7 @@ class Visit:
             self.browser.refused.clear()
             await self.browser.upload(button, name, content)
             try:
-                await self.told(name, *words)
+                await self.wait_for_text(name, *words)
             except LinkError:
                 if NOT_NOW not in "".join(self.browser.refused):
                     raise

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from workbench.web.access.store import Store
-from workbench.web.access.users import digest_of, folded
+from workbench.web.access.users import digest_of, fold_name
 from workbench.web.http.origins import network_of
 
 MOST = 10
@@ -27,7 +27,7 @@ MOST_BROWSERS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Attempt:
+class LoginAttempt:
     """A login that is being tried; counts as failed so far."""
 
     numbers: tuple[int, ...]
@@ -54,7 +54,7 @@ class Lockout:
         self._store = store
         self._now = now
 
-    def begin(self, address: str, name: str, browser: str = "") -> Attempt | LockedOut:
+    def begin(self, address: str, name: str, browser: str = "") -> LoginAttempt | LockedOut:
         """Begin an attempt.
 
         Args:
@@ -86,9 +86,9 @@ class Lockout:
                     "INSERT INTO failures (subject, at) VALUES (?, ?)", (subject, now)
                 )
                 numbers.append(int(row.lastrowid or 0))
-        return Attempt(tuple(numbers))
+        return LoginAttempt(tuple(numbers))
 
-    def succeeded(self, attempt: Attempt) -> None:
+    def succeeded(self, attempt: LoginAttempt) -> None:
         """An attempt has not failed; earlier ones that did still count."""
         with self._store.change() as connection:
             for number in attempt.numbers:
@@ -115,12 +115,12 @@ class Lockout:
             connection.execute(
                 "INSERT OR REPLACE INTO browsers (digest, user, expires_at)"
                 " SELECT ?, key, ? FROM users WHERE key = ?",
-                (digest_of(cookie), now + REMEMBERED, folded(name)),
+                (digest_of(cookie), now + REMEMBERED, fold_name(name)),
             )
             connection.execute(
                 "DELETE FROM browsers WHERE user = ? AND digest NOT IN (SELECT digest FROM browsers"
                 " WHERE user = ? ORDER BY expires_at DESC LIMIT ?)",
-                (folded(name), folded(name), MOST_BROWSERS),
+                (fold_name(name), fold_name(name), MOST_BROWSERS),
             )
         return cookie
 
@@ -139,9 +139,9 @@ class Lockout:
 
     def _is_of(self, browser: str, name: str) -> bool:
         question = "SELECT 1 FROM browsers WHERE digest = ? AND user = ? AND expires_at > ?"
-        return bool(self._store.ask(question, digest_of(browser), folded(name), self._now()))
+        return bool(self._store.ask(question, digest_of(browser), fold_name(name), self._now()))
 
 
 def _subjects(address: str, name: str) -> tuple[str, str]:
     # Names come from whoever tries; as digests they are all of one length.
-    return f"address {network_of(address)}", f"name {digest_of(folded(name))}"
+    return f"address {network_of(address)}", f"name {digest_of(fold_name(name))}"

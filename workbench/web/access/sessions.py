@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.web.access.store import Store
-from workbench.web.access.users import digest_of, folded
+from workbench.web.access.users import digest_of, fold_name
 
 HOURS = 8.0
 """How long a login lasts: a shift."""
@@ -47,7 +47,7 @@ class Sessions:
         """
         cookie = secrets.token_urlsafe(32)
         now = self._now()
-        user = None if person is None else folded(person.name)
+        user = None if person is None else fold_name(person.name)
         with self._store.change() as connection:
             connection.execute("DELETE FROM sessions WHERE expires_at <= ?", (now,))
             connection.execute(

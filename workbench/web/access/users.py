@@ -20,7 +20,7 @@ TOKEN_MARK = "wb_"
 
 
 @dataclass(frozen=True, slots=True)
-class Token:
+class ProgramToken:
     """What is known of a program's token; the token itself was shown once."""
 
     name: str
@@ -34,7 +34,7 @@ class User:
     name: str
     role: Role
     is_disabled: bool
-    tokens: tuple[Token, ...]
+    tokens: tuple[ProgramToken, ...]
 
     @property
     def person(self) -> Person:
@@ -57,11 +57,11 @@ class Users:
 
     def all(self) -> tuple[User, ...]:
         """Everybody, by name."""
-        tokens: dict[str, list[Token]] = {}
+        tokens: dict[str, list[ProgramToken]] = {}
         for key, name, made_at in self._store.ask(
             "SELECT user, name, made_at FROM tokens ORDER BY name"
         ):
-            tokens.setdefault(key, []).append(Token(name, made_at))
+            tokens.setdefault(key, []).append(ProgramToken(name, made_at))
         return tuple(
             User(name, Role(role), bool(is_disabled), tuple(tokens.get(key, ())))
             for key, name, role, is_disabled in self._store.ask(
@@ -115,14 +115,14 @@ class Users:
 
     def language(self, name: str) -> str:
         """In which language somebody wants the page; empty where they have not said so."""
-        rows = self._store.ask("SELECT language FROM users WHERE key = ?", folded(name))
+        rows = self._store.ask("SELECT language FROM users WHERE key = ?", fold_name(name))
         return rows[0][0] if rows else ""
 
     def keep_language(self, name: str, language: str) -> None:
         """Remember in which language somebody wants the page; who is gone meanwhile wants none."""
         with self._store.change() as connection:
             connection.execute(
-                "UPDATE users SET language = ? WHERE key = ?", (language, folded(name))
+                "UPDATE users SET language = ? WHERE key = ?", (language, fold_name(name))
             )
 
     def set_password(self, name: str, password: str) -> None:
@@ -170,7 +170,7 @@ class Users:
     def by_password(self, name: str, password: str) -> Person | None:
         """Whose name and password these are; takes the same time for a name that nobody has."""
         question = "SELECT name, role, hash FROM users WHERE key = ? AND is_disabled = 0"
-        rows = self._store.ask(question, folded(name))
+        rows = self._store.ask(question, fold_name(name))
         known, role, kept = rows[0] if rows else ("", Role.VIEWER, NOBODYS)
         is_theirs = is_right(password, kept)
         return Person(known, Role(role)) if rows and is_theirs else None
@@ -193,7 +193,7 @@ class Users:
 
     def _find_user(self, connection: sqlite3.Connection, name: str) -> str:
         """The key of a user who is there."""
-        key = folded(name)
+        key = fold_name(name)
         if connection.execute("SELECT 1 FROM users WHERE key = ?", (key,)).fetchone():
             return key
         names = [row[0] for row in connection.execute("SELECT name FROM users ORDER BY key")]
@@ -206,7 +206,7 @@ def digest_of(secret: str) -> str:
     return hashlib.sha256(secret.encode(errors="replace")).hexdigest()
 
 
-def folded(name: str) -> str:
+def fold_name(name: str) -> str:
     """The name by which a user is found: capitals and ways of writing an accent do not count.
 
     Bytes of a command line that are no text (surrogates) become question marks.
@@ -226,6 +226,6 @@ def key_of(name: str) -> str:
             f"a user's name has 1 to {LONGEST_NAME} printable characters and single spaces "
             f"between them, not {name[: LONGEST_NAME + 1]!r}"
         )
-    if folded(name) in {folded(taken) for taken in (*MACHINES, NOBODY)}:
+    if fold_name(name) in {fold_name(taken) for taken in (*MACHINES, NOBODY)}:
         raise InputError(f"the name {name!r} stands for no person in the record; choose another")
-    return folded(name)
+    return fold_name(name)

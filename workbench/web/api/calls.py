@@ -136,7 +136,7 @@ def _shorten(values: Values) -> Command:
 
 
 def _watch(values: Values) -> Command:
-    return WatchPlan(values["plan"], is_told=True, row=_row(values))
+    return WatchPlan(values["plan"], is_reported=True, row=_row(values))
 
 
 def _plan_digest(kind: type) -> Callable[[Values], Command]:

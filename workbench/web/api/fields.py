@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from workbench.formats.files.json_keys import parse_object
-from workbench.formats.files.toml_keys import shown
+from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import InputError
 
 LARGEST_BODY = 64 * 1024
@@ -54,7 +54,7 @@ def body_of(content: bytes, fields: Sequence[Field]) -> dict[str, Any]:
     for name in given:
         if name not in known:
             there = ", ".join(sorted(known)) or "none"
-            raise InputError(f"the key {shown(name)} is not known; there are {there}")
+            raise InputError(f"the key {quote(name)} is not known; there are {there}")
     return {field.name: _value(field, given) for field in fields}
 
 
@@ -72,7 +72,7 @@ def _check(name: str, value: Any, schema: Mapping[str, Any]) -> Any:
             return _number(name, value, schema, is_whole=kind == "integer")
         case "boolean":
             if not isinstance(value, bool):
-                raise InputError(f"{name} must be true or false, not {shown(value)}")
+                raise InputError(f"{name} must be true or false, not {quote(value)}")
             return value
         case _:
             return _text(name, value, schema)
@@ -83,22 +83,22 @@ def _number(name: str, value: Any, schema: Mapping[str, Any], *, is_whole: bool)
     words = f"{name} must be a {'whole number' if is_whole else 'number'} from {low} to {high}"
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not low <= value <= high:
-        raise InputError(f"{words}, not {shown(value)}")
+        raise InputError(f"{words}, not {quote(value)}")
     if not is_whole:
         return float(value)
     # For JSON, 1.0 is a whole number.
     if value != int(value):
-        raise InputError(f"{words}, not {shown(value)}")
+        raise InputError(f"{words}, not {quote(value)}")
     return int(value)
 
 
 def _text(name: str, value: Any, schema: Mapping[str, Any]) -> str:
     if not isinstance(value, str):
-        raise InputError(f"{name} must be a text, not {shown(value)}")
+        raise InputError(f"{name} must be a text, not {quote(value)}")
     if "enum" in schema and value not in schema["enum"]:
-        raise InputError(f"{name} must be one of {', '.join(schema['enum'])}, not {shown(value)}")
+        raise InputError(f"{name} must be one of {', '.join(schema['enum'])}, not {quote(value)}")
     if len(value) > schema.get("maxLength", LARGEST_BODY):
         raise InputError(f"{name} may have {schema['maxLength']} characters, not {len(value)}")
     if "pattern" in schema and re.fullmatch(schema["pattern"], value) is None:
-        raise InputError(f"{name} must look like {schema['pattern']}, not {shown(value)}")
+        raise InputError(f"{name} must look like {schema['pattern']}, not {quote(value)}")
     return value

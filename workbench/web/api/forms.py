@@ -7,7 +7,7 @@ from typing import Any
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
 from workbench.app.emptying.summary import summary
-from workbench.app.emptying.what_if import ranked
+from workbench.app.emptying.what_if import rank_changes
 from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
@@ -31,7 +31,7 @@ def state_form(state: State, live: Live) -> Form:
         "number": state.number,
         "phase": str(state.phase),
         "message": str(state.message),
-        "said": as_message(state.message).told,
+        "said": as_message(state.message).program_form,
         "fault": str(state.fault),
         "stale": "" if state.stale is None else str(state.stale),
         "ran": None if state.ran is None else state.ran.digest,
@@ -55,7 +55,7 @@ def state_form(state: State, live: Live) -> Form:
         "holds": None if state.proof is None else state.proof.holds,
         "row": [_row_form(state, number) for number in range(len(state.whole_row))],
         "row_ends": "" if state.row_ends is None else str(state.row_ends),
-        "row_ends_said": None if state.row_ends is None else state.row_ends.told,
+        "row_ends_said": None if state.row_ends is None else state.row_ends.program_form,
         "row_left_out": len(state.left_out),
         "watched": list(state.watched),
         "approved_by": [] if state.approval is None else list(state.approval.people),
@@ -95,15 +95,15 @@ def job_form(state: State, live: Live) -> Form:
         "number": state.number,
         "phase": str(state.phase),
         "message": str(state.message),
-        "said": as_message(state.message).told,
+        "said": as_message(state.message).program_form,
         "job": None
         if job is None
         else {
             "number": job.number,
             "name": job.name,
             "at": job.at,
-            "done": finite(live.told_of(job.number)[0]),
-            "note": str(live.told_of(job.number)[1]),
+            "done": finite(live.progress_of(job.number)[0]),
+            "note": str(live.progress_of(job.number)[1]),
         },
         "getting_ready": _preparing(live),
     }
@@ -150,7 +150,7 @@ def verdict_form(verdict: Verdict) -> Form:
         "distance": None if verdict.distance is None else finite(verdict.distance),
         "q": None if verdict.q is None else verdict.q.tolist(),
         "note": "" if verdict.note is None else str(verdict.note),
-        "said": verdict.message.told,
+        "said": verdict.message.program_form,
     }
 
 
@@ -178,7 +178,7 @@ def emptying_form(found: Emptying) -> Form:
     return {
         "cell_digest": found.cell_digest,
         **summary(found.plain, **takes),
-        "what_if": ranked(found.piles, **takes) if is_tried else [],
+        "what_if": rank_changes(found.piles, **takes) if is_tried else [],
     }
 
 
@@ -212,7 +212,7 @@ def _rates(statistics: Statistics, name: str) -> Mapping[str, Form]:
 def _place_form(place: Violation) -> Form:
     return {
         "problem": str(place.problem),
-        "said": place.message.told,
+        "said": place.message.program_form,
         "arm": place.arm,
         "leg": place.leg,
         "waypoint": place.waypoint,

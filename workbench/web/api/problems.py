@@ -30,7 +30,7 @@ def problem(
         "detail": str(detail),
     }
     if isinstance(detail, Message) and detail.text is not Others.PLAIN:
-        content["said"] = detail.told
+        content["said"] = detail.program_form
     return web.Response(
         body=json.dumps(content).encode(),
         status=status,

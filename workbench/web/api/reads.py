@@ -20,7 +20,7 @@ from workbench.web.api import forms, schemas
 JSON = "application/json"
 
 
-class Source:
+class AnswerSource:
     """What answers are made from.
 
     Lifetime: as long as the routes.
@@ -53,18 +53,18 @@ class Read:
 
     path: str
     says: str
-    answer: Callable[[Source], Any]
+    answer: Callable[[AnswerSource], Any]
     schema: schemas.Schema
     missing: str = ""
     kind: str = JSON
 
 
-def _scan(source: Source) -> Any:
+def _scan(source: AnswerSource) -> Any:
     scan = source.state.scan
     return None if scan is None else forms.scan_form(scan)
 
 
-def _points(source: Source) -> bytes | None:
+def _points(source: AnswerSource) -> bytes | None:
     scan = source.state.scan
     if scan is None:
         return None
@@ -80,12 +80,12 @@ def _points(source: Source) -> bytes | None:
     return content.getvalue()
 
 
-def _detections(source: Source) -> Any:
+def _detections(source: AnswerSource) -> Any:
     found = source.state.detections
     return None if found is None else [canonical(detection) for detection in found]
 
 
-def _candidates(source: Source) -> Any:
+def _candidates(source: AnswerSource) -> Any:
     candidates = source.state.candidates
     return (
         None
@@ -94,40 +94,40 @@ def _candidates(source: Source) -> Any:
     )
 
 
-def _plan(source: Source) -> Any:
+def _plan(source: AnswerSource) -> Any:
     state = source.state
     return None if state.plan is None else plan_content(state.plan, state.proof)
 
 
-def _row(source: Source) -> Any:
+def _row(source: AnswerSource) -> Any:
     row = source.state.whole_row
     return (
         [plan_content(proven_plan.plan, proven_plan.proof) for proven_plan in row] if row else None
     )
 
 
-def _proof(source: Source) -> Any:
+def _proof(source: AnswerSource) -> Any:
     proof = source.state.proof
     return None if proof is None else forms.proof_form(proof)
 
 
-def _certificate(source: Source) -> Any:
+def _certificate(source: AnswerSource) -> Any:
     plan, proof = source.state.plan, source.state.proof
     if plan is None or proof is None or not proof.holds:
         return None
     return certificate_content(plan, plan.scene, proof)
 
 
-def _emptying(source: Source) -> Any:
+def _emptying(source: AnswerSource) -> Any:
     found = source.state.emptying
     return None if found is None else forms.emptying_form(found)
 
 
-def _statistics(source: Source) -> Any:
+def _statistics(source: AnswerSource) -> Any:
     return forms.statistics_form(source.statistics)
 
 
-def _sessions(source: Source) -> Any:
+def _sessions(source: AnswerSource) -> Any:
     folder = source.bench.folder
     beside = sorted(path.parent.name for path in folder.parent.glob(f"*/{DATABASE}"))
     return {"current": folder.name, "sessions": beside}

@@ -19,7 +19,7 @@ from workbench.app.core.cycle.sending import Stop
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY, Person
 from workbench.app.runtime.bench import Bench
-from workbench.formats.files.json_pieces import encoded
+from workbench.formats.files.json_pieces import encode_json
 from workbench.model.errors import NotAllowed, WorkbenchError
 from workbench.model.messages.refusals import Refusal
 from workbench.web.api.calls import CALLS, Call
@@ -27,10 +27,10 @@ from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.web.api.fields import LARGEST_BODY, body_of
 from workbench.web.api.openapi import PREFIX, openapi
 from workbench.web.api.problems import problem, problem_of
-from workbench.web.api.reads import JSON, READS, Read, Source
+from workbench.web.api.reads import JSON, READS, AnswerSource, Read
 from workbench.web.api.reference import reference_html
 from workbench.web.http.broken_off import is_broken_off
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 
 log = logging.getLogger(__name__)
 
@@ -102,7 +102,7 @@ class Api:
         self._bench = bench
         self._identify = identify
         self._events = events
-        self._source = Source(bench)
+        self._source = AnswerSource(bench)
         self._stopping = ThreadPoolExecutor(1, thread_name_prefix="stop")
         self._giving = ThreadPoolExecutor(COMMANDERS, thread_name_prefix="commands")
         self._reading = ThreadPoolExecutor(READERS, thread_name_prefix="reads")
@@ -120,7 +120,7 @@ class Api:
             except WorkbenchError as error:
                 return problem_of(error)
             except web.RequestPayloadError as error:
-                refused("body", why=str(error), origin=request.remote, who=person.name)
+                log_refusal("body", why=str(error), origin=request.remote, who=person.name)
                 return problem(HTTPStatus.BAD_REQUEST, UNREADABLE)
             except web.HTTPException:
                 raise
@@ -221,7 +221,7 @@ async def _send(request: web.Request, content: bytes, kind: str) -> web.StreamRe
 
 
 def _text(value: Any) -> bytes:
-    return encoded(value)
+    return encode_json(value)
 
 
 def _json(value: Any, **about: Any) -> web.Response:

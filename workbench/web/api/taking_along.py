@@ -19,7 +19,7 @@ from aiohttp import hdrs, web
 from workbench.app.core.people import Role
 from workbench.app.records.keeping import KINDS, write_backup
 from workbench.app.records.kept_cases import case_files
-from workbench.app.records.session_archive import export_session, opened
+from workbench.app.records.session_archive import export_session, open_journal
 from workbench.model.errors import WorkbenchError
 from workbench.web.access.identity import identify
 from workbench.web.api.problems import problem, problem_of
@@ -109,7 +109,7 @@ async def _send(request: web.Request, file: Path) -> web.StreamResponse:
 
 
 def _session(folder: Path, file: Path) -> None:
-    with closing(opened(folder)) as journal:
+    with closing(open_journal(folder)) as journal:
         export_session(journal, file, None, log_file())
 
 

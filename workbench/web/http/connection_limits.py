@@ -16,7 +16,7 @@ from aiohttp.typedefs import Handler
 from workbench.model.errors import FileError
 from workbench.web.http.broken_off import is_broken_off
 from workbench.web.http.origins import network_of
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 
 MOST_STRANGERS = 160
 """Connections without a login at the same time; beyond them the one that waits longest goes."""
@@ -41,7 +41,7 @@ IsLogin = Callable[[web.Request], Awaitable[bool]]
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class ConnectionRoom:
     """How many connections there may be.
 
     Attributes:
@@ -54,7 +54,7 @@ class Room:
 
 
 @dataclass(eq=False, slots=True)
-class Visitor:
+class OpenConnection:
     """One connection.
 
     Attributes:
@@ -99,7 +99,7 @@ class ConnectionLimits:
     Concurrency: the front's event loop only.
     """
 
-    def __init__(self, is_login: IsLogin, clock: Callable[[], float], room: Room):
+    def __init__(self, is_login: IsLogin, clock: Callable[[], float], room: ConnectionRoom):
         """Nobody is there.
 
         Args:
@@ -110,7 +110,7 @@ class ConnectionLimits:
         self._is_login = is_login
         self._clock = clock
         self._room = room
-        self._visitors: dict[object, Visitor] = {}
+        self._visitors: dict[object, OpenConnection] = {}
 
     def enter(
         self, key: object, taken: socket.socket, address: str, drop: Callable[[], None]
@@ -127,7 +127,7 @@ class ConnectionLimits:
         strangers = [visitor for visitor in self._visitors.values() if not visitor.is_known]
         if len(strangers) >= self._room.strangers:
             self._drop(self._first_to_go(strangers), "too many without a login")
-        self._visitors[key] = Visitor(key, taken, network_of(address), self._clock(), drop)
+        self._visitors[key] = OpenConnection(key, taken, network_of(address), self._clock(), drop)
 
     def heard(self, key: object) -> None:
         """Take note that bytes have come from a connection."""
@@ -153,7 +153,7 @@ class ConnectionLimits:
             return await handler(request)
         is_known = await self._is_known(request, visitor)
         if is_known and not visitor.is_known and not self._has_room_for_known():
-            refused("connection", why="too many with a login", origin=request.remote)
+            log_refusal("connection", why="too many with a login", origin=request.remote)
             raise web.HTTPServiceUnavailable(text="Too many connections.\n")
         visitor.is_known = is_known
         visitor.since, visitor.request = self._clock(), request
@@ -183,7 +183,7 @@ class ConnectionLimits:
                     continue
                 self._drop(visitor, None)
 
-    async def _is_known(self, request: web.Request, visitor: Visitor) -> bool:
+    async def _is_known(self, request: web.Request, visitor: OpenConnection) -> bool:
         try:
             return await self._is_login(request)
         except FileError:
@@ -200,7 +200,7 @@ class ConnectionLimits:
             self._drop(min(idle, key=lambda visitor: visitor.since), "too many with a login")
         return bool(idle)
 
-    def _first_to_go(self, strangers: list[Visitor]) -> Visitor:
+    def _first_to_go(self, strangers: list[OpenConnection]) -> OpenConnection:
         """The one with the least claim; of these, from where most come, who waits longest."""
         now, crowd = self._clock(), Counter(stranger.network for stranger in strangers)
         return min(
@@ -208,10 +208,10 @@ class ConnectionLimits:
             key=lambda stranger: (stranger.claim(now), -crowd[stranger.network], stranger.since),
         )
 
-    def _drop(self, visitor: Visitor, why: str | None) -> None:
+    def _drop(self, visitor: OpenConnection, why: str | None) -> None:
         del self._visitors[visitor.key]
         if why is not None:
-            refused("connection", why=why, origin=visitor.network)
+            log_refusal("connection", why=why, origin=visitor.network)
         visitor.drop()
 
     def _forget(self) -> None:
@@ -221,13 +221,13 @@ class ConnectionLimits:
             del self._visitors[key]
 
 
-def room_for(descriptors: int) -> Room:
+def room_for(descriptors: int) -> ConnectionRoom:
     """How many connections there may be.
 
     Args:
         descriptors: that the process may have open; a page's websocket takes three of them.
     """
-    return Room(
+    return ConnectionRoom(
         strangers=max(8, min(MOST_STRANGERS, descriptors // 6)),
         known=max(16, min(MOST_KNOWN, descriptors // 4)),
     )

@@ -13,7 +13,7 @@ BACKLOG = 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Certificate:
+class TlsCertificate:
     """What the page is served over TLS with."""
 
     certificate: Path

@@ -8,7 +8,7 @@ log = logging.getLogger("workbench.web")
 LONGEST = 200
 
 
-def refused(what: str, *, why: str, origin: str | None, who: str | None = None) -> None:
+def log_refusal(what: str, *, why: str, origin: str | None, who: str | None = None) -> None:
     """Write the line.
 
     Args:

@@ -74,7 +74,7 @@ class Sparing(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether the line is to be written; says with it how many of its kind were not."""
-        if _is_told_already(record):
+        if _is_redundant(record):
             return False
         _shorten(record)
         with self._lock:
@@ -96,7 +96,7 @@ class Sparing(logging.Filter):
         return True
 
 
-def _is_told_already(record: logging.LogRecord) -> bool:
+def _is_redundant(record: logging.LogRecord) -> bool:
     """Whether a library tells, as unhandled, what was answered or cannot be.
 
     It reads what is left of a body after the answer: that may not be what its head says, or the

@@ -28,7 +28,7 @@ LONGEST_WORD = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Logins:
+class OpcUaLogins:
     """The users of the page, and what counts their failed logins."""
 
     users: Users
@@ -36,7 +36,7 @@ class Logins:
 
 
 @dataclass(frozen=True, slots=True)
-class Options:
+class OpcUaOptions:
     """Where to listen, and who calls; without a `password` only this machine may.
 
     `certificates` is the folder of certificates, None: nothing is encrypted.  With it channels are
@@ -50,7 +50,7 @@ class Options:
     password: str = ""
     certificates: Path | None = None
     is_plain: bool = False
-    logins: Logins | None = None
+    logins: OpcUaLogins | None = None
 
     @property
     def takes_plain(self) -> bool:
@@ -69,7 +69,7 @@ class Door(UserManager):
     counted with their logins there.
     """
 
-    def __init__(self, options: Options, now: Callable[[], float] = time.monotonic):
+    def __init__(self, options: OpcUaOptions, now: Callable[[], float] = time.monotonic):
         """A door by these options; `now` tells [s] and does not jump."""
         self._options, self._now = options, now
         self._failed: deque[float] = deque(maxlen=MOST)

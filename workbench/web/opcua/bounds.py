@@ -104,7 +104,7 @@ class _Listener(BinaryServer):
         )
 
 
-def bound() -> None:
+def limit_messages() -> None:
     """From now on servers of this process cut off whoever sends more."""
     # The library names its class where it starts and takes no other.
     server.BinaryServer = _Listener  # pyright: ignore[reportPrivateImportUsage]

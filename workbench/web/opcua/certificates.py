@@ -155,7 +155,7 @@ def trust(folder: Path, path: Path) -> x509.Certificate:
     return certificate
 
 
-def kept(folder: Path) -> Iterator[tuple[Path, x509.Certificate]]:
+def read_certificates(folder: Path) -> Iterator[tuple[Path, x509.Certificate]]:
     """The certificates in a folder, by the names of their files; what is none is passed over."""
     try:
         there = (path for path in folder.iterdir() if path.suffix.lower() in KINDS)
@@ -183,7 +183,7 @@ def problem(folder: Path, der: bytes | None) -> str:
     now = datetime.now(UTC)
     if not any(
         trusted.public_bytes(serialization.Encoding.DER) == der
-        for _, trusted in kept(folder / TRUSTED)
+        for _, trusted in read_certificates(folder / TRUSTED)
     ):
         _reject(folder / REJECTED, der)
         return f"its certificate {thumbprint(der)} is not trusted"

@@ -22,8 +22,8 @@ from asyncua.ua.status_codes import StatusCodes
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.web.http.origins import is_loopback
-from workbench.web.opcua.admission import PERSON, Door, Options
-from workbench.web.opcua.bounds import LIMITS, bound, is_bound
+from workbench.web.opcua.admission import PERSON, Door, OpcUaOptions
+from workbench.web.opcua.bounds import LIMITS, is_bound, limit_messages
 from workbench.web.opcua.certificates import CERTIFICATE, KEY, application_uri, read_certificate
 from workbench.web.opcua.methods import METHODS, Method
 from workbench.web.opcua.robotics.space import standard_space
@@ -67,7 +67,7 @@ class OpcUa:
     Concurrency: an event loop in a thread of its own; commands are given from other threads.
     """
 
-    def __init__(self, bench: Bench, options: Options):
+    def __init__(self, bench: Bench, options: OpcUaOptions):
         """Listen.
 
         Args:
@@ -131,7 +131,7 @@ class OpcUa:
 
     async def _begin(self) -> tuple[Server, asyncio.Task[None]]:
         options = self._options
-        bound()
+        limit_messages()
         server = await _secure(options, self._door)
         server.iserver.max_connections = MOST_CLIENTS
         server.iserver.max_pending_activation_seconds = LOGIN_SECONDS
@@ -151,7 +151,7 @@ class OpcUa:
                 [argument.described() for argument in method.arguments],
                 [ua.VariantType.Boolean, ua.VariantType.String],
             )
-        await self._tell()
+        await self._write_changes()
         await server.start()
         if not is_bound(server):
             raise InputError("this version of asyncua cannot be kept from keeping what is sent")
@@ -196,21 +196,21 @@ class OpcUa:
                     await self._changed.wait()
             self._changed.clear()
             try:
-                await self._tell()
+                await self._write_changes()
             except ua.UaError:
                 log.exception("the state cannot be told over OPC UA")
 
-    async def _tell(self) -> None:
+    async def _write_changes(self) -> None:
         """Write what has changed."""
         now: Mapping[str, Any] = values_of(self._bench.state, self._bench.live, self._bench.head)
         for name, value in now.items():
             if name not in self._told or self._told[name] != value:
                 await self._nodes[name].write_value(ua.Variant(value, VARIABLES[name]))
                 self._told[name] = value
-        await self._system.tell(self._bench.state, self._bench.live)
+        await self._system.write_changes(self._bench.state, self._bench.live)
 
 
-async def _secure(options: Options, door: Door) -> Server:
+async def _secure(options: OpcUaOptions, door: Door) -> Server:
     """A server that offers the policies, with its certificate if there is one.
 
     Raises:
@@ -236,7 +236,7 @@ async def _secure(options: Options, door: Door) -> Server:
     return server
 
 
-def _check(options: Options) -> None:
+def _check(options: OpcUaOptions) -> None:
     is_guarded = bool(options.password) or not options.takes_plain
     if not is_guarded and not is_loopback(options.host):
         raise InputError(

@@ -61,6 +61,6 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "ApprovedBy": "" if state.approval is None else ", ".join(state.approval.people),
         "PartsPlaced": state.parts_placed,
         "Job": "" if job is None else job.name,
-        "JobDone": 0.0 if job is None else live.told_of(job.number)[0],
+        "JobDone": 0.0 if job is None else live.progress_of(job.number)[0],
         "Head": f"{head[0]} {head[1]}",
     }

@@ -8,14 +8,14 @@ from typing import Any
 
 from aiohttp import ClientWebSocketResponse, WebSocketError, WSCloseCode, WSMsgType, web
 
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 from workbench.web.page.connections import OVER, Seat
 from workbench.web.page.messages import (
     FileTransferPart,
     FileTransferStartUpload,
     Working,
     read,
-    written,
+    write_frame,
 )
 from workbench.web.page.rate_limit import RateLimit
 from workbench.web.page.uploads import Broken, Uploads
@@ -84,7 +84,7 @@ class Conversation:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
         if end.is_fault:
-            self._tell("connection", end.why)
+            self._log_refusal("connection", end.why)
         await close(self._browser, self._transport, end.code, end.why)
         await self._viser.close()
 
@@ -98,7 +98,7 @@ class Conversation:
             try:
                 message = read(frame.data, self._person.role)
             except ValueError as error:
-                self._tell("message", str(error))
+                self._log_refusal("message", str(error))
                 self._refused += 1
                 if self._refused >= MOST_REFUSED:
                     return End(WSCloseCode.POLICY_VIOLATION, "too much was refused", is_fault=True)
@@ -131,7 +131,7 @@ class Conversation:
             message = self._rate.ready(time.monotonic())
             if message is not None:
                 try:
-                    await self._viser.send_bytes(written(message))
+                    await self._viser.send_bytes(write_frame(message))
                 except ConnectionError:
                     return End(WSCloseCode.GOING_AWAY, "the page has gone")
             elif len(self._rate):
@@ -159,8 +159,8 @@ class Conversation:
         await self._seat.over.wait()
         return End(self._seat.code, "logged out" if self._seat.code == OVER else "")
 
-    def _tell(self, what: str, why: str) -> None:
-        refused(what, why=why, origin=self._origin, who=self._person.name)
+    def _log_refusal(self, what: str, why: str) -> None:
+        log_refusal(what, why=why, origin=self._origin, who=self._person.name)
 
 
 async def close(

@@ -7,7 +7,7 @@ from aiohttp import hdrs, web
 
 from workbench.app.core.people import NOBODY
 from workbench.web.access.identity import ACCESS, session_of
-from workbench.words.choosing import first_guess, known
+from workbench.words.choosing import find_language, first_guess
 
 COOKIE = "workbench-language"
 """Name of the cookie; one for all workbenches on a machine, since it is nobody's secret."""
@@ -22,10 +22,10 @@ def language_of(request: web.Request) -> str:
     """The language of who asks: the user's, or the browser's, or what that likes best."""
     session = session_of(request)
     if session is not None and session.person.name != NOBODY:
-        kept = known(request.config_dict[ACCESS].users.language(session.person.name))
+        kept = find_language(request.config_dict[ACCESS].users.language(session.person.name))
         if kept:
             return kept
-    chosen = known(request.cookies.get(COOKIE, ""))
+    chosen = find_language(request.cookies.get(COOKIE, ""))
     return chosen or first_guess(request.headers.get(hdrs.ACCEPT_LANGUAGE, ""))
 
 
@@ -33,7 +33,7 @@ def choice(read: Form) -> Callable[[web.Request], Awaitable[web.StreamResponse]]
     """The request by which a language is chosen, on the page or before the login."""
 
     async def choose(request: web.Request) -> web.StreamResponse:
-        language = known(str((await read(request)).get("language", "")))
+        language = find_language(str((await read(request)).get("language", "")))
         if not language:
             raise web.HTTPBadRequest(text="There is no such language.\n")
         session = session_of(request)

@@ -12,7 +12,7 @@ from workbench.web.access.first_key import FirstKey
 from workbench.web.access.identity import ACCESS, session_of
 from workbench.web.access.lockout import REMEMBERED, LockedOut, Lockout
 from workbench.web.access.users import LONGEST_NAME
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 from workbench.web.page.connections import Connections
 from workbench.web.page.languages import language_of
 from workbench.web.page.pages import Pages
@@ -86,7 +86,7 @@ class Logins:
         name, password = str(form.get("name", "")), str(form.get("password", ""))
         shown = name[:LONGEST_NAME]
         if self._waiting >= MOST_WAITING:
-            refused("login", why="too many at once", origin=request.remote, who=shown)
+            log_refusal("login", why="too many at once", origin=request.remote, who=shown)
             return self._form(request, 503, "Too many are logging in. Try again.", shown)
         self._waiting += 1
         try:
@@ -95,14 +95,14 @@ class Logins:
         finally:
             self._waiting -= 1
         if isinstance(found, LockedOut):
-            refused("login", why="too many failed", origin=request.remote, who=shown)
+            log_refusal("login", why="too many failed", origin=request.remote, who=shown)
             minutes = math.ceil(found.seconds / 60)
             text = BarText.LOCKED_OUT(minutes=minutes)
             answer = self._form(request, 429, text, shown)
             answer.headers[hdrs.RETRY_AFTER] = str(math.ceil(found.seconds))
             return answer
         if found is None:
-            refused("login", why="wrong name or password", origin=request.remote, who=shown)
+            log_refusal("login", why="wrong name or password", origin=request.remote, who=shown)
             return self._form(request, 401, WRONG, shown)
         answer = web.Response(status=303, headers={hdrs.LOCATION: "/"})
         await self._begin(request, answer, found)
@@ -123,7 +123,7 @@ class Logins:
         """The link that was printed at the start."""
         access = request.config_dict[ACCESS]
         if not self._first.take(request.query.get("key", ""), request.remote):
-            refused("first link", why="used, wrong, or from elsewhere", origin=request.remote)
+            log_refusal("first link", why="used, wrong, or from elsewhere", origin=request.remote)
             return self._form(request, 401, USED if not access.users.are_there() else "")
         answer = self._pages.page(request, "onward.html")
         await self._begin(request, answer, None)

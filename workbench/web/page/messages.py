@@ -37,11 +37,11 @@ Pixel: TypeAlias = tuple[Length, Length]
 Pixels = Annotated[int, Meta(ge=0, le=100_000)]
 
 
-class Message(Struct, tag_field="type", tag=True, forbid_unknown_fields=True, frozen=True):
+class BrowserMessage(Struct, tag_field="type", tag=True, forbid_unknown_fields=True, frozen=True):
     """One message from a browser; the tag is viser's name of it."""
 
 
-class ViewerCameraMessage(Message, frozen=True):
+class ViewerCameraMessage(BrowserMessage, frozen=True):
     """From where this browser looks."""
 
     wxyz: Turn
@@ -55,7 +55,7 @@ class ViewerCameraMessage(Message, frozen=True):
     up_direction: Far
 
 
-class ScenePointerMessage(Message, frozen=True):
+class ScenePointerMessage(BrowserMessage, frozen=True):
     """A click into the scene, or a box drawn over it."""
 
     event_type: Literal["click", "rect-select"]
@@ -65,7 +65,7 @@ class ScenePointerMessage(Message, frozen=True):
     modifier: Word | None = None
 
 
-class SceneNodeClickMessage(Message, frozen=True):
+class SceneNodeClickMessage(BrowserMessage, frozen=True):
     """A click on one thing in the scene."""
 
     name: Word
@@ -83,20 +83,20 @@ class Updates(Struct, forbid_unknown_fields=True, frozen=True):
     value: Value
 
 
-class GuiUpdateMessage(Message, frozen=True):
+class GuiUpdateMessage(BrowserMessage, frozen=True):
     """A widget was used; the id leads nowhere but among the widgets of the same browser."""
 
     uuid: Word
     updates: Updates
 
 
-class CommandTriggerMessage(Message, frozen=True):
+class CommandTriggerMessage(BrowserMessage, frozen=True):
     """A key, or a line of the list behind Ctrl+K."""
 
     uuid: Word
 
 
-class TransformControlsUpdateMessage(Message, frozen=True):
+class TransformControlsUpdateMessage(BrowserMessage, frozen=True):
     """A gizmo is dragged."""
 
     name: Word
@@ -105,21 +105,21 @@ class TransformControlsUpdateMessage(Message, frozen=True):
     owner: Word = ""
 
 
-class TransformControlsDragStartMessage(Message, frozen=True):
+class TransformControlsDragStartMessage(BrowserMessage, frozen=True):
     """A gizmo is taken."""
 
     name: Word
     owner: Word = ""
 
 
-class TransformControlsDragEndMessage(Message, frozen=True):
+class TransformControlsDragEndMessage(BrowserMessage, frozen=True):
     """A gizmo is let go."""
 
     name: Word
     owner: Word = ""
 
 
-class FileTransferStartUpload(Message, frozen=True):
+class FileTransferStartUpload(BrowserMessage, frozen=True):
     """A file will come, of this many bytes, in this many parts."""
 
     source_component_uuid: Word
@@ -130,7 +130,7 @@ class FileTransferStartUpload(Message, frozen=True):
     size_bytes: Annotated[int, Meta(ge=0, le=2**53)]
 
 
-class FileTransferPart(Message, frozen=True):
+class FileTransferPart(BrowserMessage, frozen=True):
     """A part of a file."""
 
     source_component_uuid: Word
@@ -139,7 +139,7 @@ class FileTransferPart(Message, frozen=True):
     content: bytes
 
 
-class GetRenderResponseMessage(Message, frozen=True):
+class GetRenderResponseMessage(BrowserMessage, frozen=True):
     """The browser has drawn what it was sent; the picture is small, and nobody looks at it."""
 
     payload: Annotated[bytes, Meta(max_length=100_000)]
@@ -184,12 +184,12 @@ def read(frame: bytes, role: Role) -> Working:
         raise ValueError("the message is nested too deeply") from error
 
 
-def written(message: Message) -> bytes:
+def write_frame(message: BrowserMessage) -> bytes:
     """The frame for viser."""
     return _ENCODER.encode(message)
 
 
-def is_press(message: Message) -> bool:
+def is_press(message: BrowserMessage) -> bool:
     """Whether each such message counts, not only the newest: buttons, keys, ends of a drag."""
     match message:
         case GuiUpdateMessage(updates=Updates(value=value)):
@@ -200,7 +200,7 @@ def is_press(message: Message) -> bool:
             return True
 
 
-def subject(message: Message) -> tuple[str, str]:
+def subject(message: BrowserMessage) -> tuple[str, str]:
     """What a message is about: of two about the same, the newer one makes the older worthless."""
     match message:
         case GuiUpdateMessage(uuid=uuid):

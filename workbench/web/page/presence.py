@@ -63,7 +63,7 @@ class Presence:
             ways = (
                 asyncio.create_task(self._hear(browser, session.person, say)),
                 asyncio.create_task(seat.over.wait()),
-                asyncio.create_task(self._tell(browser, session.person, say)),
+                asyncio.create_task(self._send_bar(browser, session.person, say)),
             )
             try:
                 await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
@@ -75,7 +75,7 @@ class Presence:
             await close(browser, request.transport, code, "")
         return browser
 
-    async def _tell(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
+    async def _send_bar(self, browser: web.WebSocketResponse, person: Person, say: Say) -> None:
         last_words: Mapping[str, Any] | None = None
         at = 0.0
         while True:

@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 
-from workbench.web.page.messages import Message, is_press, subject
+from workbench.web.page.messages import BrowserMessage, is_press, subject
 
 PER_SECOND = 80.0
 """Messages in the long run; a busy hand makes some 40."""
@@ -17,7 +17,7 @@ MOST_WAITING = 256
 
 @dataclass(slots=True)
 class _Waiting:
-    message: Message
+    message: BrowserMessage
 
 
 class RateLimit:
@@ -42,7 +42,7 @@ class RateLimit:
         """How many wait."""
         return len(self._queue)
 
-    def add(self, message: Message) -> bool:
+    def add(self, message: BrowserMessage) -> bool:
         """Take a message; False when too many wait already."""
         if is_press(message):
             self._newest.clear()
@@ -59,7 +59,7 @@ class RateLimit:
             self._newest[subject(message)] = entry
         return True
 
-    def ready(self, now: float) -> Message | None:
+    def ready(self, now: float) -> BrowserMessage | None:
         """The next message that may go at this time [s], if any may."""
         self._credit = min(self._at_once, self._credit + (now - self._counted) * self._per_second)
         self._counted = now

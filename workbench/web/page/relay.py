@@ -29,7 +29,7 @@ from workbench.app.core.people import Person
 from workbench.web.access.identity import session_of
 from workbench.web.http.headers import scene_policy
 from workbench.web.http.listening import MOST_UNSENT
-from workbench.web.http.refusals import refused
+from workbench.web.http.refusals import log_refusal
 from workbench.web.page.connections import Connections
 from workbench.web.page.conversation import CLOSE_SECONDS, Conversation
 from workbench.web.page.languages import language_of
@@ -157,16 +157,16 @@ class Relay:
         """Viser's websocket, for as long as browser, login and viser hold."""
         session = session_of(request)
         if session is None:
-            refused("websocket", why="no login", origin=request.remote)
+            log_refusal("websocket", why="no login", origin=request.remote)
             raise web.HTTPUnauthorized(text="Log in first.\n")
         person = session.person
         protocol = _protocol(request)
         if protocol is None or request.query_string:
-            refused("websocket", why="not of the page", origin=request.remote, who=person.name)
+            log_refusal("websocket", why="not of the page", origin=request.remote, who=person.name)
             raise web.HTTPBadRequest(text="This websocket is for the page.\n")
         with self._connections.seat(session) as seat:
             if seat is None:
-                refused("websocket", why="too many", origin=request.remote, who=person.name)
+                log_refusal("websocket", why="too many", origin=request.remote, who=person.name)
                 raise web.HTTPTooManyRequests(text="Too many windows are open.\n")
             async with await self._connect(person, protocol, request) as viser:
                 browser = web.WebSocketResponse(

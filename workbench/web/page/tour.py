@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan
-from workbench.app.core.cycle.watching import unwatched
+from workbench.app.core.cycle.watching import explain_unwatched
 from workbench.app.core.people import Person
 from workbench.app.core.state import Phase, State
 from workbench.web.http.origins import is_loopback
@@ -52,6 +52,6 @@ def steps_done(state: State, person: Person) -> Sequence[str]:
         count = 1
     if state.phase is Phase.PLANNED and (state.proof is None or not state.proof.holds):
         count = 2
-    elif state.phase is Phase.PLANNED and not unwatched(state, person.name):
+    elif state.phase is Phase.PLANNED and not explain_unwatched(state, person.name):
         count = 4
     return STEPS[:count]

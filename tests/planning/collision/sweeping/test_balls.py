@@ -16,7 +16,7 @@ from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Shape, Solid,
 from workbench.planning.collision.bodies import coal_shape, extent
 from workbench.planning.collision.distances.cores import cores_of
 from workbench.planning.collision.motion import RESOLUTION, chain_contact, segment
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.sweeping.balls import ball_gap
 from workbench.planning.collision.sweeping.edges import BLOCKED, CLEAR, edge_answer
 from workbench.planning.collision.world import World
@@ -96,7 +96,7 @@ def test_a_ball_beside_what_it_has_no_formula_with_is_as_large_as_it_is(
     fixture = Fixture("post", pin.SE3.Identity(), (post,))
     policy = Policy(margin=0.005, near_margin=0.005, self_margin=0.0)
     world = World(replace(case.world.cell, fixtures=(fixture,), policy=policy), ())
-    world.enter(Phase(frozenset({ARM})))
+    world.enter(LegPhase(frozenset({ARM})))
     columns, base = world.kinematics.columns[ARM], world.configuration({})
     there = np.array([1e-4, 0.0, 0.0])
     assert (world.contact(world.configuration({ARM: q})) is None) == (answer == CLEAR)

@@ -7,7 +7,7 @@ from motion_stand_in import make_motion_problems
 from workbench.formats.robots.motion_problems import read_motion_problems
 from workbench.model.cell import Policy
 from workbench.planning.collision.motion import RESOLUTION
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.sweeping.edges import ASK, BLOCKED, CLEAR, edge_answer, no_edges
 from workbench.planning.collision.sweeping.groups import groups_of, move_to_front
 from workbench.planning.collision.world import World
@@ -28,7 +28,7 @@ def worlds(cell, kind: str, tmp_path) -> tuple[World, World, str]:
     both = World(cell, ()), World(cell, (), by_coal=True)
     name = cell.arms[0].name
     for world in both:
-        world.enter(Phase(frozenset({name}), {name: 0.01}))
+        world.enter(LegPhase(frozenset({name}), {name: 0.01}))
     return *both, name
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from workbench.planning.collision.bounds import nearing
 from workbench.planning.collision.motion import RESOLUTION
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.sweeping.look import drift_of
 from workbench.planning.collision.sweeping.scratch import place_joints, scratch_for
 
@@ -17,7 +17,7 @@ CORNERS = np.array(list(product((-1.0, 1.0), repeat=3)))
 @pytest.fixture
 def both(world):
     """Both arms on the move, their hands empty."""
-    world.enter(Phase(frozenset({"left", "right"})))
+    world.enter(LegPhase(frozenset({"left", "right"})))
     return world
 
 

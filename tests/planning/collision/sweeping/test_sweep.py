@@ -5,8 +5,8 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from workbench.planning.collision.motion import RESOLUTION, walked
-from workbench.planning.collision.pairing import Phase
+from workbench.planning.collision.motion import RESOLUTION, bound_curves
+from workbench.planning.collision.pairing import LegPhase
 
 ARM = "right"
 
@@ -14,7 +14,7 @@ ARM = "right"
 @pytest.fixture
 def moving(world):
     """The world with one arm on the move, its hand empty."""
-    world.enter(Phase(frozenset({ARM})))
+    world.enter(LegPhase(frozenset({ARM})))
     return world
 
 
@@ -22,7 +22,7 @@ def chain_along(world, q, heading, rng) -> np.ndarray:
     """The curves of a short way from a configuration on, its corners all but straight."""
     moves = heading + rng.normal(0.0, np.abs(heading).max() / 20, (4, len(q)))
     path = np.cumsum([q, *moves], axis=0)
-    return walked(path, world.motion, world.policy.zone).points
+    return bound_curves(path, world.motion, world.policy.zone).points
 
 
 def edges_of_contact(world, rng):

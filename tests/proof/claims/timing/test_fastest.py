@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from judged_times import at_rest_between, curve_at, soonest
 
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.proof.claims.timing.fastest import (
     _between,
     ceilings,
@@ -121,7 +121,7 @@ def test_from_rest_to_rest_all_joints_in_proportion(seed, share):
 def test_what_planning_has_timed_is_possible(seed, zone):
     """Joints whose limits differ, too: one may be slow, another one lazy."""
     path = path_of(seed, 8)
-    times, steps = np.diff(timed(path, VELOCITY, ACCELERATION, zone)), np.diff(path, axis=0)
+    times, steps = np.diff(compute_times(path, VELOCITY, ACCELERATION, zone)), np.diff(path, axis=0)
     if zone == 0.0:
         assert from_rest_to_rest(steps, times, VELOCITY, ACCELERATION) is None
         return

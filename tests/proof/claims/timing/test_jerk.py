@@ -11,7 +11,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Step
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.claims.timing.jerk import Limits, find_segment_over_jerk_limit
 from workbench.proof.claims.timing.pace import pace_violations
@@ -39,7 +39,9 @@ def timed_anew(cell, plan, share: float):
         arm = cell.arm(one.arm)
         velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
         for leg in one.legs:
-            t = timed(np.asarray(leg.q), velocity, arm.acceleration, cell.zone, arm.jerk * share)
+            t = compute_times(
+                np.asarray(leg.q), velocity, arm.acceleration, cell.zone, arm.jerk * share
+            )
             plan = with_leg(plan, one.arm, leg.name, t=t)
     return plan
 
@@ -97,7 +99,7 @@ def test_arms_in_step_are_one_motion_and_one_of_them_may_have_no_limit(cell, res
         [np.full(len(a.joints), np.inf) if a.jerk is None else a.jerk for a in arms]
     )
     paths = [resampled(np.asarray(each.leg("home").q), 6) for each in plan.arms]
-    times = timed(np.hstack(paths), speeds, pushes, cell.zone, jerks)
+    times = compute_times(np.hstack(paths), speeds, pushes, cell.zone, jerks)
     for each, path in zip(plan.arms, paths, strict=True):
         plan = with_leg(plan, each.arm, "home", q=path, t=times)
     plan = replace(plan, sequence=(Step(tuple((each.arm, "home") for each in plan.arms)),))
@@ -113,10 +115,10 @@ def test_ways_that_take_longer_by_different_shares_can_be(seed):
     limits = Limits(np.full(4, 1.5), np.full(4, 10.0), np.full(4, 10 ** rng.uniform(1, 4)))
     velocity, acceleration, jerk = limits
     path = np.vstack([np.zeros(4), np.cumsum(steps, axis=0)])
-    times = np.diff(timed(path, velocity, acceleration, 0.2, jerk))
+    times = np.diff(compute_times(path, velocity, acceleration, 0.2, jerk))
     assert find_segment_over_jerk_limit(steps, times, limits, 0.2) == -1
     assert find_segment_over_jerk_limit(steps, times * (1 - 1e-5), limits, 0.2) >= 0
-    stops = np.diff(timed(path, velocity, acceleration, 0.0, jerk))
+    stops = np.diff(compute_times(path, velocity, acceleration, 0.0, jerk))
     assert (
         find_segment_over_jerk_limit(steps, stops * rng.uniform(1.0, 3.0, len(steps)), limits, 0.0)
         == -1

@@ -13,7 +13,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Guarantee, Step
-from workbench.planning.kinematics.execution import timed
+from workbench.planning.kinematics.execution import compute_times
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.claims.timing.pace import pace_violations
 
@@ -134,7 +134,7 @@ def test_arms_in_step_are_one_motion(cell, result):
         np.concatenate, zip(*(limits(cell, a.arm) for a in plan.arms), strict=True)
     )
     paths = [resampled(np.asarray(one.leg("home").q), 6) for one in plan.arms]
-    times = timed(np.hstack(paths), speeds, pushes, cell.zone)
+    times = compute_times(np.hstack(paths), speeds, pushes, cell.zone)
     for one, path in zip(plan.arms, paths, strict=True):
         plan = with_leg(plan, one.arm, "home", q=path, t=times)
     both = Step(tuple((one.arm, "home") for one in plan.arms))

@@ -15,7 +15,7 @@ from workbench.app.core.state import (
     ScanState,
     State,
     before_a_scan,
-    begun,
+    begin_stage,
     stale_by,
     without_approval,
 )
@@ -231,8 +231,8 @@ def with_cell(state: State, cell: Cell, message: Message | str) -> Changed:
     stale = stale_by(state, difference(state.cell, cell))
     state = replace(before_a_scan(state), cell=cell)
     if scan is None:
-        return begun(state, ScanState, stale=stale, message=message), (UseCell(cell),)
-    after = begun(
+        return begin_stage(state, ScanState, stale=stale, message=message), (UseCell(cell),)
+    after = begin_stage(
         state,
         ScanState,
         phase=Phase.SCANNED,
@@ -251,8 +251,8 @@ def _with_grasps(state: State, cell: Cell, message: Message | str) -> Changed:
     stale = stale_by(state, difference(state.cell, cell))
     after = replace(before_a_scan(state), cell=cell)
     if state.phase is Phase.DONE:
-        return begun(after, ScanState, stale=stale, message=message), effects
+        return begin_stage(after, ScanState, stale=stale, message=message), effects
     if state.detections is None:
         return replace(after, message=message), effects
     phase = Phase.LOCALIZED if state.detections else Phase.SCANNED
-    return begun(after, PlanState, phase=phase, stale=stale, message=message), effects
+    return begin_stage(after, PlanState, phase=phase, stale=stale, message=message), effects

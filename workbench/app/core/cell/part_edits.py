@@ -19,7 +19,7 @@ from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.states import StateText
 from workbench.model.part import Entry as GraspEntry
 from workbench.model.part import GraspLibrary, GraspPair, GraspPattern, Part
-from workbench.model.part_edits import edited, with_part
+from workbench.model.part_edits import edit_library, with_part
 from workbench.model.symmetry import Symmetry
 
 MOST_GRASPS = 10_000
@@ -117,7 +117,7 @@ def edited_part(part: Part, edit: EditPart) -> Part:
     _check_count(edit.now, symmetry)
     library = part.library
     if edit.was or edit.now:
-        library = edited(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
+        library = edit_library(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
     if edit.pairs is not None:
         library = as_written(replace(library, pairs=edit.pairs))
     _check_count(library.entries, symmetry)

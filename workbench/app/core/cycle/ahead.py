@@ -148,8 +148,8 @@ def _sees(state: State, ahead: Ahead) -> bool:
 def _has_failed(state: State) -> bool:
     """Whether a pick has failed, as far as the robot or people have said."""
     reports = (receipt.part for receipt in state.receipts if receipt.part is not None)
-    is_told = any(part.is_picked is False for part in (*reports, *state.part_reports))
-    return is_told or any(not outcome.is_picked for outcome in state.outcomes)
+    has_failed_part = any(part.is_picked is False for part in (*reports, *state.part_reports))
+    return has_failed_part or any(not outcome.is_picked for outcome in state.outcomes)
 
 
 def _as_if_ended(state: State, at: float) -> State:

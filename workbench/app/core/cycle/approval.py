@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.standing import lacks_reports, left_on_station, stale_because
-from workbench.app.core.cycle.watching import has_seen, other_row, unwatched
+from workbench.app.core.cycle.watching import explain_unwatched, has_seen, other_row
 from workbench.app.core.people import NOBODY, fold_name, is_same_person
 from workbench.app.core.state import Phase, State, row_message
 from workbench.app.core.value_checks import check_number, check_person, named_plan
@@ -54,7 +54,7 @@ class Approve(Command):
         for proven_plan in state.whole_row:
             check_approvable(state.cell, proven_plan.plan, proven_plan.proof, asked.actor, manner)
         refuse(stale_because(state, plan, asked.joints))
-        refuse(unwatched(state, asked.actor))
+        refuse(explain_unwatched(state, asked.actor))
         refuse(said_already(state, asked.actor, asked.now, manner))
 
     def apply(self, state: State, entry: Entry) -> Decision:
@@ -137,12 +137,12 @@ def check_approvable(
         raise CommandRefused(Refusal.PROOF_OUTDATED())
     if not proof.holds:
         raise CommandRefused(Refusal.PROOF_FAILS(violation=proof.violations[0].message))
-    refuse(unwalked(cell, proof))
+    refuse(explain_unwalked(cell, proof))
     if problem := misfit(plan, cell, manner):
         raise CommandRefused(problem)
 
 
-def unwalked(cell: Cell, proof: Proof | None) -> Message | None:
+def explain_unwalked(cell: Cell, proof: Proof | None) -> Message | None:
     """Why a proof says nothing about the cell's controller; None when it does.
 
     The controller is not in the cell's digest: a session may go on with another one.

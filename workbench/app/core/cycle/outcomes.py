@@ -13,7 +13,7 @@ from workbench.app.core.state import (
     ScanState,
     State,
     before_a_scan,
-    begun,
+    begin_stage,
     plans_begun,
     sent_for,
 )
@@ -121,7 +121,7 @@ class AcknowledgeFault(Command):
         # Nobody knows how the bin looks after a fault: only a new scan can tell.
         message = StateText.FAULT_ACKNOWLEDGED(person=entry.actor)
         after = replace(before_a_scan(state), failures=0)
-        return begun(after, ScanState, message=message), ()
+        return begin_stage(after, ScanState, message=message), ()
 
 
 def after_sending(state: State, ended: SendingEnd, at: float) -> State:
@@ -142,7 +142,7 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
             said = ReportPick(_in_row(state, part), part.is_picked, part.why)
             # What somebody has reported meanwhile is not counted a second time, and a person who
             # saw the part fall has seen more than the gripper felt.
-            if not (outcome_problem(state, said) or (said.is_picked and _failed(state, said))):
+            if not (outcome_problem(state, said) or (said.is_picked and _has_failed(state, said))):
                 state = with_outcome(state, said, ROBOT_LINK, at)
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
@@ -157,10 +157,10 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     ]
     finished = StateText.CYCLE_FINISHED(count=placed, total=expected)
     message = all_of((finished, *failed))
-    return escalated(replace(state, phase=Phase.DONE, message=message))
+    return stop_after_failures(replace(state, phase=Phase.DONE, message=message))
 
 
-def _failed(state: State, said: ReportPick) -> bool:
+def _has_failed(state: State, said: ReportPick) -> bool:
     """Whether somebody has said that the pick of the same part has failed."""
     return any(
         outcome.detection == said.detection and not outcome.is_picked for outcome in state.outcomes
@@ -186,8 +186,8 @@ def _goes_on(plan: Plan | None) -> bool:
 
 def _still_placed(state: State, ended: SendingEnd) -> tuple[Detection, ...]:
     """What was placed before, without what the plan has taken from a station."""
-    is_told = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
-    if state.plan is None or ended.fault or not is_told:
+    is_each_picked = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
+    if state.plan is None or ended.fault or not is_each_picked:
         return state.placed
     detections = (state.plan.detections[arm.detection] for arm in state.plan.arms)
     taken = [
@@ -259,7 +259,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
         until = at + AVOID_MINUTES * 60.0
         mark = Avoided(detection.part, place, until, AVOID_SCANS, command.why)
         state = replace(state, avoided=(*elsewhere, mark))
-    return escalated(state)
+    return stop_after_failures(state)
 
 
 def _outcome_message(command: ReportPick, actor: str) -> Message:
@@ -290,7 +290,7 @@ def _in_row(state: State, part: PartReport) -> int:
     return number_in(state.plans[0], state.plan.detections[part.detection])
 
 
-def escalated(state: State) -> State:
+def stop_after_failures(state: State) -> State:
     """The state, stopped with a fault when a cycle ends and too many picks in a row have failed."""
     if state.phase is not Phase.DONE or state.failures < MOST_FAILURES:
         return state

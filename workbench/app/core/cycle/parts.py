@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right
 from workbench.app.core.people import POSES_FOLDER
-from workbench.app.core.state import PartsState, Phase, ScanState, State, begun, stale_by
+from workbench.app.core.state import PartsState, Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     DETAIL,
@@ -21,7 +21,7 @@ from workbench.model.messages.commands import CommandText, EditText, NameText, S
 from workbench.model.messages.message import Message, as_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
-from workbench.model.scan import Detection, Remark, Search, SearchOverrides
+from workbench.model.scan import Detection, Remark, SearchOverrides, SearchRecord
 
 if TYPE_CHECKING:
     from workbench.app.core.cycle.ahead import GoOn
@@ -113,17 +113,17 @@ def find_parts(
     )
 
 
-def compared(state: State, search: Search) -> State:
+def add_search(state: State, search: SearchRecord) -> State:
     """The state after a search that takes nothing: it is listed with the earlier ones."""
     searches = (*state.searches, search)[-MOST_SEARCHES:]
     message = StateText.COMPARED(number=len(searches), count=len(search.detections))
     return replace(state, searches=searches, message=message)
 
 
-def with_detections(state: State, search: Search) -> State:
+def with_detections(state: State, search: SearchRecord) -> State:
     """The state with what a search has found."""
     detections = search.detections
-    return begun(
+    return begin_stage(
         state,
         PartsState,
         phase=Phase.LOCALIZED if detections else Phase.SCANNED,
@@ -148,7 +148,7 @@ def with_outside_detections(state: State, entry: Entry, command: UseDetections) 
         before = before[1:]
     elif state.detections:
         before = (state.detections, *before)
-    return begun(
+    return begin_stage(
         replace(state, unscanned=None),
         ScanState if is_picked else PartsState,
         phase=Phase.LOCALIZED,

@@ -6,7 +6,7 @@ from typing import ClassVar
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.outcomes import avoided_parts
-from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begun
+from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begin_stage
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     SEED_LIMIT,
@@ -24,7 +24,7 @@ from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, StateText
-from workbench.model.plan import PlanResult, Proven, count_taken, floored
+from workbench.model.plan import PlanResult, Proven, count_taken, floor_distance
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -138,12 +138,12 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         message = StateText.PLAN_READY(
             strategy=strategy_message(result.plan.strategy),
             cycle=result.plan.cycle_seconds,
-            clearance=ClearanceText.FREE(free=floored(result.proof.clearance)),
+            clearance=ClearanceText.FREE(free=floor_distance(result.proof.clearance)),
         )
         more = StateText.MORE_PLANS(count=len(result.row)) if result.row else None
         remarks = result.plan.remarks if result.plan.stations else ()
         message = all_of((message, more, *remarks))
-    return begun(
+    return begin_stage(
         state,
         PlanState,
         phase=phase,

@@ -6,7 +6,7 @@ from typing import Any
 from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
-from workbench.app.core.cycle.parts import compared, find_parts, with_detections
+from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import with_scan
 from workbench.app.core.state import Job, Phase, State
@@ -18,7 +18,7 @@ from workbench.model.messages.states import StateText, task_message
 from workbench.model.messages.work import JobText
 from workbench.model.plan import PlanResult
 from workbench.model.prediction import Emptying
-from workbench.model.scan import Scan, Search
+from workbench.model.scan import Scan, SearchRecord
 
 FAILURES = (
     StateText.TASK_FAILED,
@@ -51,8 +51,10 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
         case ("scan", Scan()):
             return with_scan(state, result, at)
         case ("localize", tuple()):
-            search = Search(job.number, job.seed, job.overrides, result, max(0.0, at - job.at))
-            return (compared if job.is_compared else with_detections)(state, search)
+            search = SearchRecord(
+                job.number, job.seed, job.overrides, result, max(0.0, at - job.at)
+            )
+            return (add_search if job.is_compared else with_detections)(state, search)
         case ("sight", PlateObservation()):
             observations = (*state.observations, result)
             message = StateText.PLATE_SEEN(pose=result.name, count=len(observations))

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.approval import staleness, unwalked
+from workbench.app.core.cycle.approval import explain_unwalked, staleness
 from workbench.app.core.cycle.outcomes import SendingEnd
 from workbench.app.core.cycle.standing import left_on_station, stale_because
 from workbench.app.core.effects import Send
@@ -41,7 +41,7 @@ class ShortenRow(Command):
         refuse(length_problem(state, self.picks))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return shortened(state, self.picks, entry.actor), ()
+        return shorten_row(state, self.picks, entry.actor), ()
 
 
 def length_problem(state: State, picks: int) -> Message | None:
@@ -55,7 +55,7 @@ def length_problem(state: State, picks: int) -> Message | None:
     return left_on_station([plan for plan in every[:picks] if plan is not None])
 
 
-def shortened(state: State, picks: int, actor: str) -> State:
+def shorten_row(state: State, picks: int, actor: str) -> State:
     """The state in which a person wants a row of so many plans: what was approved is void.
 
     Who has seen all of a row has seen a shorter one, too.
@@ -67,7 +67,7 @@ def shortened(state: State, picks: int, actor: str) -> State:
         row=every[: picks - 1],
         left_out=every[picks - 1 :],
         watched=state.watched if is_shorter else (),
-        told=state.told if is_shorter else (),
+        watched_elsewhere=state.watched_elsewhere if is_shorter else (),
         message=StateText.ROW_LENGTH(person=actor, count=picks, total=1 + len(every)),
     )
 
@@ -167,6 +167,6 @@ def _ends_because(
         return RowStop.NO_JOINTS()
     return (
         staleness(approval, proven_plan.plan, after.cell, after.scene_digest, entry.at)
-        or unwalked(after.cell, proven_plan.proof)
+        or explain_unwalked(after.cell, proven_plan.proof)
         or stale_because(after, proven_plan.plan, entry.joints)
     )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints, view_problem
 from workbench.app.core.people import Role
-from workbench.app.core.state import Avoided, Phase, ScanState, State, begun, stale_by
+from workbench.app.core.state import Avoided, Phase, ScanState, State, begin_stage, stale_by
 from workbench.app.core.tasks import Begun, begin_task
 from workbench.app.core.value_checks import (
     MOST_OBSERVATIONS,
@@ -153,7 +153,7 @@ def take_scan(
 
 def with_scan(state: State, scan: Scan, at: float) -> State:
     """The state with a new scan, taken at [s since the epoch]."""
-    return begun(
+    return begin_stage(
         replace(state, avoided=after_one_more_scan(state.avoided, at), unscanned=None),
         ScanState,
         phase=Phase.SCANNED,

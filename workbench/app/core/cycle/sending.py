@@ -5,13 +5,13 @@ from typing import ClassVar
 
 from workbench.app.core.command import Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.ahead import after_the_end, begun_ahead, given_up
-from workbench.app.core.cycle.approval import staleness, unwalked
+from workbench.app.core.cycle.approval import explain_unwalked, staleness
 from workbench.app.core.cycle.outcomes import SendingEnd, after_sending
 from workbench.app.core.cycle.rows import following, unapproved_row, with_next_plan
 from workbench.app.core.cycle.standing import lacks_reports, stale_because
 from workbench.app.core.effects import LetStep, Send, StopSending
 from workbench.app.core.rights import changes_said
-from workbench.app.core.state import Phase, RunState, State, begun, row_message
+from workbench.app.core.state import Phase, RunState, State, begin_stage, row_message
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, named_plan
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
@@ -40,7 +40,7 @@ class SendPlan(Command):
     def check(self, state: State, asked: Asked) -> None:
         plan = named_plan(state, self.plan_digest)
         refuse(staleness(state.approval, plan, state.cell, state.scene_digest, asked.now))
-        refuse(unwalked(state.cell, state.proof))
+        refuse(explain_unwalked(state.cell, state.proof))
         if state.approval is not None:
             if problem := misfit(plan, state.cell, state.approval.manner):
                 raise CommandRefused(problem)
@@ -127,7 +127,7 @@ def _send(state: State, entry: Entry) -> Decision:
         raise CommandRefused(Refusal.NO_APPROVED_PLAN())
     message = StateText.SENDS(person=entry.actor, plan=row_message(state))
     until = state.approval.until
-    after = begun(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
+    after = begin_stage(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
     return after, (Send(state.plan, state.approval, following(state)),)
 
 

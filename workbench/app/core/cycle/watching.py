@@ -7,7 +7,7 @@ from workbench.app.core.command import Asked, Command, Decision, Entry, Right, r
 from workbench.app.core.people import NOBODY, is_same_person
 from workbench.app.core.state import Phase, State
 from workbench.app.core.value_checks import named_plan
-from workbench.model.digest import LATER
+from workbench.model.digest import LATER, called
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
@@ -18,8 +18,8 @@ from workbench.model.messages.states import StateText
 class WatchPlan(Command):
     """The plan with this digest was played to its end before somebody's eyes, and its row with it.
 
-    `row` are the digests of the plans after it.  `is_told`: a program says so, and no browser has
-    confirmed that it has drawn it.
+    `row` are the digests of the plans after it.  `is_reported`: a program says so, and no browser
+    has confirmed that it has drawn it.
     """
 
     # Several people may have to approve, each of whom has to see the plan: only one is in control.
@@ -28,7 +28,7 @@ class WatchPlan(Command):
     )
 
     plan_digest: str
-    is_told: bool = field(default_factory=bool, metadata=LATER)
+    is_reported: bool = field(default_factory=bool, metadata={**LATER, **called("is_told")})
     row: tuple[str, ...] = field(default_factory=tuple, metadata=LATER)
 
     def check(self, state: State, asked: Asked) -> None:
@@ -36,23 +36,23 @@ class WatchPlan(Command):
         refuse(other_row(state, self.row))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return with_watched(state, entry.actor, is_told=self.is_told), ()
+        return with_watched(state, entry.actor, is_reported=self.is_reported), ()
 
 
-def with_watched(state: State, actor: str, *, is_told: bool) -> State:
+def with_watched(state: State, actor: str, *, is_reported: bool) -> State:
     """The state after the plan was played to its end before somebody, or a program said so."""
-    reported, watched = state.told, state.watched
+    reported, watched = state.watched_elsewhere, state.watched
     if actor not in watched:
-        watched, reported = (*watched, actor), (*reported, actor) if is_told else reported
-    elif not is_told:
+        watched, reported = (*watched, actor), (*reported, actor) if is_reported else reported
+    elif not is_reported:
         reported = tuple(name for name in reported if name != actor)
     message = StateText.PLAYED()
-    if is_told:
+    if is_reported:
         message = StateText.PLAYED_BY_REPORT(person=actor)
-    return replace(state, watched=watched, told=reported, message=message)
+    return replace(state, watched=watched, watched_elsewhere=reported, message=message)
 
 
-def unwatched(state: State, actor: str) -> Message | None:
+def explain_unwatched(state: State, actor: str) -> Message | None:
     """Why a person has to see the plan before approving it; None when that has happened.
 
     What was played in a browser without a login was played before whoever was there.
@@ -63,7 +63,7 @@ def unwatched(state: State, actor: str) -> Message | None:
 
 def has_seen(state: State, actor: str) -> bool:
     """Whether a page has drawn the plan to its end before a person; a program's word is none."""
-    drawn = [name for name in state.watched if name not in state.told]
+    drawn = [name for name in state.watched if name not in state.watched_elsewhere]
     return any(is_same_person(name, actor) or name == NOBODY for name in drawn)
 
 

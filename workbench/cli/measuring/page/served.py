@@ -43,7 +43,7 @@ def workplace() -> Generator[Path]:
 
 
 @contextmanager
-def served(folder: Path, cell: str, password: str, *words: str) -> Generator[Served]:
+def serve_page(folder: Path, cell: str, password: str, *words: str) -> Generator[Served]:
     """`workbench serve` in a folder, with one user.
 
     Args:

@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchStalls
 from workbench.cli.exits import SUCCESS
-from workbench.cli.measuring.page.served import NAME, Served, served, workplace
+from workbench.cli.measuring.page.served import NAME, Served, serve_page, workplace
 from workbench.cli.terminal import check_whole, milliseconds, print_json, print_table, progress
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.model.cell import Cell
@@ -23,7 +23,7 @@ FILE = "stalls.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StallRow:
     """What one doing came to: the stalls, the slowest answer [s], memory afterwards [MB]."""
 
     doing: str
@@ -42,7 +42,7 @@ def stalls(typed: BenchStalls) -> int:
         own = _own_cell(cell_path(typed.cell), cell, place)
         report(0.0, "large files")
         files = files_for(cell, typed.triangles, typed.points)
-        with served(place, str(own), password, "--stalls", FILE) as page:
+        with serve_page(place, str(own), password, "--stalls", FILE) as page:
             rows = asyncio.run(_measure(page, password, files, report))
     form = [_form(row) for row in rows]
     if typed.json:
@@ -61,8 +61,8 @@ def _own_cell(path: Path, cell: Cell, place: Path) -> Path:
     return robot / path.name
 
 
-async def _measure(page: Served, password: str, files: Files, report: Report) -> list[Row]:
-    rows: list[Row] = []
+async def _measure(page: Served, password: str, files: Files, report: Report) -> list[StallRow]:
+    rows: list[StallRow] = []
     figures = page.folder / FILE
     async with visit(page.url, NAME, password, page.token) as visitor:
         todo = doings(files)
@@ -73,7 +73,7 @@ async def _measure(page: Served, password: str, files: Files, report: Report) ->
             await does(visitor)
             await asyncio.sleep(SETTLES)
             found = [json.loads(line) for line in _lines(figures)[before:]]
-            rows.append(Row(name, found, visitor.slowest, page.memory))
+            rows.append(StallRow(name, found, visitor.slowest, page.memory))
     return rows
 
 
@@ -81,7 +81,7 @@ def _lines(file: Path) -> list[str]:
     return file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
 
 
-def _form(row: Row) -> dict[str, Any]:
+def _form(row: StallRow) -> dict[str, Any]:
     return {
         "doing": row.doing,
         "slowest_answer_ms": milliseconds(row.slowest),

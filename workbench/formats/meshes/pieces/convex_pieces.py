@@ -8,7 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.formats.meshes.kept import Arrays, content_of, kept, packed, recipe, unpacked
+from workbench.formats.meshes.kept import (
+    Arrays,
+    content_of,
+    load_or_make,
+    pack_meshes,
+    recipe,
+    unpack_meshes,
+)
 from workbench.formats.meshes.triangles import surface_of
 from workbench.model.geometry import Mesh, Solid
 
@@ -48,10 +55,12 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32, over: float = OVE
         from workbench.formats.meshes.pieces import splitting
 
         found = splitting.split(mesh, tolerance, most, over)
-        return found and {**packed(found[0]), "excess": np.array(found[1])}
+        return found and {**pack_meshes(found[0]), "excess": np.array(found[1])}
 
-    found = kept(f"pieces {recipe(*ASKED)} {tolerance!r} {most} {over!r}", content_of(mesh), made)
-    return None if found is None else Pieces(unpacked(found), float(found["excess"]))
+    found = load_or_make(
+        f"pieces {recipe(*ASKED)} {tolerance!r} {most} {over!r}", content_of(mesh), made
+    )
+    return None if found is None else Pieces(unpack_meshes(found), float(found["excess"]))
 
 
 def excess_of(mesh: Mesh, solids: Iterable[Solid]) -> float:
@@ -83,13 +92,13 @@ def groups_of(mesh: Mesh, pieces: Pieces, *, tolerance: float, most: int) -> tup
     def made() -> Arrays:
         from workbench.formats.meshes.pieces import splitting
 
-        groups = splitting.grouped(mesh, pieces.pieces, tolerance, most)
+        groups = splitting.group_pieces(mesh, pieces.pieces, tolerance, most)
         flat = [part for group in groups for part in (group, *group.pieces)]
-        return {**packed(flat), "sizes": np.array([len(group.pieces) for group in groups])}
+        return {**pack_meshes(flat), "sizes": np.array([len(group.pieces) for group in groups])}
 
     content = [part for piece in (mesh, *pieces.pieces) for part in content_of(piece)]
-    found = kept(f"groups {recipe(*ASKED)} {tolerance!r} {most}", content, made) or {}
-    flat, groups = list(unpacked(found)), list[Mesh]()
+    found = load_or_make(f"groups {recipe(*ASKED)} {tolerance!r} {most}", content, made) or {}
+    flat, groups = list(unpack_meshes(found)), list[Mesh]()
     for size in found["sizes"].tolist():
         around, inside = flat[0], tuple(flat[1 : 1 + size])
         del flat[: 1 + size]
@@ -107,7 +116,7 @@ def hull_of(mesh: Mesh) -> Mesh | None:
         from workbench.formats.meshes.pieces import hulls
 
         hull = hulls.hull(mesh)
-        return hull and packed([hull])
+        return hull and pack_meshes([hull])
 
-    found = kept(f"hull {recipe(*ASKED)}", content_of(mesh), made)
-    return None if found is None else unpacked(found)[0]
+    found = load_or_make(f"hull {recipe(*ASKED)}", content_of(mesh), made)
+    return None if found is None else unpack_meshes(found)[0]

@@ -35,10 +35,10 @@ def hull(mesh: Mesh) -> Mesh | None:
     found = convex_hull(mesh)
     if found is None or most_neighbours(found) <= MOST_NEIGHBOURS:
         return found
-    return bounded(found, most=FEW_CORNERS, close=CLOSE)
+    return limit_corners(found, most=FEW_CORNERS, close=CLOSE)
 
 
-def bounded(piece: Mesh, *, most: int, close: float) -> Mesh:
+def limit_corners(piece: Mesh, *, most: int, close: float) -> Mesh:
     """The piece, or one around it with fewer corners when it has very many.
 
     Planes of its faces are taken one by one, each time the one beyond which the body cut out so

@@ -37,7 +37,7 @@ class _Pair:
     looks: int = field(default=0, compare=False)
 
 
-def joined(
+def join_hulls(
     hulls: list[ConvexHull], surface: Surface, tolerance: float, most: int
 ) -> list[ConvexHull]:
     """The hulls, those in one whose common hull is close enough to the mesh.

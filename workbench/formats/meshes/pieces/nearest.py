@@ -27,7 +27,7 @@ Triple = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tree:
+class TriangleTree:
     """Triangles (n, 3, 3) [m] with normals (n, 3), and boxes around them.
 
     Boxes `low` and `high` (2 k, 3) [m]: box i goes around boxes 2 i and 2 i + 1, box k + j around
@@ -40,7 +40,7 @@ class Tree:
     high: Floats
 
 
-def tree_of(triangles: Floats, normals: Floats) -> Tree:
+def tree_of(triangles: Floats, normals: Floats) -> TriangleTree:
     """The tree over triangles (n, 3, 3) [m] whose normals are (n, 3)."""
     order = np.argsort(_along_curve(triangles.mean(axis=1)), kind="stable")
     triangles, normals = np.ascontiguousarray(triangles[order]), normals[order]
@@ -55,11 +55,16 @@ def tree_of(triangles: Floats, normals: Floats) -> Tree:
         low[parents] = low[children].reshape(-1, 2, 3).min(axis=1)
         high[parents] = high[children].reshape(-1, 2, 3).max(axis=1)
         leaves //= 2
-    return Tree(triangles, np.ascontiguousarray(normals), low, high)
+    return TriangleTree(triangles, np.ascontiguousarray(normals), low, high)
 
 
 def farthest(
-    tree: Tree, points: Floats, bounds: Floats, may_be_inside: Bools, enough: float, too_far: float
+    tree: TriangleTree,
+    points: Floats,
+    bounds: Floats,
+    may_be_inside: Bools,
+    enough: float,
+    too_far: float,
 ) -> tuple[float, int]:
     """How far the farthest of points lies outside at most [m], and which it is, nearly.
 

@@ -49,7 +49,7 @@ def bodies(triangles: Floats, most: int) -> list[Floats]:
     return large
 
 
-def clipped(soup: Floats, plane: Plane) -> tuple[Floats, Floats]:
+def clip_soup(soup: Floats, plane: Plane) -> tuple[Floats, Floats]:
     """Triangles (n, 3, 3) [m] below and above a plane; what it goes through is cut."""
     away = soup @ plane.normal - plane.offset
     away[np.abs(away) < NEAR] = 0.0

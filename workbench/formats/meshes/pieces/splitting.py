@@ -14,15 +14,15 @@ from scipy.spatial import ConvexHull, QhullError
 from workbench.formats.meshes.pieces.hulls import (
     MOST_CORNERS,
     area_of,
-    bounded,
     hull_mesh,
     hull_of,
+    limit_corners,
     outside,
     points_for,
     points_on,
 )
-from workbench.formats.meshes.pieces.joining import APART, joined
-from workbench.formats.meshes.pieces.soups import Plane, bodies, clipped, cloud
+from workbench.formats.meshes.pieces.joining import APART, join_hulls
+from workbench.formats.meshes.pieces.soups import Plane, bodies, clip_soup, cloud
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.formats.meshes.reading import convex_hull
 from workbench.model.geometry import Floats, Mesh
@@ -109,12 +109,16 @@ def split(
     excess = _excess(pieces, surface, tolerance)
     if excess <= tolerance or most < 2:
         return pieces, excess
-    hulls = joined(_split_hulls(surface, tolerance, most, over), surface, HOLLOW * tolerance, most)
+    hulls = join_hulls(
+        _split_hulls(surface, tolerance, most, over), surface, HOLLOW * tolerance, most
+    )
     pieces = tuple(_with_few_corners(hull.points[hull.vertices], tolerance) for hull in hulls)
     return pieces, _excess(pieces, surface, tolerance)
 
 
-def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -> tuple[Mesh, ...]:
+def group_pieces(
+    mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int
+) -> tuple[Mesh, ...]:
     """Convex meshes that go around pieces of a mesh, so that few bodies are checked first.
 
     Args:
@@ -127,7 +131,7 @@ def grouped(mesh: Mesh, pieces: tuple[Mesh, ...], tolerance: float, most: int) -
         Hulls with the pieces that they go around; a piece that is alone is none's.
     """
     surface = _surface_of(mesh, tolerance)
-    hulls = joined([ConvexHull(piece.points) for piece in pieces], surface, tolerance, most)
+    hulls = join_hulls([ConvexHull(piece.points) for piece in pieces], surface, tolerance, most)
     found: list[Mesh] = []
     left = list(pieces)
     for hull in hulls:
@@ -165,7 +169,7 @@ def _split_hulls(surface: Surface, tolerance: float, most: int, over: float) -> 
 
 
 def _with_few_corners(points: Floats, tolerance: float) -> Mesh:
-    return bounded(hull_mesh(points), most=MOST_CORNERS, close=(1 - HOLLOW) * tolerance)
+    return limit_corners(hull_mesh(points), most=MOST_CORNERS, close=(1 - HOLLOW) * tolerance)
 
 
 def excess_of(mesh: Mesh, faces: Floats) -> float:
@@ -209,7 +213,7 @@ def _split(piece: _Piece, surface: Surface, tolerance: float) -> tuple[_Piece, _
         plane = other
     if plane is None:
         return None
-    below, above = clipped(piece.soup, plane)
+    below, above = clip_soup(piece.soup, plane)
     if not len(below) or not len(above):
         return None
     return _Piece(below, surface, tolerance), _Piece(above, surface, tolerance)

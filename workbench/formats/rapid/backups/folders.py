@@ -11,7 +11,7 @@ from workbench.formats.rapid.backups.files import SUFFIXES, lines_of, read_modul
 from workbench.formats.rapid.declaring import Source
 from workbench.formats.rapid.problems import REMARK, BadModule, Problem
 from workbench.formats.rapid.symbols import parts, words
-from workbench.formats.rapid.syntax.tokens import Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree
 from workbench.model.errors import FileError
 
 TASK = re.compile(r"TASK\d+", re.IGNORECASE)
@@ -35,7 +35,7 @@ class TaskFiles:
 
 
 @dataclass
-class Controller:
+class ControllerTasks:
     """Tasks that share persistents and a configuration."""
 
     tasks: list[TaskFiles]
@@ -43,15 +43,15 @@ class Controller:
 
 
 @dataclass
-class Found:
+class FolderContents:
     """Everything in some folders and files; `spare` are modules that no task loads."""
 
-    controllers: list[Controller] = field(default_factory=list[Controller])
+    controllers: list[ControllerTasks] = field(default_factory=list[ControllerTasks])
     spare: list[Source] = field(default_factory=list[Source])
     problems: list[Problem] = field(default_factory=list[Problem])
 
 
-def find_tasks(paths: Sequence[Path]) -> Found:
+def find_tasks(paths: Sequence[Path]) -> FolderContents:
     """Read folders and files, and find out what belongs together.
 
     A folder `TASK1` with `PROGMOD` and `SYSMOD`, as in a backup, is a task; `SYS.cfg` adds to it.
@@ -61,7 +61,7 @@ def find_tasks(paths: Sequence[Path]) -> Found:
     Raises:
         FileError: a file is missing, or there is no module.
     """
-    found = Found()
+    found = FolderContents()
     files = [file for path in paths for file in _files(path)]
     shown = {file: _label(file, paths) for file in files}
     read = {file: _read(file, shown[file]) for file in files if _is_module(file)}
@@ -111,18 +111,18 @@ def _label(file: Path, paths: Sequence[Path]) -> str:
 
 
 @dataclass
-class Read:
+class FileContents:
     """What a file has: its modules, and what is wrong in them."""
 
     sources: list[Source]
     problems: list[Problem]
 
 
-def _read(file: Path, shown: str) -> Read:
+def _read(file: Path, shown: str) -> FileContents:
     try:
-        return Read(*read_modules(file, shown))
+        return FileContents(*read_modules(file, shown))
     except BadModule as error:
-        return Read([], error.problems)
+        return FileContents([], error.problems)
 
 
 # -- backups
@@ -163,10 +163,10 @@ def _beside(root: Path) -> list[Path]:
 
 
 def _backup(
-    root: Path, read: dict[Path, Read], configuration: Configuration, found: Found
-) -> Controller:
+    root: Path, read: dict[Path, FileContents], configuration: Configuration, found: FolderContents
+) -> ControllerTasks:
     by_task: dict[Path, list[Source]] = {}
-    others: dict[Path, Read] = {}
+    others: dict[Path, FileContents] = {}
     for file, content in read.items():
         task = _task_folder(file)
         if task is not None:
@@ -199,7 +199,7 @@ def _backup(
         source for file, it in others.items() if file not in used for source in it.sources
     ]
     configuration.tasks += [task.name for task in tasks if task.name not in configuration.tasks]
-    return Controller(tasks, configuration)
+    return ControllerTasks(tasks, configuration)
 
 
 def _list_loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[Path]:
@@ -212,13 +212,13 @@ def _list_loaded(mine: Configuration, task: str, files: Iterable[Path]) -> list[
     return found
 
 
-def _together(sources: Sequence[Source], found: Found) -> list[list[Source]]:
+def _together(sources: Sequence[Source], found: FolderContents) -> list[list[Source]]:
     """Modules that can be in one task; one with many names of another is told, and set apart."""
     tasks: list[list[Source]] = [[]]
     for source in sources:
-        mine = declared(source)
+        mine = find_declared(source)
         for other in tasks[0]:
-            both = sorted(mine & declared(other))
+            both = sorted(mine & find_declared(other))
             if len(both) > FEW:
                 some = ", ".join(both[:3])
                 what = f"{len(both)} names are declared in {other.path}, too ({some}, ...)"
@@ -250,9 +250,12 @@ def _names(root: Path) -> dict[str, tuple[str, set[str] | None]]:
 
 
 def _loose(
-    read: dict[Path, list[Source]], configurations: Sequence[Path], found: Found, one_task: bool
-) -> list[Controller]:
-    controllers: list[Controller] = []
+    read: dict[Path, list[Source]],
+    configurations: Sequence[Path],
+    found: FolderContents,
+    one_task: bool,
+) -> list[ControllerTasks]:
+    controllers: list[ControllerTasks] = []
     left = dict(read)
     all_of_them = read_configuration(configurations)
     for file in configurations:
@@ -265,7 +268,7 @@ def _loose(
             if (loaded := _list_loaded(mine, name, read))
         ]
         if tasks:
-            controllers.append(Controller(tasks, mine.with_(all_of_them)))
+            controllers.append(ControllerTasks(tasks, mine.with_(all_of_them)))
             for loaded_file in [
                 loaded_file for name in mine.tasks for loaded_file in _list_loaded(mine, name, read)
             ]:
@@ -279,11 +282,11 @@ def _loose(
     else:
         tasks = [task for task in _programs(folders, found) if task.sources]
     for task in tasks:
-        controllers.append(Controller([task], all_of_them))
+        controllers.append(ControllerTasks([task], all_of_them))
     return controllers
 
 
-def _programs(folders: dict[Path, list[Source]], found: Found) -> list[TaskFiles]:
+def _programs(folders: dict[Path, list[Source]], found: FolderContents) -> list[TaskFiles]:
     """Tasks of folders: each `main` with what its folder has, and with folders that have none."""
     tasks: list[TaskFiles] = []
     without = [sources for sources in folders.values() if not any(map(_has_main, sources))]
@@ -321,31 +324,33 @@ def _remark(source: Source, what: str) -> Problem:
 
 
 def _add(task: TaskFiles, sources: Sequence[Source]) -> None:
-    names = {name for source in task.sources for name in declared(source)}
+    names = {name for source in task.sources for name in find_declared(source)}
     for source in sources:
-        mine = declared(source)
+        mine = find_declared(source)
         if not mine & names:
             task.sources.append(source)
             names |= mine
 
 
-def declared(source: Source) -> set[str]:
+def find_declared(source: Source) -> set[str]:
     """Names that a module declares for all others, in small letters, and its own."""
     names = {f"module {source.name.lower()}"}
     for node in source.tree.children:
-        if type(node) is Tree and node.data != "place" and "local" not in words(node):
+        if type(node) is SyntaxTree and node.data != "place" and "local" not in words(node):
             names.add(str(parts(node)[1 if node.data in ("data", "func", "alias") else 0]).lower())
     return names
 
 
 def _has_main(source: Source) -> bool:
     nodes = (
-        child for child in source.tree.children if type(child) is Tree and child.data == "proc"
+        child
+        for child in source.tree.children
+        if type(child) is SyntaxTree and child.data == "proc"
     )
     return any("local" not in words(node) and parts(node)[0].lower() == "main" for node in nodes)
 
 
-def _missing(lists: Sequence[Path], shown: dict[Path, str], found: Found) -> None:
+def _missing(lists: Sequence[Path], shown: dict[Path, str], found: FolderContents) -> None:
     """Modules that a list of a program names, and that are not beside it."""
     for file in lists:
         there = {path.name.lower() for path in file.parent.iterdir()}

@@ -23,7 +23,7 @@ ROW = re.compile(r"(\w+?)(\d+)-(\d+)")
 
 
 @dataclass
-class Table:
+class RobotWareTable:
     """All that RobotWare has, by small name."""
 
     types: Types = field(default_factory=Types)
@@ -31,9 +31,9 @@ class Table:
 
 
 @cache
-def robotware() -> Table:
+def robotware() -> RobotWareTable:
     """The tables, read once; nothing in them is executed as it stands."""
-    table = Table()
+    table = RobotWareTable()
     for line in _lines("types"):
         _type(table.types, line)
     for name in ROUTINES:
@@ -82,12 +82,12 @@ def _row(names: str) -> list[str]:
     return found
 
 
-def _data(table: Table, name: str, kind: Kind, storage: str) -> None:
+def _data(table: RobotWareTable, name: str, kind: Kind, storage: str) -> None:
     place = ([table.types.default(kind, ())], 0)
     table.names[name.lower()] = Variable(name, kind, (), place, -1, storage, is_executed=False)
 
 
-def _routines(table: Table, line: str, short: dict[str, str]) -> None:
+def _routines(table: RobotWareTable, line: str, short: dict[str, str]) -> None:
     line = re.sub(r"\$\w+", lambda found: short.get(found[0], found[0]), line)
     if line.startswith("$") and "=" in line:
         name, _, value = line.partition("=")

@@ -5,7 +5,7 @@ from typing import Any
 
 from workbench.formats.rapid.problems import Problem
 from workbench.formats.rapid.syntax.reading import Expression, NoRapid
-from workbench.formats.rapid.syntax.tokens import Token, Tree
+from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token
 
 HARD_ENDS = frozenset(
     """
@@ -35,9 +35,9 @@ class Statement(Expression):
         super().__init__(tokens, name, problems)
         self._ends: list[frozenset[str]] = []
 
-    def block(self, ends: frozenset[str] = IN_ROUTINE) -> Tree:
+    def block(self, ends: frozenset[str] = IN_ROUTINE) -> SyntaxTree:
         """Statements up to one of the words that may end them, without those that are wrong."""
-        at, children = self.next, list[Tree]()
+        at, children = self.next, list[SyntaxTree]()
         self.deeper(at)
         self._ends.append(ends)
         while self.next.type not in HARD_ENDS:
@@ -57,7 +57,7 @@ class Statement(Expression):
                 self.skip_statement()
         self._ends.pop()
         self._depth -= 1
-        return Tree("block", list(children), at.line, at.column)
+        return SyntaxTree("block", list(children), at.line, at.column)
 
     def skip_statement(self) -> None:
         """Leave out what is wrong, up to the next statement."""
@@ -72,7 +72,7 @@ class Statement(Expression):
                 return
             self.take()
 
-    def statement(self) -> Tree:
+    def statement(self) -> SyntaxTree:
         """One statement."""
         at = self.next
         if at.type == "NAME":
@@ -89,16 +89,16 @@ class Statement(Expression):
             return self._end(WITH_VALUE[at.type], [value], at)
         self.fail()
 
-    def _end(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
+    def _end(self, data: str, children: list[Token | SyntaxTree | None], at: Token) -> SyntaxTree:
         self.want(";")
-        return Tree(data, list(children), at.line, at.column)
+        return SyntaxTree(data, list(children), at.line, at.column)
 
-    def _named_statement(self, at: Token) -> Tree:
+    def _named_statement(self, at: Token) -> SyntaxTree:
         after = self.after().type
         if after == ":":
             self.take()
             self.take()
-            return Tree("label", [at], at.line, at.column)
+            return SyntaxTree("label", [at], at.line, at.column)
         if after in (":=", "{", "."):
             target = self.variable()
             self.want(":=")
@@ -107,7 +107,7 @@ class Statement(Expression):
         args = None if self.sees(";") else self.arguments(";")
         return self._end("call", [at, args], at)
 
-    def _place(self, at: Token) -> Tree:
+    def _place(self, at: Token) -> SyntaxTree:
         node = self.place()
         if self.sees(":="):
             self.take()
@@ -116,29 +116,29 @@ class Statement(Expression):
             self.take()
         return node
 
-    def _late(self, at: Token) -> Tree:
+    def _late(self, at: Token) -> SyntaxTree:
         self.take()
         name = self.expression()
         self.want("%")
         args = None if self.sees(";") else self.arguments(";")
         return self._end("late", [name, args], at)
 
-    def _goto(self, at: Token) -> Tree:
+    def _goto(self, at: Token) -> SyntaxTree:
         self.take()
         return self._end("goto", [self.named("a label")], at)
 
-    def _connect(self, at: Token) -> Tree:
+    def _connect(self, at: Token) -> SyntaxTree:
         self.take()
         target = self.place() if self.sees("PLACE") else self._interrupt()
         self.want("with")
         return self._end("connect", [target, self.named("a trap routine")], at)
 
-    def _interrupt(self) -> Tree:
+    def _interrupt(self) -> SyntaxTree:
         if not self.sees("NAME"):
             self.fail("an intnum")
         return self.variable()
 
-    def _head(self, read: Callable[[], list[Tree | Token | None]], end: str) -> list[Any]:
+    def _head(self, read: Callable[[], list[SyntaxTree | Token | None]], end: str) -> list[Any]:
         """What stands between the first word of a statement and its THEN or DO.
 
         A mistake in it does not hide the statements that follow.
@@ -153,18 +153,18 @@ class Statement(Expression):
                 self._at, self.next = begin, self.tokens[begin]
                 raise
             self.note(error)
-            return [Tree("mistake", [], error.at.line, error.at.column)] * 4
+            return [SyntaxTree("mistake", [], error.at.line, error.at.column)] * 4
 
-    def _if(self, at: Token) -> Tree:
+    def _if(self, at: Token) -> SyntaxTree:
         self.take()
         (condition, *_) = self._head(self._condition, "then")
         if not self.sees("then"):
             self.deeper(at)
             then = self.statement()
             self._depth -= 1
-            return Tree("if_compact", [condition, then], at.line, at.column)
+            return SyntaxTree("if_compact", [condition, then], at.line, at.column)
         self.take()
-        children: list[Tree | None] = [condition, self.block(IN_IF)]
+        children: list[SyntaxTree | None] = [condition, self.block(IN_IF)]
         while self.sees("elseif"):
             self.take()
             children.append(self.expression())
@@ -177,35 +177,35 @@ class Statement(Expression):
             children.append(None)
         return self._close("if_", list(children), at)
 
-    def _condition(self) -> list[Tree | Token | None]:
+    def _condition(self) -> list[SyntaxTree | Token | None]:
         condition = self.expression()
         if self.next.type != "then" and self.next.type not in STARTS:
             self.fail("THEN or a statement")
         return [condition]
 
-    def _close(self, data: str, children: list[Token | Tree | None], at: Token) -> Tree:
+    def _close(self, data: str, children: list[Token | SyntaxTree | None], at: Token) -> SyntaxTree:
         end = f"end{at.type}"
         if self.next.type != end:
             raise NoRapid(
                 self.next, f"{end.upper()} of line {at.line} is missing before {self.shown}"
             )
         self.take()
-        return Tree(data, list(children), at.line, at.column)
+        return SyntaxTree(data, list(children), at.line, at.column)
 
-    def _while(self, at: Token) -> Tree:
+    def _while(self, at: Token) -> SyntaxTree:
         self.take()
         (condition, *_) = self._head(lambda: [self.expression()], "do")
         self.want("do")
         return self._close("while_", [condition, self.block(frozenset({"endwhile"}))], at)
 
-    def _for(self, at: Token) -> Tree:
+    def _for(self, at: Token) -> SyntaxTree:
         self.take()
         name = self.named("a name")
         begin, end, step, *_ = self._head(self._bounds, "do")
         self.want("do")
         return self._close("for_", [name, begin, end, step, self.block(frozenset({"endfor"}))], at)
 
-    def _bounds(self) -> list[Tree | Token | None]:
+    def _bounds(self) -> list[SyntaxTree | Token | None]:
         self.want("from")
         begin = self.expression()
         self.want("to")
@@ -215,16 +215,18 @@ class Statement(Expression):
             step = self.expression()
         return [begin, end, step]
 
-    def _test(self, at: Token) -> Tree:
+    def _test(self, at: Token) -> SyntaxTree:
         self.take()
-        children: list[Token | Tree | None] = [self.expression()]
+        children: list[Token | SyntaxTree | None] = [self.expression()]
         while self.sees("case") or self.sees("PLACE"):
             if self.sees("PLACE"):
                 self.take()
                 continue
             begin = self.take()
             labels = self.listed(self.expression, ":")
-            children.append(Tree("case", [*labels, self.block(IN_TEST)], begin.line, begin.column))
+            children.append(
+                SyntaxTree("case", [*labels, self.block(IN_TEST)], begin.line, begin.column)
+            )
         default = None
         if self.sees("default"):
             self.take()

@@ -11,14 +11,14 @@ Reading goes on behind a mistake, at the next statement: each is found in one re
 from workbench.formats.rapid.problems import BadModule, Problem
 from workbench.formats.rapid.syntax.clauses import Statement
 from workbench.formats.rapid.syntax.reading import DEEPEST, TOO_DEEP, NoRapid
-from workbench.formats.rapid.syntax.tokens import Token, Tree, tokens_of
+from workbench.formats.rapid.syntax.tokens import SyntaxTree, Token, tokens_of
 
 STORAGES = ("var", "pers", "const")
 DECLARES = frozenset({*STORAGES, "local", "task", "record", "alias", "proc", "func", "trap"})
 ENDS = {"proc": "endproc", "func": "endfunc", "trap": "endtrap"}
 
 
-def parse(text: str, name: str) -> Tree:
+def parse(text: str, name: str) -> SyntaxTree:
     """The syntax tree of the only module in a text; `name` stands in the messages.
 
     Raises:
@@ -30,7 +30,7 @@ def parse(text: str, name: str) -> Tree:
     return modules[0]
 
 
-def parse_all(text: str, name: str) -> tuple[list[Tree], list[Problem]]:
+def parse_all(text: str, name: str) -> tuple[list[SyntaxTree], list[Problem]]:
     """All modules of a file, without what is wrong in them, and what that is.
 
     Files of S4 controllers hold a whole program.
@@ -49,13 +49,13 @@ def parse_all(text: str, name: str) -> tuple[list[Tree], list[Problem]]:
 class Module(Statement):
     """Reads modules, their declarations and routines."""
 
-    def modules(self) -> list[Tree]:
+    def modules(self) -> list[SyntaxTree]:
         """Everything up to the end of the file.
 
         Raises:
             BadModule: there is no module, or it is cut off.
         """
-        found: list[Tree] = []
+        found: list[SyntaxTree] = []
         while not self.sees("END"):
             if not self.sees("module"):
                 if not found:
@@ -67,11 +67,11 @@ class Module(Statement):
             self.refuse(self.next, "there is no MODULE in the file")
         return found
 
-    def _module(self) -> Tree:
+    def _module(self) -> SyntaxTree:
         begin = self.take()
         if self.next.type not in ("NAME", "PLACE"):
             self.refuse(self.next, f"MODULE has no name before {self.shown}")
-        children: list[Token | Tree] = [self.take()]
+        children: list[Token | SyntaxTree] = [self.take()]
         try:
             self._attributes(children)
         except NoRapid as error:
@@ -89,14 +89,14 @@ class Module(Statement):
                 self._ends.clear()
                 self.skip_to(DECLARES | {"endmodule"})
         self.take()
-        return Tree("module", children, begin.line, begin.column)
+        return SyntaxTree("module", children, begin.line, begin.column)
 
-    def _attributes(self, children: list[Token | Tree]) -> None:
+    def _attributes(self, children: list[Token | SyntaxTree]) -> None:
         if self.sees("("):
             self.take()
             children += self.listed(lambda: self.named("an attribute"), ")")
 
-    def _declaration(self, children: list[Token | Tree]) -> None:
+    def _declaration(self, children: list[Token | SyntaxTree]) -> None:
         if self.sees("PLACE"):
             children.append(self.place())
             return
@@ -111,36 +111,36 @@ class Module(Statement):
             self.take()
             names = [self.named("a type"), self.named("a name")]
             self.want(";")
-            children.append(Tree("alias", [*scope, *names], begin.line, begin.column))
+            children.append(SyntaxTree("alias", [*scope, *names], begin.line, begin.column))
         elif what in ENDS:
             children.append(self._routine(begin, scope, what))
         else:
             self.fail("data or a routine")
 
-    def _record(self, begin: Token, scope: list[Token]) -> Tree:
+    def _record(self, begin: Token, scope: list[Token]) -> SyntaxTree:
         self.take()
-        children: list[Token | Tree] = [*scope, self.named("a name")]
+        children: list[Token | SyntaxTree] = [*scope, self.named("a name")]
         while not self.sees("endrecord"):
             at = self.next
-            part: list[Token | Tree] = [self.named("a type"), self.named("a component")]
+            part: list[Token | SyntaxTree] = [self.named("a type"), self.named("a component")]
             self.want(";")
-            children.append(Tree("part", part, at.line, at.column))
+            children.append(SyntaxTree("part", part, at.line, at.column))
         self.take()
-        return Tree("record", children, begin.line, begin.column)
+        return SyntaxTree("record", children, begin.line, begin.column)
 
     # -- routines
 
-    def _routine(self, begin: Token, scope: list[Token], what: str) -> Tree:
+    def _routine(self, begin: Token, scope: list[Token], what: str) -> SyntaxTree:
         self.take()
         names = [self.named("a type")] if what == "func" else []
         names.append(self.named("a name"))
-        children: list[Token | Tree] = [*scope, *names]
+        children: list[Token | SyntaxTree] = [*scope, *names]
         try:
             if what != "trap":
                 children.append(self._params())
         except NoRapid as error:
             self.note(error)
-            children.append(Tree("params", [], begin.line, begin.column))
+            children.append(SyntaxTree("params", [], begin.line, begin.column))
         children += [self._locals(), self.block()]
         while self.next.type in ("backward", "error", "undo"):
             children.append(self._handler())
@@ -154,19 +154,19 @@ class Module(Statement):
         else:
             missing = f"{end} of {names[-1]} (line {begin.line}) is missing before {self.shown}"
             self.note(NoRapid(self.next, missing))
-        return Tree(what, children, begin.line, begin.column)
+        return SyntaxTree(what, children, begin.line, begin.column)
 
-    def _handler(self) -> Tree:
+    def _handler(self) -> SyntaxTree:
         at = self.take()
-        numbers: list[Tree] = []
+        numbers: list[SyntaxTree] = []
         if at.type == "error" and self.sees("("):
             self.take()
             numbers = self.listed(self.expression, ")")
-        return Tree(at.type, [*numbers, self.block()], at.line, at.column)
+        return SyntaxTree(at.type, [*numbers, self.block()], at.line, at.column)
 
-    def _params(self) -> Tree:
+    def _params(self) -> SyntaxTree:
         at = self.want("(")
-        children: list[Tree] = []
+        children: list[SyntaxTree] = []
         while not self.sees(")"):
             if self.sees(","):
                 self.take()
@@ -174,17 +174,17 @@ class Module(Statement):
                 self.fail("',' or ')'")
             children.append(self._optional() if self.sees("\\") else self._param())
         self.take()
-        return Tree("params", list(children), at.line, at.column)
+        return SyntaxTree("params", list(children), at.line, at.column)
 
-    def _optional(self) -> Tree:
+    def _optional(self) -> SyntaxTree:
         at = self.take()
         children = [self._param()]
         while self.sees("|"):
             self.take()
             children.append(self._param())
-        return Tree("optional", list(children), at.line, at.column)
+        return SyntaxTree("optional", list(children), at.line, at.column)
 
-    def _param(self) -> Tree:
+    def _param(self) -> SyntaxTree:
         if self.sees("PLACE"):
             return self.place()
         at = self.next
@@ -193,11 +193,13 @@ class Module(Statement):
         stars = None
         if self.sees("{"):
             self.take()
-            stars = Tree("stars", self.listed(lambda: self.want("*"), "}"), at.line, at.column)
-        return Tree("param", [*mode, *names, stars], at.line, at.column)
+            stars = SyntaxTree(
+                "stars", self.listed(lambda: self.want("*"), "}"), at.line, at.column
+            )
+        return SyntaxTree("param", [*mode, *names, stars], at.line, at.column)
 
-    def _locals(self) -> Tree:
-        children: list[Tree] = []
+    def _locals(self) -> SyntaxTree:
+        children: list[SyntaxTree] = []
         at = self.next
         while self.next.type in STORAGES or (self.sees("PLACE") and self.next == "<DDN>"):
             try:
@@ -205,28 +207,28 @@ class Module(Statement):
             except NoRapid as error:
                 self.note(error)
                 self.skip_statement()
-        return Tree("locals", list(children), at.line, at.column)
+        return SyntaxTree("locals", list(children), at.line, at.column)
 
-    def data(self, begin: Token, scope: list[Token]) -> Tree:
+    def data(self, begin: Token, scope: list[Token]) -> SyntaxTree:
         """One declaration of data."""
         storage = self.take()
         type_, name = self.named("a type"), self.named("a name")
         dims, value = None, None
         if self.sees("{"):
             at = self.take()
-            dims = Tree("dims", self.listed(self.expression, "}"), at.line, at.column)
+            dims = SyntaxTree("dims", self.listed(self.expression, "}"), at.line, at.column)
         if self.sees(":="):
             self.take()
             value = self.expression()
         self.want(";")
         children = [*scope, storage, type_, name, dims, value]
-        return Tree("data", children, begin.line, begin.column)
+        return SyntaxTree("data", children, begin.line, begin.column)
 
 
-def _check_depth(reader: Module, tree: Tree) -> None:
+def _check_depth(reader: Module, tree: SyntaxTree) -> None:
     """Refuse what would have everybody who walks through the tree run out of stack."""
     level = [tree]
     for _ in range(DEEPEST):
-        level = [child for node in level for child in node.children if type(child) is Tree]
+        level = [child for node in level for child in node.children if type(child) is SyntaxTree]
     if level:
         reader.refuse(level[0], TOO_DEEP)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any, NoReturn
 
 from workbench.formats.rapid.problems import UNREADABLE, BadModule, Problem
-from workbench.formats.rapid.syntax.tokens import RESERVED, Token, Tree
+from workbench.formats.rapid.syntax.tokens import RESERVED, SyntaxTree, Token
 
 DEEPEST = 100
 """Levels of statements and expressions within each other; each term of a sum is one more."""
@@ -24,7 +24,7 @@ class NoRapid(Exception):
         super().__init__(what)
 
 
-class Words:
+class TokenReader:
     """The words of a file and how far they are read; what is wrong goes to `problems`."""
 
     def __init__(self, tokens: list[Token], name: str, problems: list[Problem]) -> None:
@@ -124,7 +124,7 @@ class Words:
         if self._depth > DEEPEST:
             self.refuse(at, TOO_DEEP)
 
-    def refuse(self, at: Token | Tree, what: str) -> NoReturn:
+    def refuse(self, at: Token | SyntaxTree, what: str) -> NoReturn:
         """Give the whole file up.
 
         Raises:
@@ -132,16 +132,16 @@ class Words:
         """
         raise BadModule([Problem(self.name, at.line, at.column, what, UNREADABLE)])
 
-    def place(self) -> Tree:
+    def place(self) -> SyntaxTree:
         """A placeholder."""
         at = self.take()
-        return Tree("place", [at], at.line, at.column)
+        return SyntaxTree("place", [at], at.line, at.column)
 
 
-class Expression(Words):
+class Expression(TokenReader):
     """Reads expressions."""
 
-    def expression(self) -> Tree:
+    def expression(self) -> SyntaxTree:
         """An expression, its weakest signs first."""
         self.deeper(self.next)
         try:
@@ -152,99 +152,99 @@ class Expression(Words):
             self._depth -= 1
         return left
 
-    def _binary(self, left: Tree, sign: Token, right: Tree) -> Tree:
-        return Tree("binary", [left, sign, right], left.line, left.column)
+    def _binary(self, left: SyntaxTree, sign: Token, right: SyntaxTree) -> SyntaxTree:
+        return SyntaxTree("binary", [left, sign, right], left.line, left.column)
 
-    def _logical(self) -> Tree:
+    def _logical(self) -> SyntaxTree:
         if self.sees("not"):
             at = self.take()
             self.deeper(at)
             inner = self._logical()
             self._depth -= 1
-            return Tree("not_", [inner], at.line, at.column)
+            return SyntaxTree("not_", [inner], at.line, at.column)
         left = self._relation()
         while self.sees("and"):
             sign = self.take()
             if self.sees("not"):
-                return Tree("binary", [left, sign, self._logical()], left.line, left.column)
+                return SyntaxTree("binary", [left, sign, self._logical()], left.line, left.column)
             left = self._binary(left, sign, self._relation())
         return left
 
-    def _relation(self) -> Tree:
+    def _relation(self) -> SyntaxTree:
         left = self._sum()
         if self.next.type in RELATIONS:
             return self._binary(left, self.take(), self._sum())
         return left
 
-    def _sum(self) -> Tree:
+    def _sum(self) -> SyntaxTree:
         if self.next.type in SIGNS:
             at = self.take()
-            left = Tree("sign", [at, self._product()], at.line, at.column)
+            left = SyntaxTree("sign", [at, self._product()], at.line, at.column)
         else:
             left = self._product()
         while self.next.type in SIGNS:
             left = self._binary(left, self.take(), self._product())
         return left
 
-    def _product(self) -> Tree:
+    def _product(self) -> SyntaxTree:
         left = self._factor()
         while self.next.type in FACTORS:
             left = self._binary(left, self.take(), self._factor())
         return left
 
-    def _factor(self) -> Tree:
+    def _factor(self) -> SyntaxTree:
         at = self.next
         kind = at.type
         if kind == "NUMBER":
-            return Tree("number", [self.take()], at.line, at.column)
+            return SyntaxTree("number", [self.take()], at.line, at.column)
         if kind == "NAME":
             if self.after().type == "(":
                 return self._function()
             return self.variable()
         if kind == "[":
             self.take()
-            return Tree("aggregate", self.listed(self.expression, "]"), at.line, at.column)
+            return SyntaxTree("aggregate", self.listed(self.expression, "]"), at.line, at.column)
         if kind == "STRING":
-            return Tree("string", [self.take()], at.line, at.column)
+            return SyntaxTree("string", [self.take()], at.line, at.column)
         if kind in ("true", "false"):
-            return Tree("bool", [self.take()], at.line, at.column)
+            return SyntaxTree("bool", [self.take()], at.line, at.column)
         if kind == "(":
             self.take()
             inner = self.expression()
             self.want(")")
             return inner
         if kind in SIGNS:
-            return Tree("sign", [self.take(), self._factor()], at.line, at.column)
+            return SyntaxTree("sign", [self.take(), self._factor()], at.line, at.column)
         if kind == "PLACE":
             return self.place()
         self.fail("an expression" if kind in RESERVED else "")
 
-    def _function(self) -> Tree:
+    def _function(self) -> SyntaxTree:
         name = self.take()
         self.take()
         args = None if self.sees(")") else self.arguments(")")
         self.want(")")
-        return Tree("function", [name, args], name.line, name.column)
+        return SyntaxTree("function", [name, args], name.line, name.column)
 
-    def variable(self) -> Tree:
+    def variable(self) -> SyntaxTree:
         """Data, an element, a component."""
         name = self.take()
         children: list[Any] = [name, self._index()]
         while self.sees("."):
             self.take()
             at = self.named("a component")
-            children.append(Tree("component", [at, self._index()], at.line, at.column))
-        return Tree("var", children, name.line, name.column)
+            children.append(SyntaxTree("component", [at, self._index()], at.line, at.column))
+        return SyntaxTree("var", children, name.line, name.column)
 
-    def _index(self) -> Tree | None:
+    def _index(self) -> SyntaxTree | None:
         if not self.sees("{"):
             return None
         at = self.take()
-        return Tree("index", self.listed(self.expression, "}"), at.line, at.column)
+        return SyntaxTree("index", self.listed(self.expression, "}"), at.line, at.column)
 
-    def arguments(self, end: str) -> Tree:
+    def arguments(self, end: str) -> SyntaxTree:
         """Arguments up to a sign, which stays."""
-        at, children = self.next, list[Tree]()
+        at, children = self.next, list[SyntaxTree]()
         while not self.sees(end):
             if children:
                 if self.sees(","):
@@ -256,22 +256,22 @@ class Expression(Words):
                 else:
                     self.fail(f"',' or '{end}'")
             children.append(self._argument())
-        return Tree("args", list(children), at.line, at.column)
+        return SyntaxTree("args", list(children), at.line, at.column)
 
-    def _argument(self) -> Tree:
+    def _argument(self) -> SyntaxTree:
         at = self.next
         if self.sees("NAME") and self.after().type == ":=":
             name = self.take()
             self.take()
-            return Tree("by_name", [name, self.expression()], at.line, at.column)
+            return SyntaxTree("by_name", [name, self.expression()], at.line, at.column)
         if not self.sees("\\"):
             return self.expression()
         self.take()
         name = self.named("the name of an argument")
         if self.sees("?"):
             self.take()
-            return Tree("passed_on", [name, self.named("an argument")], at.line, at.column)
+            return SyntaxTree("passed_on", [name, self.named("an argument")], at.line, at.column)
         if self.sees(":="):
             self.take()
-            return Tree("named", [name, self.expression()], at.line, at.column)
-        return Tree("named", [name], at.line, at.column)
+            return SyntaxTree("named", [name, self.expression()], at.line, at.column)
+        return SyntaxTree("named", [name], at.line, at.column)

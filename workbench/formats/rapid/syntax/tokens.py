@@ -56,7 +56,7 @@ class Token(str):
     column: int
 
 
-class Tree:
+class SyntaxTree:
     """A part of a module: what it is, what it consists of, and where it begins."""
 
     __slots__ = ("children", "column", "data", "line")
@@ -64,13 +64,13 @@ class Tree:
     def __init__(self, data: str, children: list[Any], line: int, column: int) -> None:
         self.data, self.children, self.line, self.column = data, children, line, column
 
-    def walk(self) -> Iterator["Tree"]:
+    def walk(self) -> Iterator["SyntaxTree"]:
         """This and all that is in it."""
-        waiting: list[Tree] = [self]
+        waiting: list[SyntaxTree] = [self]
         while waiting:
             node = waiting.pop()
             yield node
-            waiting.extend(child for child in node.children if type(child) is Tree)
+            waiting.extend(child for child in node.children if type(child) is SyntaxTree)
 
 
 def tokens_of(text: str, name: str, problems: list[Problem]) -> list[Token]:

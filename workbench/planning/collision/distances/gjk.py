@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats
-from workbench.planning.collision.bounds import Drift, nearing
+from workbench.planning.collision.bounds import PairDrift, nearing
 from workbench.planning.collision.distances.cores import Cores
 
 TOUCHES, UNCLEAR, CLEAR = 0, 1, 2
@@ -51,7 +51,7 @@ def side(
         `TOUCHES`, `UNCLEAR` (between the limits) or `CLEAR`.
     """
     more = high - low
-    still = Drift(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, more, more)
+    still = PairDrift(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, more, more)
     return side_within(a, b, R, c, c, cores, low, still, W)
 
 
@@ -64,7 +64,7 @@ def side_within(
     half: Floats,
     cores: Cores,
     low: float,
-    drift: Drift,
+    drift: PairDrift,
     W: Floats,
 ) -> int:
     """As `side`, its upper limit being what two bodies need that move against each other.
@@ -126,7 +126,7 @@ def _side_of(
     half: Floats,
     cores: Cores,
     low: float,
-    drift: Drift,
+    drift: PairDrift,
     W: Floats,
 ) -> int:
     """As `side_within`, of core k of body a and core i of body b."""

@@ -93,42 +93,42 @@ class Group:
 
 
 def group_distance(
-    one: Group, T: pin.SE3, shifts: Floats, other: Group, within: float = np.inf
+    group: Group, T: pin.SE3, shifts: Floats, other: Group, within: float = np.inf
 ) -> tuple[float, int]:
     """The least distance [m] between the shapes of two groups, below 0 where they overlap.
 
     Args:
-        one: a group.
+        group: a group.
         T: where it is, seen from the other one.
         shifts: (s, 3) [m] by which each of its shapes is moved in its frame before.
         other: the group that stays.
         within: distances beyond it are not measured.
 
     Returns:
-        The distance, and which shape of `one` it is of; -1 where none is within.
+        The distance, and which shape of `group` it is of; -1 where none is within.
     """
-    moved = shifts[one.owners]
-    R, p = T.rotation @ one.R, (one.p + moved) @ T.rotation.T + T.translation
-    balls = (one.balls + moved) @ T.rotation.T + T.translation
+    moved = shifts[group.owners]
+    R, p = T.rotation @ group.R, (group.p + moved) @ T.rotation.T + T.translation
+    balls = (group.balls + moved) @ T.rotation.T + T.translation
     # Of each box of the one how far the balls of the other are, and the other way round.
     apart = other.balls[None] - p[:, None]
-    there = np.abs(apart @ R - one.centres[:, None]) - one.halves[:, None]
+    there = np.abs(apart @ R - group.centres[:, None]) - group.halves[:, None]
     back = np.einsum("mji,nmj->nmi", other.R, balls[:, None] - other.p[None])
     here = np.abs(back - other.centres[None]) - other.halves[None]
-    least = np.maximum(_to_box(there) - other.radii, _to_box(here) - one.radii[:, None])
+    least = np.maximum(_to_box(there) - other.radii, _to_box(here) - group.radii[:, None])
     best, at = within, -1
     for k in np.argsort(least, axis=None, kind="stable").tolist():
         i, j = divmod(k, len(other.radii))
         if least[i, j] >= best:
             break
         far = _measure(
-            one.geometries[i],
+            group.geometries[i],
             coal.Transform3s(R[i], p[i]),
             other.geometries[j],
             coal.Transform3s(other.R[j], other.p[j]),
         )
         if far < best:
-            best, at = far, int(one.owners[i])
+            best, at = far, int(group.owners[i])
     return best, at
 
 

@@ -17,7 +17,7 @@ from workbench.planning.collision.sweeping.groups import Groups, groups_of
 from workbench.planning.collision.sweeping.look import IS_CLEAR, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 from workbench.planning.collision.sweeping.sweep import curve_swept
-from workbench.planning.kinematics.robot import Tree
+from workbench.planning.kinematics.robot import JointTree
 
 BLOCKED, CLEAR, ASK = 0, 1, -1
 """Answers about an edge: something is in the way, nothing is, or somebody else has to say."""
@@ -89,7 +89,7 @@ def no_edges(count: int) -> Edges:
     """Edges of this many joints of which compiled code knows nothing: every answer is `ASK`."""
     whole, none = np.zeros(0, np.int64), np.zeros((0, 3))
     point, flat = np.zeros((1, 3)), np.zeros(0)
-    tree = Tree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), point, point, np.zeros(1))
+    tree = JointTree(np.zeros(1, np.int64), np.zeros((1, 3, 3)), point, point, np.zeros(1))
     boxes = Boxes(whole, np.zeros((0, 3, 3)), none, none, flat)
     known = np.zeros(0, np.bool_)
     cores = Cores(

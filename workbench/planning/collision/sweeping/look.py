@@ -6,13 +6,13 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Floats, Ints
-from workbench.planning.collision.bounds import Boxes, Drift, lower_bound, nearing, out_of_box
+from workbench.planning.collision.bounds import Boxes, PairDrift, lower_bound, nearing, out_of_box
 from workbench.planning.collision.distances.cores import BALL, Cores
 from workbench.planning.collision.distances.gjk import CLEAR, TOUCHES, UNCLEAR, side_within
 from workbench.planning.collision.sweeping.balls import ball_gap, has_formula
 from workbench.planning.collision.sweeping.groups import Groups
 from workbench.planning.collision.sweeping.scratch import Scratch, place_body, place_joints
-from workbench.planning.kinematics.robot import Tree
+from workbench.planning.kinematics.robot import JointTree
 
 LOOSENESS = 0.005
 """[m] By about this much the lower bound of a distance falls short; only a matter of speed."""
@@ -30,7 +30,7 @@ class Model(NamedTuple):
     `first` and `second` (k,) are indices of bodies: the two of each pair.
     """
 
-    tree: Tree
+    tree: JointTree
     boxes: Boxes
     first: Ints
     second: Ints
@@ -197,12 +197,12 @@ def drift_of(
     most: float,
     c: Floats,
     twist: Floats,
-) -> Drift:
+) -> PairDrift:
     """How what is around `c[a]` on joint i moves against what is around `c[b]` on joint j.
 
     Seen from the link of the joint `common`, which carries both.  However a ball turns, it is where
-    it is.  `rest` and `most` [m] are those of the `Drift`, `c` (b, 3) [m] are centres and `twist`
-    (j, 6) [m, rad] is that of `Scratch`.
+    it is.  `rest` and `most` [m] are those of the `PairDrift`, `c` (b, 3) [m] are centres and
+    `twist` (j, 6) [m, rad] is that of `Scratch`.
     """
     s, t, u = twist[common, 3], twist[common, 4], twist[common, 5]
     p, q, r = twist[i, 3] - s, twist[i, 4] - t, twist[i, 5] - u
@@ -214,4 +214,4 @@ def drift_of(
         p, q, r = 0.0, 0.0, 0.0
     if is_other_ball:
         s, t, u = 0.0, 0.0, 0.0
-    return Drift(x, y, z, p, q, r, s, t, u, rest, most)
+    return PairDrift(x, y, z, p, q, r, s, t, u, rest, most)

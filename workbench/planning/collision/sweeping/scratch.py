@@ -12,7 +12,7 @@ from numba import njit
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes, joint_pose
 from workbench.planning.collision.distances.cores import BALL, Cores
-from workbench.planning.kinematics.robot import Tree
+from workbench.planning.kinematics.robot import JointTree
 
 MOST_PENDING = 512
 """Halves of curves waiting to be checked."""
@@ -72,7 +72,9 @@ class Scratch(NamedTuple):
 
 
 @njit(cache=True)
-def scratch_for(columns: Ints, base: Floats, tree: Tree, boxes: Boxes, cores: Cores) -> Scratch:
+def scratch_for(
+    columns: Ints, base: Floats, tree: JointTree, boxes: Boxes, cores: Cores
+) -> Scratch:
     """Scratch to sweep curves of the joints `columns` (n,), others at `base` (nq,) [rad, m]."""
     joints, bodies, nq, n = len(tree.parents), len(boxes.joint), len(base), len(columns)
     is_moving = np.zeros(joints, np.bool_)
@@ -140,7 +142,7 @@ def _hubs(joints: int, boxes: Boxes) -> Floats:
 
 
 @njit(cache=True)
-def place_joints(tree: Tree, scratch: Scratch) -> None:
+def place_joints(tree: JointTree, scratch: Scratch) -> None:
     """Write where the joints that move are at `scratch.q`, and how far their bodies can move."""
     parents, q, R_j, p_j, z_j = tree.parents, scratch.q, scratch.R_j, scratch.p_j, scratch.z_j
     twist, ahead, hub, hub_c = scratch.twist, scratch.ahead, scratch.hub, scratch.hub_c
@@ -163,7 +165,7 @@ def place_joints(tree: Tree, scratch: Scratch) -> None:
 
 @njit(cache=True)
 def _walk(
-    row: int, radius: float, tree: Tree, scratch: Scratch, most: Floats, rest: Floats
+    row: int, radius: float, tree: JointTree, scratch: Scratch, most: Floats, rest: Floats
 ) -> None:
     """Write how far a ball around the hub of a joint can move, relative to each joint before it.
 

@@ -143,9 +143,9 @@ def _of_task(task: Path, state: State, live: Live) -> Mapping[Path, Reading]:
     loaded: Path = (*task, "ParameterSet", "TaskProgramLoaded")
     name: Path = (*task, "ParameterSet", "TaskProgramName")
     mode: Path = (*task, "ParameterSet", "ExecutionMode")
-    is_told = live.link.phase != "closed" and live.link.steps > 0
+    is_running = live.link.phase != "closed" and live.link.steps > 0
     approval = state.approval
-    if state.phase is not Phase.SENDING or approval is None or not is_told:
+    if state.phase is not Phase.SENDING or approval is None or not is_running:
         return dict.fromkeys((loaded, name, mode), Reading(status=NOT_NOW))
     return {
         loaded: Reading(True, ua.VariantType.Boolean),

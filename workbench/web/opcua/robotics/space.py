@@ -11,7 +11,7 @@ from asyncua.ua.object_ids import ObjectIds
 
 from workbench.web.opcua.robotics.di_types import DEVICE_SET
 from workbench.web.opcua.robotics.robotics_types import ENUMERATIONS, REFERENCES
-from workbench.web.opcua.robotics.tables import URIS, Member, NodeType, Ref, types
+from workbench.web.opcua.robotics.tables import URIS, NodeType, Ref, TypeMember, types
 
 RULES = {"M": 78, "O": 80, "OP": 11508, "MP": 11510}
 """Objects of OPC UA itself that are the modelling rules (OPC 10000-3, 6.4.4)."""
@@ -30,7 +30,7 @@ METADATA_OWN: dict[str, tuple[int, ...]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Space:
+class NodeSpace:
     """A server to which nodes are added; `indices` are those of namespaces, by prefix."""
 
     server: Server
@@ -110,7 +110,7 @@ CLASSES = {
 }
 
 
-async def standard_space(server: Server, indices: dict[str, int]) -> Space:
+async def standard_space(server: Server, indices: dict[str, int]) -> NodeSpace:
     """Add the namespaces and their types to a server that has begun.
 
     Args:
@@ -118,7 +118,7 @@ async def standard_space(server: Server, indices: dict[str, int]) -> Space:
         indices: those of further namespaces that names may be of, by prefix.
     """
     own = {prefix: await server.register_namespace(uri) for prefix, uri in URIS.items()}
-    space = Space(server, {"ua": 0, **own, **indices}, types())
+    space = NodeSpace(server, {"ua": 0, **own, **indices}, types())
     for number, (name, inverse, above) in REFERENCES.items():
         attributes = ua.ReferenceTypeAttributes()
         attributes.IsAbstract, attributes.Symmetric = False, name == inverse
@@ -159,7 +159,7 @@ async def standard_space(server: Server, indices: dict[str, int]) -> Space:
     return space
 
 
-def variable(space: Space, data_type: str, value: Any = None) -> ua.VariableAttributes:
+def variable(space: NodeSpace, data_type: str, value: Any = None) -> ua.VariableAttributes:
     """Attributes of a variable that clients read; without a value it has none yet."""
     attributes = ua.VariableAttributes()
     attributes.DataType = space.data_type(data_type)
@@ -173,7 +173,7 @@ def variable(space: Space, data_type: str, value: Any = None) -> ua.VariableAttr
 
 
 async def _add_members(
-    space: Space, above: ua.NodeId, prefix: str, members: Sequence[Member]
+    space: NodeSpace, above: ua.NodeId, prefix: str, members: Sequence[TypeMember]
 ) -> None:
     """What a type has, as declarations; numbers are of the namespace `prefix`."""
     for member in members:
@@ -189,7 +189,7 @@ async def _add_members(
         await _add_members(space, node, prefix, member.members)
 
 
-async def _metadata(space: Space, prefix: str) -> None:
+async def _metadata(space: NodeSpace, prefix: str) -> None:
     """Say in Server/Namespaces what the namespace is, and that not all of it is here."""
     number, version, published = METADATA[prefix]
     node = space.id_of((prefix, number))
@@ -216,7 +216,7 @@ async def _metadata(space: Space, prefix: str) -> None:
 
 
 async def _property(
-    space: Space,
+    space: NodeSpace,
     above: ua.NodeId,
     number: int,
     name: str,

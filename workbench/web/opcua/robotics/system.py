@@ -21,8 +21,8 @@ from workbench.web.opcua.robotics.readings import (
     readings,
     train_names,
 )
-from workbench.web.opcua.robotics.space import Space, variable
-from workbench.web.opcua.robotics.tables import Member, Ref
+from workbench.web.opcua.robotics.space import NodeSpace, variable
+from workbench.web.opcua.robotics.tables import Ref, TypeMember
 
 SYSTEM = "MotionDeviceSystem"
 OWN = "own"
@@ -34,12 +34,12 @@ SYSTEM_TYPE: Ref = ("rob", 1002)
 class System:
     """A MotionDeviceSystem in the DeviceSet.
 
-    Lifetime: empty until `tell`, which makes the nodes anew where the arms are other ones.
+    Lifetime: empty until `write_changes`, which makes the nodes anew where the arms are other ones.
 
     Concurrency: used by the event loop of the server alone.
     """
 
-    def __init__(self, space: Space) -> None:
+    def __init__(self, space: NodeSpace) -> None:
         """A system in a space whose prefix `own` is that of the cell's namespace."""
         self._space = space
         self._shape: Any = None
@@ -50,7 +50,7 @@ class System:
         self._variables: set[Path] = set()
         self._told: dict[Path, Reading] = {}
 
-    async def tell(self, state: State, live: Live) -> None:
+    async def write_changes(self, state: State, live: Live) -> None:
         """Write what has changed."""
         shape, known = _shape(state.cell), readings(state, live)
         if shape != self._shape:
@@ -89,7 +89,7 @@ class System:
         path: Path,
         called: tuple[str, str],
         kind: Ref,
-        declared: Sequence[Member],
+        declared: Sequence[TypeMember],
     ) -> None:
         """Add an object of a kind, with what the kind and its declaration say that it has."""
         node = await self._add(above, reference, path, called, ua.ObjectAttributes(), kind)
@@ -104,7 +104,7 @@ class System:
             elif member.rule == "M" or (*path, member.name) in self._optional:
                 await self._add_member(node, path, member)
 
-    async def _add_member(self, above: ua.NodeId, path: Path, member: Member) -> None:
+    async def _add_member(self, above: ua.NodeId, path: Path, member: TypeMember) -> None:
         own, called = (*path, member.name), (member.prefix, member.name)
         if not member.data_type:
             await self._add_object(
@@ -135,7 +135,7 @@ class System:
         )
         return node
 
-    def _members(self, kind: Ref, declared: Sequence[Member]) -> Iterator[Member]:
+    def _members(self, kind: Ref, declared: Sequence[TypeMember]) -> Iterator[TypeMember]:
         """What objects of a kind have: the most derived declaration of each name."""
         seen: set[str] = set()
         of_kinds = list(declared)
@@ -147,7 +147,7 @@ class System:
                 seen.add(member.name)
                 yield member
 
-    def _fillings(self, path: Path, member: Member) -> Sequence[str]:
+    def _fillings(self, path: Path, member: TypeMember) -> Sequence[str]:
         return self._names.get(path, ()) if member.rule == "MP" else ()
 
     async def _refer(self, cell: Cell) -> None:

@@ -40,7 +40,7 @@ VARIABLES = frozenset(("Data", "Property", "Analog", "Rational"))
 
 
 @dataclass(frozen=True, slots=True)
-class Member:
+class TypeMember:
     """One line of a table: what things of a type have.  `data_type` is empty for objects."""
 
     number: int
@@ -50,7 +50,7 @@ class Member:
     kind: Ref
     data_type: str
     reference: str
-    members: tuple["Member", ...]
+    members: tuple["TypeMember", ...]
 
     @property
     def is_placeholder(self) -> bool:
@@ -67,7 +67,7 @@ class NodeType:
     above: Ref
     is_abstract: bool
     interfaces: tuple[Ref, ...]
-    members: tuple[Member, ...]
+    members: tuple[TypeMember, ...]
 
 
 def types() -> dict[Ref, NodeType]:
@@ -93,7 +93,7 @@ def _types(prefix: str, table: str) -> Iterator[NodeType]:
         )
 
 
-def _members(lines: list[str], depth: int) -> tuple[Member, ...]:
+def _members(lines: list[str], depth: int) -> tuple[TypeMember, ...]:
     """The members whose lines are indented by so much, with theirs."""
     if not lines:
         return ()
@@ -104,14 +104,14 @@ def _members(lines: list[str], depth: int) -> tuple[Member, ...]:
     )
 
 
-def _member(fields: list[str], members: tuple[Member, ...]) -> Member:
+def _member(fields: list[str], members: tuple[TypeMember, ...]) -> TypeMember:
     number, called, rule, kind, *rest = fields
     data_type = rest.pop(0) if kind in VARIABLES else ""
     prefix, _, name = called.rpartition(":")
     usual = "HasProperty" if kind == "Property" else "HasComponent"
     reference = rest[0] if rest else usual
     ref = WORDS[kind] if kind in WORDS else _ref(kind)
-    return Member(int(number), prefix or "rob", name, rule, ref, data_type, reference, members)
+    return TypeMember(int(number), prefix or "rob", name, rule, ref, data_type, reference, members)
 
 
 def _ref(text: str) -> Ref:
