@@ -5,8 +5,8 @@ import re
 import pytest
 
 from workbench.app.core.commands import COMMANDS
+from workbench.model.messages.calibration import ObjectionText
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.scans import ObjectionText
 from workbench.model.scan import Objection
 from workbench.words.catalogs import CATALOGS, LANGUAGES, Catalog, places_in
 from workbench.words.extract import ALONE, messages

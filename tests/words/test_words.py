@@ -51,6 +51,11 @@ def test_a_handler_of_a_tag_is_no_text(words):
     assert words.html(tag) == tag.replace(">Stop<", ">Stopp<")
 
 
+def test_a_name_that_people_chose_is_not_translated(words):
+    said = words.html('<td translate="no">Stop</td><td title="Stop">Stop</td>')
+    assert said == '<td translate="no">Stop</td><td title="Stopp">Stopp</td>'
+
+
 def test_markdown_keeps_its_marks(words):
     assert words.markdown("**Stop** 12 parts\n\nStop") == "**Stopp** 12 parts\n\nStopp"
 

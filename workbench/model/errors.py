@@ -17,8 +17,9 @@ Messages name the file, the key, the value, what was expected and what is availa
 from pathlib import Path
 from typing import Any
 
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.files import FileText
 from workbench.model.messages.message import Message, as_message
-from workbench.model.messages.refusals import FileText
 
 
 class WorkbenchError(Exception):
@@ -43,17 +44,19 @@ class InputError(WorkbenchError):
 
 
 class FileError(InputError):
-    """A file cannot be used; the message starts with its path, `problem` is the rest of it."""
+    """A file cannot be used; the message starts with its path, `problem` is the rest of it.
+
+    A `problem` without an id is a detail for who writes such files, in English.
+    """
 
     def __init__(self, path: Path | str, problem: Message | str):
-        super().__init__(FileText.PROBLEM(path=str(path), problem=as_message(problem)))
         self.path = str(path)
-        self.problem = str(problem)
-        self._problem = as_message(problem)
+        self.problem = FileText.INVALID(detail=problem) if isinstance(problem, str) else problem
+        super().__init__(FileText.PROBLEM(path=self.path, problem=self.problem))
 
     def __reduce__(self) -> tuple[type["FileError"], tuple[str, Message]]:
         # Those that derive from it have constructors of their own.
-        return (FileError, (self.path, self._problem))
+        return (FileError, (self.path, self.problem))
 
 
 class CommandRefused(InputError):
@@ -73,7 +76,13 @@ class LinkError(WorkbenchError):
 
 
 class ProtocolError(LinkError):
-    """A device sent something that the protocol does not know."""
+    """A device sent something that the protocol does not know.
+
+    What it was is for who programs the device, in English.
+    """
+
+    def __init__(self, why: Message | str = ""):
+        super().__init__(DeviceText.PROTOCOL(detail=why) if isinstance(why, str) else why)
 
 
 class JobCancelled(WorkbenchError):

@@ -10,8 +10,8 @@ import pinocchio as pin
 from workbench.model.digest import LATER, FactsRepr, digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, copy_pose, frozen, put
+from workbench.model.messages.calibration import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.message import FoundPart, Message
-from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 
 ALL_KINDS = "all"
 """Instead of a part's name: every kind that the cell picks, one of each in turn."""

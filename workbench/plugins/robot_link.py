@@ -11,6 +11,8 @@ import numpy as np
 
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import CommandRefused, InputError
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
 from workbench.model.release import (
@@ -262,35 +264,33 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
         CommandRefused: says what differs, or that the approval has run out.
     """
     pairs = (
-        ("plan", approval.plan_digest, plan.digest),
-        ("cell", approval.cell_digest, cell.digest),
-        ("cell of the plan", plan.cell_digest, cell.digest),
-        ("scan", approval.scan_digest, plan.scan_digest),
+        (DeviceText.PLAN, approval.plan_digest, plan.digest),
+        (DeviceText.CELL, approval.cell_digest, cell.digest),
+        (DeviceText.PLAN_CELL, plan.cell_digest, cell.digest),
+        (DeviceText.SCAN, approval.scan_digest, plan.scan_digest),
     )
     for what, approved, present in pairs:
         if approved != present:
             raise CommandRefused(
-                f"the approval is for another {what} ({approved[:12]}, here {present[:12]})"
+                DeviceText.OTHER_APPROVAL(what=what(), approved=approved[:12], present=present[:12])
             )
     if now < approval.at:
-        raise CommandRefused(
-            f"the approval begins in {approval.at - now:.0f} s: a clock has been set back"
-        )
+        raise CommandRefused(DeviceText.APPROVAL_EARLY(seconds=approval.at - now))
     if not now <= approval.until:
-        raise CommandRefused(f"the approval ran out {now - approval.until:.0f} s ago")
+        raise CommandRefused(DeviceText.APPROVAL_OVER(seconds=now - approval.until))
 
 
-def mapping_problem(cell: Cell) -> str:
-    """Why the link of a cell does not speak in its controller's numbers; else empty."""
+def mapping_problem(cell: Cell) -> Message | None:
+    """Why the link of a cell does not speak in its controller's numbers; else None."""
     motion = cell.controller.motion
     mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
     if not mapped or motion.maps_axes:
-        return ""
-    return f"the robot link {motion.link} does not know the axis_coupling of arm {mapped[0]}"
+        return None
+    return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
 
 
-def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> str:
-    """Why the controller of a cell cannot run a plan as it was proven, in this manner; else empty.
+def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | None:
+    """Why the controller of a cell cannot run a plan as it was proven, in this manner; else None.
 
     The controller is not in the cell's digest: a plan may have been made for another one.
     """
@@ -298,27 +298,20 @@ def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> str:
     if problem := mapping_problem(cell):
         return problem
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
-        return (
-            f"the robot link {motion.link} moves one arm at a time, this plan moves both; "
-            "make an alternated plan to send it, or use a robot link that moves two"
-        )
+        return DeviceText.ONE_ARM(link=motion.link)
     if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):
-        return (
-            f"the plan was made for finer steps than the robot link {motion.link} can send, so "
-            "what is sent would not be what was proven; make a new plan"
-        )
+        return DeviceText.FINER_STEPS(link=motion.link)
     share, is_stepped = manner
     if share < 1.0 and not motion.takes_share:
-        return f"the robot link {motion.link} cannot send a plan at a share of its speed"
+        return DeviceText.NO_SHARE(link=motion.link)
     if is_stepped and not motion.takes_steps:
-        return f"the robot link {motion.link} cannot send a plan step by step"
+        return DeviceText.NO_STEPS(link=motion.link)
     longest = max(float(np.diff(leg.t).max()) for arm in plan.arms for leg in arm.legs) / share
     if longest > motion.longest:
-        return (
-            f"at {share * 100:g} % of its speed the plan takes {longest:.0f} s from one waypoint "
-            f"to the next; the robot link {motion.link} can say {motion.longest:.0f} s"
+        return DeviceText.TOO_SLOW(
+            share=share, longest=longest, link=motion.link, most=motion.longest
         )
-    return ""
+    return None
 
 
 def _unseen(status: LinkStatus) -> None:
@@ -352,7 +345,7 @@ def send(
     words: dict[str, Any] = {}
     if approval.is_stepped:
         if not link.motion.takes_steps:
-            raise CommandRefused(f"the robot link {link.motion.link} cannot send step by step")
+            raise CommandRefused(DeviceText.NO_STEPS(link=link.motion.link))
         words["let"] = let
 
     def shown(status: LinkStatus) -> None:
@@ -364,9 +357,15 @@ def send(
         plan, approval, cell, now=now, cancelled=cancelled, show=shown, patience=patience, **words
     )
     with _closing(sending):
-        for receipt in sending:
-            receipts.check(receipt)
-            yield receipt
+        try:
+            for receipt in sending:
+                receipts.check(receipt)
+                yield receipt
+        except CommandRefused:
+            raise
+        except InputError as error:
+            unsendable = DeviceText.UNSENDABLE(link=link.motion.link, detail=error.message)
+            raise InputError(unsendable) from None
     receipts.check_end()
 
 

@@ -87,7 +87,7 @@ UNITS = ("cm", "deg", "mm", "ms", "rpy", "wb", "xyz")
 
 ALONE = frozenset(
     """
-    all alternated and approach approve approved at auto axis both busy
+    all alternated approach approve approved at auto axis both busy
     candidate closed coordinated crooked disabled engineer extract failed fault film
     flat found good grasp grasps home idle joint known leaning length linear missed moving
     none nothing off ok one-at-a-time operator part parts picked pitch

@@ -12,14 +12,15 @@ _CUT = re.compile(r"(\*\*|\n+|^#+ |^- )", re.MULTILINE)
 
 
 def _pieces(text: str) -> Iterator[tuple[str, str]]:
-    """HTML in order: `text`, `tag`, or `silent` for what is in styles and scripts."""
+    """HTML in order: `text`, `tag`, or `silent` for styles, scripts and names people chose."""
     at, silent = 0, ""
     for found in TAG.finditer(text):
         if found.start() > at:
             yield ("silent" if silent else "text"), text[at : found.start()]
         yield "tag", found[0]
         name = re.match(r"</?(\w+)", found[0])
-        if name and name[1] in _SILENT and not found[0].endswith("/>"):
+        is_name = not silent and 'translate="no"' in found[0]
+        if name and (is_name or name[1] in (*_SILENT, silent)) and not found[0].endswith("/>"):
             silent = "" if found[0].startswith("</") else name[1]
         at = found.end()
     if at < len(text):

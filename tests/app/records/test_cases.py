@@ -183,7 +183,7 @@ def bent(samples, keep, tmp_path):
         ("scan.json", lambda data: data.replace(b"64", b"65", 1), "its scan was changed"),
         ("files/", lambda data: data[:-8] + bytes(8), "its scan was changed"),
         ("files/", lambda data: data[8:], "can be read"),
-        ("files/", lambda _: None, "is no whole case"),
+        ("files/", lambda _: None, "is no case that can be read"),
         ("scan.json", lambda _: b"{" * 100_000, "can be read"),
     ],
 )

@@ -168,7 +168,7 @@ FAULTS = [
     (OLD, "garbage:5", 200, "where one b'send' was expected"),
     (NEW, "garbage:5", 200, "does not begin like a frame|is not text"),
     (NEW, "slow:5", 200, "did not acknowledge '0005 "),
-    (OLD, "half-open:5", 200, f"silent for {PATIENCE:.0f} s at message 6"),
+    (OLD, "half-open:5", 200, f"silent for {PATIENCE:.1f} s at message 6"),
     (NEW, "half-open:5", 200, "did not acknowledge '0005 "),
     (NEW, "half-open:98", 0.5, r"did not acknowledge '\d+ ping'|was silent"),
     (OLD, "double-send:5", 200, "b'sendsend' where one"),

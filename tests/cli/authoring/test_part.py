@@ -49,7 +49,7 @@ def test_import_and_check_say_one_figure_of_pieces_that_are_too_large(say, box):
 
 def test_bad_input_is_one_line(say, box):
     assert "letters, digits" in say("part", "import", box, "--name", "../box").problem
-    assert "no such CAD file" in say("part", "import", "gone.stl", "--name", "gone").problem
+    assert "there is no such file" in say("part", "import", "gone.stl", "--name", "gone").problem
     assert "--mass-g" in say("part", "import", box, "--name", "b", "--mass-g", -1).problem
     assert "no such name under parts/" in say("part", "check", "nothing").problem
     assert "--most" in say("grasps", "suggest", "puck", "--most", 0).problem

@@ -77,7 +77,7 @@ def test_a_pose_that_is_wrong_is_said_to_be_wrong(say, tmp_path):
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        (None, "bolt.ply: there is no such mesh file"),
+        (None, "bolt.ply: there is no such file"),
         (b"no mesh", "bolt.ply: is cut off, or no PLY file"),
         (b"ply\nformat ascii 1.0\nelement vertex 0\nend_header\n", "bolt.ply"),
     ],

@@ -127,7 +127,7 @@ def test_a_hand_that_fails_ends_the_plan(planned):
         name = plan.sequence[0].runs[0][0]
         one.moving[TASKS[name]].hand.has_fault = True
         patience = replace(PATIENT, answer=20.0)
-        with pytest.raises(LinkError, match=f"has not done: {name} gripper"):
+        with pytest.raises(LinkError, match=f"has not carried out: {name} gripper"):
             list(send(plan, approval, there, patience=patience))
         assert one.written == [f"Workbench: the hand of the {name} arm has a fault"]
         assert stands_at(one, cell, name, plan.arm(name).legs[0].q[0]) < np.deg2rad(0.1)

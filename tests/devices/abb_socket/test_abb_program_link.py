@@ -206,7 +206,7 @@ def test_a_controller_of_the_older_protocol_is_told_apart(at, plan, approval):
         thread = threading.Thread(target=old)
         thread.start()
         port = server.getsockname()[1]
-        with pytest.raises(LinkError, match="perhaps it speaks abb-socket alone"):
+        with pytest.raises(LinkError, match="perhaps it speaks an older protocol"):
             list(send(plan, approval, at(port, protocol="abb-socket/2")))
         thread.join(PATIENCE)
     assert got[0].startswith(b"0001 hello abb-socket/2") and len(got[0]) == 80

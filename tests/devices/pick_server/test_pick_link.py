@@ -184,9 +184,9 @@ def test_bytes_that_come_late_twice_or_never_change_nothing(planned):
 def test_another_link_refuses_a_controller_that_counts_otherwise(planned):
     cell = planned[0]
     arm = replace(cell.arms[0], mapping=AxisMapping(np.eye(6), np.zeros(6)))
-    assert mapping_problem(replace(cell, arms=(arm,))) == ""
+    assert mapping_problem(replace(cell, arms=(arm,))) is None
     other = spoken_to_by(replace(cell, arms=(arm,)), "abb-socket")
-    assert "axis_coupling" in mapping_problem(other)
+    assert "axis_coupling" in str(mapping_problem(other))
 
 
 def test_two_arms_are_refused(planned):

@@ -68,7 +68,7 @@ def test_a_page_that_has_none_is_told(page):
     answers["/scan.ply"] = b"ply\nformat"
     with pytest.raises(FileError):
         taken(made(HttpScanner, f"{address}/scan.ply"))
-    with pytest.raises(LinkError, match="scanner: http://127"):
+    with pytest.raises(LinkError, match="scanner http://127"):
         taken(made(HttpScanner, "http://127.0.0.1:9/scan.ply"))
 
 
@@ -84,5 +84,5 @@ def test_a_page_that_gives_a_scan_too_slowly_is_not_waited_for(page):
 
 @pytest.mark.parametrize("path", ["nonsense", "scan 1.ply"])
 def test_an_answer_or_an_address_that_is_no_http_is_told(page, path):
-    with pytest.raises(LinkError, match="scanner: http://127"):
+    with pytest.raises(LinkError, match="scanner http://127"):
         taken(made(HttpScanner, f"{page[0]}/{path}"))

@@ -72,14 +72,14 @@ def test_a_recording_may_be_left_while_it_plays_as_often_as_one_likes(recording)
 
 
 def test_a_recording_that_is_too_short_or_of_another_camera_is_told(recording):
-    with pytest.raises(LinkError, match=rf"ends after {FRAMES} depth images, and 6 are skipped"):
+    with pytest.raises(LinkError, match=rf"ends after {FRAMES} images; 6 are skipped"):
         taken(scanner(recording, skipped_frames=FRAMES))
-    with pytest.raises(LinkError, match=f"of the camera {SERIAL}, expected 77 "):
+    with pytest.raises(LinkError, match=f"serial number {SERIAL}, not 77"):
         taken(scanner(recording, serial="77"))
 
 
 def test_what_is_no_recording_of_depths_is_told(tmp_path):
-    with pytest.raises(LinkError, match=r"no.db3: there is no such file \(file\)"):
+    with pytest.raises(LinkError, match=r"there is no recording .*no.db3 \(file\)"):
         taken(scanner(tmp_path / "no.db3"))
     assert not (tmp_path / "no.db3").exists()
     (tmp_path / "text.db3").write_text("no recording")
@@ -94,7 +94,7 @@ def test_a_scale_that_cannot_be_is_noticed(recording):
     cell = read_cell("yumi")
     mount = replace(cell.scanner, near=20.0, far=50.0)
     options = RealsenseOptions(file=str(recording), skipped_frames=0)
-    with pytest.raises(LinkError, match=r"frame 1 is 0\.5.* m away, and .* 20 to 50 m"):
+    with pytest.raises(LinkError, match=r"frame 1 is 5\d\d mm .* away, .* 20000 mm to 50000 mm"):
         taken(RealsenseScanner(replace(cell, scanner=mount), options))
 
 
@@ -134,16 +134,16 @@ def test_a_camera_is_found_by_its_number_and_sends_what_comes_after_the_question
     sized = {"columns": 32, "rows": 24, "serial": "A1"}
     with pytest.raises(LinkError, match="A1: it has no depth images of 32 x 24 pixels"):
         taken(made(RealsenseScanner, "", options=sized))
-    with pytest.raises(LinkError, match="no such camera: there are A1, B2"):
+    with pytest.raises(LinkError, match=r"answers \(found: A1, B2\)"):
         taken(made(RealsenseScanner, ""))
-    with pytest.raises(LinkError, match=r"no depth image came within 0\.3 s"):
+    with pytest.raises(LinkError, match=r"no image came within 0\.3 s"):
         taken(made(RealsenseScanner, "", patience=0.3, options={"serial": "A1"}))
 
 
 def test_without_a_camera_or_the_library_it_is_told(monkeypatch):
-    with pytest.raises(LinkError, match=r"scanner 12345: no such camera: there is none"):
+    with pytest.raises(LinkError, match=r"scanner 12345: no camera .* answers \(found: -\)"):
         taken(made(RealsenseScanner, "", options={"serial": "12345"}))
-    with pytest.raises(LinkError, match=r"the only camera: no such camera: there is none"):
+    with pytest.raises(LinkError, match=r"the only camera: no camera .* answers \(found: -\)"):
         taken(
             made(RealsenseScanner, "", options={"exposure_us": 8000.0, "columns": 848, "rows": 480})
         )

@@ -160,16 +160,16 @@ def test_a_clock_that_goes_back_ends_the_motion(planned):
 def test_a_clock_that_stands_is_silence(planned):
     stands = InLeg(lambda state: [state | {"timestamp": 1e6}])
     patience = replace(PATIENT, silence=2.0)
-    fault_of(planned, stands, r"silent for 2 s at leg [12] of 6", patience=patience)
+    fault_of(planned, stands, r"silent for 2.0 s at leg [12] of 6", patience=patience)
 
 
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda leg: leg + 7 * rtde.TICKETS, "tells of another program at leg"),
-        (lambda leg: -(2**31), "tells of another program at leg"),
-        (lambda leg: 2**31 - 1, "tells of another program at leg"),
-        (lambda leg: 0, "tells of another program at leg"),
+        (lambda leg: leg + 7 * rtde.TICKETS, "reports another program at leg"),
+        (lambda leg: -(2**31), "reports another program at leg"),
+        (lambda leg: 2**31 - 1, "reports another program at leg"),
+        (lambda leg: 0, "reports another program at leg"),
         (lambda leg: leg - 1, "is in leg 1 after leg 2 of 6"),
         (lambda leg: leg + 2, r"is in leg 4 0\.\d\d s after leg [12]: what is between takes"),
         (lambda leg: leg + 5, r"is at the end 0\.\d\d s after leg [12]: what is between takes"),
@@ -216,7 +216,7 @@ def test_a_state_in_which_a_robot_does_not_move_ends_the_motion(planned, told, s
     ids=["nothing", "a packet of no kind", "noise", "no length", "half a packet"],
 )
 def test_packets_that_are_none_end_the_motion(planned, instead):
-    says = "silent for 3 s|has ended|the controller's client says|reports|another program"
+    says = r"silent for 3\.0 s|has ended|client of the controller|protocol error"
     patience = replace(PATIENT, silence=3.0)
     fault_of(planned, InLeg(lambda state: instead), says, patience=patience)
 
@@ -273,7 +273,7 @@ def test_a_program_that_comes_once_more_after_its_end_moves_nothing(planned):
             come_again(twin, text)
             assert twin.q == stood and twin.outputs == {}
             twin.outputs.update(outputs)
-        with pytest.raises(LinkError, match="has run this program already; nothing runs twice"):
+        with pytest.raises(LinkError, match="has begun this plan already; nothing runs twice"):
             list(send(plan, approval, there, patience=PATIENT))
         assert len(plans(twin)) == 4 + 3
 

@@ -146,7 +146,7 @@ def test_a_robot_that_stands_elsewhere_is_not_moved(planned, host):
     start[1] += np.deg2rad(0.5)
     with (
         twin_of(cell, host, start=start.tolist()) as (twin, there),
-        pytest.raises(LinkError, match=r"stands 0\.5 degrees from where the plan begins"),
+        pytest.raises(LinkError, match=r"stands 0\.5 deg from the start of the plan"),
     ):
         list(send(plan, approval, there, patience=PATIENT))
     assert plans(twin) == []

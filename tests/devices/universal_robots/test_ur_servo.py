@@ -161,8 +161,8 @@ def test_a_plan_is_streamed_once_and_the_arm_stays_in_what_was_proven(planned, h
     ("fault", "says"),
     [
         ("protective-stop@2", "reports at leg . of 6: protective stop"),
-        ("cut@2", "closed the link|silent|has ended|the controller's client says"),
-        ("stray@2", r"does not follow in leg 2 of 6: \S+ is \d\.\d degrees from its references"),
+        ("cut@2", "closed the link|silent|has ended|client of the controller|protocol error"),
+        ("stray@2", r"does not follow in leg 2 of 6: \d\.\d deg from its reference"),
     ],
 )
 def test_a_doubt_stops_the_robot(planned, host, fault, says):
@@ -201,7 +201,7 @@ def test_a_client_that_stands_still_ends_the_stream_by_the_controllers_watchdog(
         kinds = [next(sending).kind, next(sending).kind]
         os.kill(opened[0].pid, signal.SIGSTOP)
         try:
-            with pytest.raises(LinkError, match="silent for 10 s"):
+            with pytest.raises(LinkError, match=r"silent for 10\.0 s"):
                 for receipt in sending:
                     kinds.append(receipt.kind)
             assert "end" not in kinds and twin.is_protective and not twin.is_playing

@@ -225,7 +225,7 @@ def test_what_is_wrong_with_a_model_is_said(tmp_path, keys, says):
 def test_a_folder_without_models_is_refused(tmp_path):
     folder = info(tmp_path)
     (folder / "obj_000001.ply").unlink()
-    with pytest.raises(FileError, match="there is no such mesh file"):
+    with pytest.raises(FileError, match="there is no such file"):
         read_models(folder)
     (folder / "models_info.json").write_text("{}")
     with pytest.raises(FileError, match="names no object"):

@@ -238,7 +238,7 @@ def test_things_stand_and_are_scaled_as_the_world_says(tmp_path):
         ("velmax", f"noselfcollision 0 {'9' * 5000}\nvelmax", "not the number of a link"),
         ("qMinDeg -100", "qMinDeg 200", "'link 0' would go from 3.49.* to 1.7"),
         ("qMaxDeg 100", "qMaxDeg -5000", "'link 0' would go from -1.7.* to -87"),
-        ("velmax", 'geometry "no.off" "" "" "" "" ""\nvelmax', "there is no such mesh"),
+        ("velmax", 'geometry "no.off" "" "" "" "" ""\nvelmax', "there is no such file"),
         ("velmax", 'mount 0 "robot.rob"\nvelmax', "deep"),
         ('"link 1"', '"link 0"', "6 different names"),
         ("velmax", 'links "\nvelmax', "No closing quotation"),

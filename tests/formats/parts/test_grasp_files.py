@@ -155,15 +155,15 @@ def test_changes_are_told_in_words():
     )
     other = replace(side.grasp, name="top")
     new = GraspLibrary((moved, other), (GraspPair("side", "top", True),))
-    assert changes_in_words(old, new) == (
-        "side: moved by 2.00 mm, turned by 5.00°, disabled, opening 40 mm → 44 mm, "
+    assert tuple(map(str, changes_in_words(old, new))) == (
+        "side: moved by 2.00 mm, turned by 5.00 deg, disabled, opening 40 → 44 mm, "
         "arms as usual → left, pattern changed, 15 → 10 grasps",
         "top is new, a grasp",
         "the pair side then top is new",
     )
-    assert changes_in_words(new, old) == (
+    assert tuple(map(str, changes_in_words(new, old))) == (
         "top is gone",
-        "side: moved by 2.00 mm, turned by 5.00°, enabled, opening 44 mm → 40 mm, "
+        "side: moved by 2.00 mm, turned by 5.00 deg, enabled, opening 44 → 40 mm, "
         "arms left → as usual, pattern changed, 10 → 15 grasps",
         "the pair side then top is gone",
     )
@@ -196,7 +196,7 @@ def test_versions_are_kept_with_who_and_why(folder):
     assert kept[1].at == "1970-01-01T00:00:00Z"
     assert digest_of(kept[1].library) == digest_of(as_written(new.library))
     lines = [json.loads(line) for line in (folder / "changes.log").read_text().splitlines()]
-    assert lines[1]["changes"] == ["side: opening 40 mm → 44 mm"]
+    assert lines[1]["changes"] == ["side: opening 40 → 44 mm"]
     assert "# ours" in (folder / "part.toml").read_text()
     assert "fold = 1" in (folder / "part.toml").read_text()
 

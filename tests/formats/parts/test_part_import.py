@@ -156,7 +156,7 @@ def test_files_that_are_none_are_refused(tmp_path):
             import_mesh(path, None)
         return str(refused.value)
 
-    assert "no such CAD file" in refusal("gone.stl", None)
+    assert "there is no such file" in refusal("gone.stl", None)
     assert "is no CAD file that can be read: one of .stl" in refusal("part.igs", b"S")
     assert "holds no triangles" in refusal("empty.stl", b"")
     # 4 thousand million triangles are promised.
@@ -180,7 +180,7 @@ def test_files_that_are_none_are_refused(tmp_path):
     assert "is no zip file that can be read, or is cut off" in refusal(
         "cut.zip", zipped({"a.stl": bytes(500)})[:100]
     )
-    assert "needs scene.bin, which is not beside it" in refusal(
+    assert "needs scene.bin, which is not in the same folder" in refusal(
         "scene.gltf",
         b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "scene.bin", "byteLength": 8}]}',
     )

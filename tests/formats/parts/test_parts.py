@@ -159,7 +159,7 @@ WRONG_PARTS: dict[str, tuple[Callable[[Path], object], str]] = {
     "shape": (lambda f: changed(f / "part.toml", '"box"', '"cone"'), r"piece\[3\]\.shape: 'cone'"),
     "fold": (lambda f: changed(f / "part.toml", "fold = 1", "fold = -1"), r"symmetry\.fold: -1"),
     "unit": (lambda f: changed(f / "part.toml", '"mm"', '"cm"'), "unit: 'cm' is not one of mm, m"),
-    "no mesh": (lambda f: (f / "keyed_cylinder.stl").unlink(), "there is no such mesh file"),
+    "no mesh": (lambda f: (f / "keyed_cylinder.stl").unlink(), "there is no such file"),
     "broken mesh": (lambda f: (f / "keyed_cylinder.stl").write_bytes(b"solid"), "keyed_cylinder"),
     "grasps": (lambda f: changed(f / "grasps.toml", "[0, 1, 0]", "[1, 1, 0]"), "perpendicular"),
 }

@@ -2,6 +2,8 @@
 
 import re
 from dataclasses import replace
+from html import unescape
+from unicodedata import east_asian_width
 
 import pytest
 
@@ -12,6 +14,9 @@ from workbench.gui.shared import views
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.errors import JobCancelled, WorkbenchError
 from workbench.model.messages.cells import InventoryText
+from workbench.model.messages.message import GROUPED, UNITS, Message
+from workbench.model.messages.states import ControlText, RowStop, StateText, TaskText
+from workbench.model.messages.work import CancelText
 from workbench.words.words import words_of
 
 NOW = 1_760_000_000.0
@@ -27,12 +32,35 @@ def test_the_warning_of_other_software_is_read_in_every_language(language):
     assert not {"nothing", "before", "changed"} & set(re.findall("[a-z]+", said))
 
 
-def test_a_long_status_is_set_smaller_and_a_fault_is_not(view_of):
+def test_a_long_state_goes_on_below_and_can_be_read_whole(view_of):
     state = State(read_cell("yumi"), message="plan " * 30)
-    assert "wb-long" in views.status_html(view_of(state))
-    assert "wb-long" not in views.status_html(view_of(replace(state, message="short")))
-    failed = replace(state, phase=Phase.FAULT, fault="no answer " * 20)
-    assert "wb-long" not in views.status_html(view_of(failed))
+    text = views.status_html(view_of(state))
+    assert "<small>plan plan" in text and f'title="{"Plan " + "plan " * 29}"' in text
+    short = views.status_html(view_of(replace(state, message="short")))
+    assert "<small>" not in short and "title" not in short
+    fault = replace(state, phase=Phase.FAULT, fault="no answer " * 20)
+    assert "<b>Fault:</b> no answer" in views.status_html(view_of(fault))
+
+
+SAMPLES = {
+    "mm": 0.0123, "s": 6.9, "count": 2, "total": 12, "number": 11, "points": "280,689",
+    "person": "Anna Muster", "other": "Bert", "part": "keyed_cylinder", "plan": "e26926af7628",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("language", ["en", "de", "it", "fr", "es", "zh"])
+def test_the_first_line_of_every_state_is_short_in_every_language(language, view_of):
+    words, cell = words_of(language), read_cell("yumi")
+    for text in (*StateText, *ControlText, *RowStop, *TaskText, *CancelText):
+        args = {
+            name: SAMPLES.get(name, 2 if how & {*UNITS, GROUPED, "|"} else "side-3-3 " * 3)
+            for name, how in text.places.items()
+        }
+        state = State(cell, message=Message(text, args))
+        found = re.search("<span>(.*?)(<small>|</span>)", views.status_html(view_of(state), words))
+        line = unescape(re.sub("<[^>]*>", "", found[1]))
+        width = sum(2 if east_asian_width(letter) in "WF" else 1 for letter in line)
+        assert 0 < width <= 60, (text.id, line)
 
 
 def ended(state, name, brought):

@@ -31,7 +31,7 @@ from workbench.model.scan import Objection, RejectedHypothesis
 NOW = 1_760_000_000.0
 EVIL = "\"'><img src=x onerror=alert(1)><script>alert(2)</script>&amp;"
 TABLE = {"table", "thead", "tbody", "tr", "th", "td"}
-TAGS = {"ol", "li", "span", "div", "b", "i", "details", "summary"} | TABLE
+TAGS = {"ol", "small", "li", "span", "div", "b", "i", "details", "summary"} | TABLE
 
 
 class Reader(HTMLParser):

@@ -11,7 +11,7 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Box
 from workbench.model.messages.message import Message
-from workbench.model.messages.places import PalletText
+from workbench.model.messages.parts import PalletText
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection, Obstacle
 from workbench.proof.claims.places.layers import (

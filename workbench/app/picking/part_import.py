@@ -21,6 +21,7 @@ from workbench.formats.parts.new_part import (
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
+from workbench.model.messages.parts import SymmetryText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import Part
 from workbench.planning.grasps.part_symmetry import FoundSymmetry, proposed_symmetry
@@ -96,7 +97,7 @@ def make_part(
         imported,
         mass=weighs,
         symmetry=found.symmetry if found is not None and is_symmetric else None,
-        proposal="" if found is None else symmetry_words(found),
+        proposal="" if found is None else str(symmetry_words(found)),
         report=lambda done, note: report(0.3 + 0.6 * done, note),
     )
     report(0.9, ProgressText.EXCESS())
@@ -109,18 +110,21 @@ def excess_of(part: Part) -> float:
     return convex_pieces.excess_of(part.mesh, part.pieces)
 
 
-def symmetry_words(found: FoundSymmetry) -> str:
-    """A symmetry in a sentence."""
+def symmetry_words(found: FoundSymmetry) -> Message:
+    """A symmetry for people."""
     symmetry = found.symmetry
-    main, *others = (f"{_turns(axis.fold)} about {_numbers(axis.axis)}" for axis in symmetry.axes)
-    said = " and ".join([main, *others])
+    turns = [_turns(axis.fold, _numbers(axis.axis)) for axis in symmetry.axes]
+    args = {"turns": turns, "symmetry": str(symmetry), "off": found.deviation}
     if any(symmetry.point):
-        said += f", through {_numbers(1000 * np.array(symmetry.point))} mm"
-    return f"{said} ({symmetry}), {found.deviation * 1000:.2f} mm off at most"
+        point = _numbers(1000 * np.array(symmetry.point))
+        return SymmetryText.FOUND_THROUGH(point=point, **args)
+    return SymmetryText.FOUND(**args)
 
 
-def _turns(fold: int) -> str:
-    return "any turn" if fold == 0 else f"turns of {360 / fold:g} degrees"
+def _turns(fold: int, axis: str) -> Message:
+    if fold == 0:
+        return SymmetryText.ANY_TURN(axis=axis)
+    return SymmetryText.TURNS(angle=f"{360 / fold:g}", axis=axis)
 
 
 def _numbers(values: Floats) -> str:

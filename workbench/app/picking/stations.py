@@ -12,7 +12,7 @@ from workbench.model.cell import Cell, Policy
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
-from workbench.model.messages.places import StationText
+from workbench.model.messages.parts import StationText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.part import PartPlace, Station
 from workbench.model.scan import Detection, Scene

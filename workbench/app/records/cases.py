@@ -34,6 +34,7 @@ from workbench.model.cell import Cell
 from workbench.model.digest import FactsRepr, canonical, digest_of
 from workbench.model.errors import FileError, InputError, WorkbenchError
 from workbench.model.messages.commands import NameText
+from workbench.model.messages.files import FileProblem
 from workbench.model.scan import Detection, Scan, SearchRecord
 
 FORMAT = "workbench-case/1"
@@ -114,7 +115,8 @@ def write_case(path: Path, case: Case) -> None:
         len(content_of) for content_of in content.values() if not isinstance(content_of, Path)
     )
     if size > LARGEST:
-        raise FileError(path, f"would have {size / MB:.0f} MB; up to {LARGEST / MB:.0f} are kept")
+        sizes = {"size": f"{size / MB:.0f}", "most": f"{LARGEST / MB:.0f}"}
+        raise FileError(path, FileProblem.CASE_TOO_LARGE(**sizes))
     write_archive(path, content)
 
 
@@ -127,18 +129,18 @@ def read_case(path: Path) -> Case:
     with tempfile.TemporaryDirectory() as place:
         names = unpack(path, Path(place), LARGEST)
         if "case.json" not in names:
-            raise FileError(path, "is no case: there is no case.json in it")
+            detail = "there is no case.json in it"
+            raise FileError(path, FileProblem.NO_CASE(detail=detail))
         try:
             # Numbers that are none make digests that are others, and no warnings.
             with np.errstate(all="ignore"):
                 return _read(path, Path(place))
         except FileError as error:
-            raise FileError(
-                path, f"is no whole case: {Path(error.path).name} {error.problem}"
-            ) from None
+            detail = f"{Path(error.path).name} {error.problem}"
+            raise FileError(path, FileProblem.NO_CASE(detail=detail)) from None
         except UNREADABLE as error:
             said = " ".join(str(error).split())[:200] or type(error).__name__
-            raise FileError(path, f"is no case that can be read: {said}") from None
+            raise FileError(path, FileProblem.NO_CASE(detail=said)) from None
 
 
 def _read(path: Path, place: Path) -> Case:

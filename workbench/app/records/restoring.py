@@ -19,7 +19,8 @@ from workbench.formats.files.apart import Answer, apart, finish
 from workbench.formats.files.archives import unpacked_beside
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
-from workbench.model.errors import FileError, InputError, WorkbenchError
+from workbench.model.errors import FileError, InputError
+from workbench.model.messages.files import FileProblem, FileText
 from workbench.plugins.progress import Cancelled, never
 
 KEPT_USERS = "users.json"
@@ -81,12 +82,14 @@ def _check(path: Path, place: Path) -> None:
     try:
         stated = json.loads(read_whole(place / MANIFEST, LARGEST))["format"]
     except (FileError, KeyError, TypeError, ValueError):
-        raise FileError(path, "is no backup of a workbench") from None
+        raise FileError(path, FileProblem.NO_BACKUP()) from None
     if stated != FORMAT:
-        raise FileError(path, f"has format {stated!r}, expected {FORMAT!r}")
+        detail = f"format {stated!r}, expected {FORMAT!r}"
+        raise FileError(path, FileProblem.OTHER_BACKUP(detail=detail))
     strange = {member.name for member in place.iterdir()} - {MANIFEST, KEPT_USERS, *KINDS}
     if strange:
-        raise FileError(path, f"holds {sorted(strange)[0]!r}, which no backup does")
+        detail = f"it holds {sorted(strange)[0]!r}, which no backup does"
+        raise FileError(path, FileProblem.OTHER_BACKUP(detail=detail))
     # Cells name parts, which are looked for below the working directory.
     with contextlib.chdir(place):
         for part in sorted(Path("parts").glob("*/part.toml")):
@@ -144,7 +147,8 @@ def put_in_place(root: Path, backup: Unpacked) -> None:
             if now.exists():
                 now.rename(before)
         if isinstance(error, OSError):
-            raise FileError(error.filename or root, f"not restored: {error.strerror}") from None
+            problem = FileProblem.NOT_RESTORED(reason=str(error.strerror))
+            raise FileError(error.filename or root, problem) from None
         raise
 
 
@@ -179,7 +183,7 @@ def _apart(file: Path, root: Path, *, is_put: bool, cancelled: Cancelled) -> tup
         )
     except FileError as error:
         # Where the file lies for now says nothing to anybody.
-        raise InputError(f"{file.name}: {error.problem}") from None
+        raise InputError(FileText.PROBLEM(path=file.name, problem=error.problem)) from None
     return tuple(Thing(**fields) for fields in answer.value)
 
 
@@ -192,10 +196,11 @@ def looked_into(file: Path, root: str, is_put: bool) -> Answer:
     try:
         with unpack_backup(file, Path(root)) as backup:
             if backup.users is not None:
-                raise InputError("the backup holds users: restore it from a shell")
+                raise InputError(FileProblem.HOLDS_USERS())
             if is_put:
                 finish()
                 put_in_place(Path(root), backup)
             return Answer([asdict(thing) for thing in backup.things])
-    except WorkbenchError as error:
-        raise InputError(str(error).replace(str(file), file.name)) from None
+    except FileError as error:
+        name = file.name if error.path == str(file) else error.path
+        raise InputError(FileText.PROBLEM(path=name, problem=error.problem)) from None

@@ -94,7 +94,7 @@ def _import_form(typed: PartImport, made: MadePart) -> dict[str, Any]:
         "done": list(imported.done),
         "pieces": count_pieces(written.part),
         "excess_mm": round(made.excess * 1000, 2),
-        "symmetry": None if found is None else symmetry_words(found),
+        "symmetry": None if found is None else str(symmetry_words(found)),
         "symmetry_stated": found is not None and typed.accept_symmetry,
     }
 

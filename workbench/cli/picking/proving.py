@@ -15,7 +15,6 @@ from workbench.formats.plans.certificates import read_certificate, versions, wri
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
-from workbench.model.messages.message import plain
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
 from workbench.plugins.robot_link import misfit
@@ -106,5 +105,5 @@ def _check(path: Path, typed: arguments.Prove) -> int:
 
 def _for_controller(cell: Cell, plan: Plan, proof: Proof) -> Proof:
     """The proof with what the cell's controller cannot do: what holds may be run there."""
-    problem = misfit(plan, cell) if proof.holds else ""
-    return replace(proof, violations=(Violation(plain(problem)),)) if problem else proof
+    problem = misfit(plan, cell) if proof.holds else None
+    return replace(proof, violations=(Violation(problem),)) if problem else proof

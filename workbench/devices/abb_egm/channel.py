@@ -13,8 +13,10 @@ import numpy as np
 
 from workbench.devices.abb_egm import wire
 from workbench.model.cell import Arm, Cell
-from workbench.model.errors import LinkError
+from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
 from workbench.plugins.reported import bounds_of
 
 DRIFT = 1e-3
@@ -37,7 +39,7 @@ def address_of(host: str) -> str:
         return socket.gethostbyname(host)
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise LinkError(f"the controller {host} is not known ({reason})") from None
+        raise LinkError(DeviceText.UNKNOWN_HOST(host=host, reason=str(reason))) from None
 
 
 class Channel:
@@ -79,7 +81,7 @@ class Channel:
             self._socket.bind(("", port))
         except OSError as error:
             self._socket.close()
-            raise LinkError(f"{self._where} cannot be listened to: {error.strerror}") from None
+            raise LinkError(self._at_port(error)) from None
         self._socket.setblocking(False)
 
     last: wire.Feedback | None
@@ -103,6 +105,9 @@ class Channel:
         # The controller's clock since the first report; by how much ours is ahead of it at least.
         self._at, self._ahead = 0.0, math.inf
 
+    def _at_port(self, error: OSError) -> Message:
+        return DeviceText.PORT(port=self._where, reason=error.strerror or str(error))
+
     def hear(self) -> wire.Feedback | None:
         """As `hear_first`, and a silence is an error.
 
@@ -112,9 +117,7 @@ class Channel:
         if (feedback := self.hear_first()) is not None:
             return feedback
         if self._clock() - self._fresh > self._silence:
-            raise LinkError(
-                f"the controller was silent for {self._silence * 1000:.0f} ms: {self._where}"
-            )
+            raise LinkError(DeviceText.SILENT(seconds=self._silence, where=self._where))
         return None
 
     def hear_first(self) -> wire.Feedback | None:
@@ -130,11 +133,11 @@ class Channel:
             except BlockingIOError:
                 break
             except OSError as error:
-                raise LinkError(f"{self._where}: {error.strerror}") from None
+                raise LinkError(self._at_port(error)) from None
             if sender[0] != self._host:
                 continue
             if self._from not in (None, sender):
-                raise LinkError(f"two programs report {self._where}")
+                raise ProtocolError(f"two programs report {self._where}")
             self._from = sender
             self._take(wire.read_feedback(data, len(self.arm.joints)))
             first = self._at if first is None else first
@@ -149,19 +152,19 @@ class Channel:
         if self.last is not None:
             ahead = (feedback.number - self.last.number) % WRAP
             if not 0 < ahead < WRAP // 2:
-                raise LinkError(
+                raise ProtocolError(
                     f"report {feedback.number} came after {self.last.number}: "
                     "twice, or out of order"
                 )
             later = (feedback.at - self.last.at) % WRAP
             off = abs(later - ahead * wire.PERIOD_MS)
             if self._is_paced and off > wire.PERIOD_MS // 2:
-                raise LinkError(
+                raise ProtocolError(
                     f"{self._where}: {ahead} reports are {later} ms apart by the controller's "
                     f"clock; EGM has to run at {wire.PERIOD_MS} ms"
                 )
             if later > self._silence * 1000:
-                raise LinkError(f"{ahead - 1} reports were lost: {self._where}")
+                raise LinkError(DeviceText.LOST(where=self._where))
             self._at += later / 1000
         self._bounds.taken(self.q_of(feedback), in_motion=self._is_paced)
         self.last = feedback

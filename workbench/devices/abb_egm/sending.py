@@ -16,9 +16,11 @@ from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.channel import Channel
 from workbench.devices.abb_egm.orders import LegRun, Order, Score
 from workbench.devices.streamed_way import Ride
-from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import DeviceText
 from workbench.model.messages.message import Message
+from workbench.model.messages.plans import leg_message
 from workbench.model.messages.work import LinkText, StopText
 from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
@@ -112,20 +114,21 @@ class EgmSending:
                     self._come_to_rest()
 
     @property
-    def _where(self) -> str:
+    def _where(self) -> Message:
         legs = sum(isinstance(item, LegRun) for item in self._score.items)
-        return f"leg {self._leg} of {legs}"
+        return DeviceText.LEG(number=self._leg, total=legs)
 
     def _look(self, cancelled: Cancelled) -> None:
         """Nothing is sent before every arm has reported in order and may move."""
         until = self._patience.clock() + min(CONNECT, self._patience.answer)
-        heard, trouble = dict.fromkeys(self._channels, 0), ""
+        heard = dict.fromkeys(self._channels, 0)
+        trouble: Message | None = None
         while min(heard.values()) < LOOKS:
             if cancelled():
                 raise JobCancelled(LinkText.NOTHING_SENT())
             if self._patience.clock() > until:
                 arm = min(heard, key=lambda name: heard[name])
-                raise LinkError(trouble or f"no EGM of a controller reports {arm} at its UDP port")
+                raise LinkError(trouble or DeviceText.NO_REPORTS(arm=arm))
             select.select(list(self._channels.values()), [], [], POLL)
             for name, channel in self._channels.items():
                 try:
@@ -133,16 +136,16 @@ class EgmSending:
                         heard[name] += len(channel.came)
                 except LinkError as error:
                     # A module that nobody answers takes up EGM anew, and its numbers begin anew.
-                    heard[name], trouble = 0, str(error)
+                    heard[name], trouble = 0, error.message
                     channel.forget()
         for name, channel in self._channels.items():
             feedback = channel.last
             assert feedback is not None
             self._check_state(name, feedback)
             if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
-                raise LinkError(f"{name}: the module in RAPID says nothing; is it loaded?")
+                raise LinkError(DeviceText.MODULE_SILENT(arm=name))
             self._check_new(name, feedback)
-            self._check_stands(name, self._score.start(name).at(0.0)[0], "the plan begins")
+            self._check_stands(name, self._score.start(name).at(0.0)[0], DeviceText.PLAN_START())
             self._refs[name] = deque([channel.q], maxlen=LAG)
             self._said[name] = (wire.VERSION, self._score.ticket, 0.0, float(wire.NONE), 0.0, 0.0)
 
@@ -171,7 +174,7 @@ class EgmSending:
                 is_done = is_begun and self._done_by[name] == number
             yield
             if self._patience.clock() - began > self._patience.answer:
-                raise LinkError(f"the controller has not done: {order.arm} {order.words}")
+                raise LinkError(DeviceText.NOT_DONE(arm=order.arm, order=order.words))
         if order.command == wire.END:
             self._ended.add(order.arm)
 
@@ -179,7 +182,7 @@ class EgmSending:
         """The module in RAPID has not begun this plan before: neither last, nor before others."""
         has_begun = feedback.rapid_values[1] == self._score.ticket and not self._given[name]
         if has_begun or self._is_refused(feedback):
-            raise LinkError("the controller has begun this plan already; nothing runs twice")
+            raise LinkError(DeviceText.RUN_BEFORE())
 
     def _is_refused(self, feedback: wire.Feedback) -> bool:
         return feedback.rapid_values[3:4] == (self._score.ticket,)
@@ -187,17 +190,17 @@ class EgmSending:
     def _check_module(self, name: str, feedback: wire.Feedback) -> None:
         """The module in RAPID reports our ticket, and of no order but the last ones."""
         if len(feedback.rapid_values) < 3 or feedback.rapid_values[0] != wire.VERSION:
-            raise LinkError(f"{name}: the module in RAPID has gone silent")
+            raise LinkError(DeviceText.MODULE_SILENT(arm=name))
         self._check_new(name, feedback)
         _, ticket, done = feedback.rapid_values[:3]
         before, given = self._done_by[name], self._given[name]
         if ticket != self._score.ticket:
             if before:
-                raise LinkError(f"{name}: the module in RAPID has begun another plan")
+                raise ProtocolError(f"{name}: the module in RAPID has begun another plan")
             return
         if done not in (before, given):
-            raise LinkError(
-                f"{name}: the module in RAPID tells of order {done:.6g}, where {before} was done "
+            raise ProtocolError(
+                f"{name}: the module in RAPID reports order {done:.6g}, where {before} was done "
                 f"and {given} was given"
             )
         self._done_by[name] = int(done)
@@ -208,7 +211,7 @@ class EgmSending:
         ride = Ride(run.way, self._share, wire.PERIOD_MS / 1000)
         said = self._said[run.arm]
         self._said[run.arm] = (*said[:6], float(run.number), *said[7:])
-        self._check_stands(run.arm, ride.q, f"leg {run.name} begins")
+        self._check_stands(run.arm, ride.q, DeviceText.LEG_START(leg=leg_message(run.name)))
         self._riding = run.arm, ride
         settled, is_there, has_begun = 0, False, False
         while not is_there:
@@ -227,8 +230,9 @@ class EgmSending:
                 settled += 1
                 is_there = self._is_there(name)
                 if settled > SETTLE:
-                    self._check_stands(name, ride.q, f"leg {run.name} ends")
-                    raise LinkError(f"{name} does not come to rest at the end of leg {run.name}")
+                    end = DeviceText.LEG_END(leg=leg_message(run.name))
+                    self._check_stands(name, ride.q, end)
+                    raise LinkError(DeviceText.NOT_AT_REST(arm=name, where=end))
             yield
         self._riding = None
         said = self._said[run.arm]
@@ -260,32 +264,27 @@ class EgmSending:
 
     def _check_state(self, name: str, feedback: wire.Feedback) -> None:
         if feedback.fault:
-            at = f" in {self._where}" if self._leg else ""
-            raise LinkError(f"{name}: {feedback.fault}{at}")
+            where = self._where if self._leg else DeviceText.PLAN_START()
+            raise LinkError(DeviceText.FAULT(where=where, fault=f"{name}: {feedback.fault}"))
 
     def _check_late(self, name: str) -> None:
         late = self._channels[name].late
         if late > self._silence:
-            raise LinkError(f"a report came {late * 1000:.0f} ms late in {self._where}: too late")
+            raise LinkError(DeviceText.LATE(late=late, where=self._where))
 
     def _check_follows(self, name: str, feedback: wire.Feedback) -> None:
         """An arm is near its last references, also one that is to stand where it is."""
         q = self._channels[name].q_of(feedback)
         off = np.abs(np.array(self._refs[name]) - q).max(axis=1).min()
         if not off <= OFF:
-            raise LinkError(
-                f"{name} does not follow in {self._where}: it is {np.rad2deg(off):.1f} degrees "
-                f"from where it was sent within {LAG * wire.PERIOD_MS} ms"
-            )
+            raise LinkError(DeviceText.NOT_FOLLOWING(name=name, off=float(off), where=self._where))
 
-    def _check_stands(self, name: str, q: Floats, where: str) -> None:
+    def _check_stands(self, name: str, q: Floats, where: Message) -> None:
         channel = self._channels[name]
         off = np.abs(channel.q - q)
         if not off.max() <= NEAR:
             joint = channel.arm.joints[int(off.argmax())]
-            raise LinkError(
-                f"{joint} stands {np.rad2deg(off.max()):.1f} degrees from where {where}"
-            )
+            raise LinkError(DeviceText.OFF_TARGET(joint=joint, off=float(off.max()), where=where))
 
     def _is_there(self, name: str) -> bool:
         feedback = self._channels[name].last

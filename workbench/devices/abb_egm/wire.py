@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.model.errors import LinkError
+from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import DeviceText
 
 PERIOD_MS = 4
 LONGEST = 4096
@@ -116,13 +117,13 @@ def read_feedback(data: bytes, axes: int) -> Feedback:
     """
     message = _parse("EgmRobot", data)
     if not message.HasField("header") or not message.HasField("feedBack"):
-        raise LinkError("an EGM message without header or joints came")
+        raise ProtocolError("an EGM message without header or joints came")
     q = _axes(message.feedBack)
     if len(q) != axes:
-        raise LinkError(f"the controller reports {len(q)} axes, {axes} are expected")
+        raise ProtocolError(f"the controller reports {len(q)} axes, {axes} are expected")
     words = tuple(message.RAPIDfromRobot.dnum)
     if not (np.all(np.isfinite(q)) and all(map(math.isfinite, words))):
-        raise LinkError("the controller reports joints or orders that are no numbers")
+        raise ProtocolError("the controller reports joints or orders that are no numbers")
     return Feedback(
         message.header.seqno,
         message.header.tm,
@@ -172,7 +173,7 @@ def read_reference(data: bytes) -> Reference:
     message = _parse("EgmSensor", data)
     axes, orders = _axes(message.planned), tuple(message.RAPIDtoRobot.dnum)
     if not (np.all(np.isfinite(axes)) and all(map(math.isfinite, orders))):
-        raise LinkError("the sensor sends references or orders that are no numbers")
+        raise ProtocolError("the sensor sends references or orders that are no numbers")
     return Reference(message.header.seqno, axes, orders)
 
 
@@ -191,7 +192,7 @@ def _parse(name: str, data: bytes) -> Any:
     try:
         return _class(name).FromString(data)
     except Exception:  # the library throws another kind for each of its builds
-        raise LinkError(f"a message of {len(data)} bytes came that is no {name}") from None
+        raise ProtocolError(f"a message of {len(data)} bytes came that is no {name}") from None
 
 
 @cache
@@ -206,7 +207,9 @@ def _classes() -> dict[str, Any]:
         pools: Any = importlib.import_module("google.protobuf.descriptor_pool")
         made: Any = importlib.import_module("google.protobuf.message_factory")
     except ModuleNotFoundError:
-        raise LinkError("this needs the library protobuf: pip install 'workbench[egm]'") from None
+        raise LinkError(
+            DeviceText.LIBRARY(library="protobuf", command="pip install 'workbench[egm]'")
+        ) from None
     file = described.FileDescriptorProto(name="workbench_egm", package="abb.egm", syntax="proto2")
     states = file.enum_type.add(name="State")
     for value in range(5):

@@ -4,6 +4,7 @@ import socket
 import time
 
 from workbench.model.errors import LinkError
+from workbench.model.messages.devices import DeviceText
 
 CONNECT_SECONDS = 3.0
 
@@ -18,8 +19,8 @@ KEEPALIVE = {"TCP_KEEPIDLE": 1, "TCP_KEEPINTVL": 1, "TCP_KEEPCNT": 3, "TCP_USER_
 """[s, s, times, ms] So that the system, too, notices a machine that is gone."""
 
 
-def connect(host: str, port: int, does: str) -> socket.socket:
-    """A connection to a controller; `does` says in the message what nobody does there.
+def connect(host: str, port: int, missing: DeviceText = DeviceText.NO_ANSWER) -> socket.socket:
+    """A connection to a controller; `missing` says that nobody answers, and why.
 
     Raises:
         LinkError: nobody answers.
@@ -28,7 +29,7 @@ def connect(host: str, port: int, does: str) -> socket.socket:
         link = _open(host, port)
     except (OSError, UnicodeError) as error:  # UnicodeError: a name that no host can have
         reason = getattr(error, "strerror", None) or error
-        raise LinkError(f"no controller {does} at {host}:{port} ({reason})") from None
+        raise LinkError(missing(address=f"{host}:{port}", reason=str(reason))) from None
     link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in KEEPALIVE.items():

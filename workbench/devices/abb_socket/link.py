@@ -10,6 +10,8 @@ from workbench.devices.abb_socket.program import program_of
 from workbench.devices.abb_socket.sending import SocketSending
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, WorkbenchError
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
 from workbench.model.messages.work import StopText
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
@@ -51,7 +53,7 @@ def send_program(
     talk = SocketSending(
         cell, plan, program, now=now, released=check, let=let, silence=patience.silence
     )
-    with connect(cell.controller.host, cell.controller.port, "answers") as link:
+    with connect(cell.controller.host, cell.controller.port) as link:
         yield from _converse(link, talk, cancelled, show, patience)
 
 
@@ -71,17 +73,18 @@ def send_messages(
     """
     check_approval(plan, approval, cell, now())
     ready = messages(cell, plan)
-    with connect(cell.controller.host, cell.controller.port, "answers") as link:
+    with connect(cell.controller.host, cell.controller.port) as link:
         requests, total = Requests(), len(ready)
         for number, message in enumerate(ready, start=1):
-            _await_request(link, requests, f"message {number} of {total}", cancelled, patience)
+            where = DeviceText.MESSAGE(number=number, total=total)
+            _await_request(link, requests, where, cancelled, patience)
             if number == 1:
                 # The connection may have waited; the approval must hold when motion begins.
                 check_approval(plan, approval, cell, now())
             show(LinkStatus("abb-socket", "sending", number, total, "send", now(), now()))
-            _say(link, message.text.encode("ascii"), f"message {number} of {total}")
+            _say(link, message.text.encode("ascii"), where)
             yield Receipt(now(), message.arm, message.kind, message.text, number, total)
-        _await_request(link, requests, "the end of the last motion", cancelled, patience)
+        _await_request(link, requests, DeviceText.LAST_MOTION(), cancelled, patience)
         show(LinkStatus("abb-socket", "done", total, total, "send", now(), now()))
 
 
@@ -152,42 +155,45 @@ def _receive(link: socket.socket, talk: SocketSending) -> bytes:
     except TimeoutError:
         return b""
     except OSError as error:
-        raise LinkError(f"the link broke at {talk.where}: {error.strerror or error}") from None
+        raise LinkError(_broken(talk.where, error)) from None
     if not data:
-        hint = "" if talk.status.version else "; perhaps it speaks abb-socket alone"
-        raise LinkError(f"the controller closed the link at {talk.where}{hint}")
+        closed = DeviceText.CLOSED if talk.status.version else DeviceText.CLOSED_OLD
+        raise LinkError(closed(where=talk.where))
     return data
 
 
-def _say(link: socket.socket, data: bytes, where: str) -> None:
+def _say(link: socket.socket, data: bytes, where: Message) -> None:
     try:
         link.sendall(data)
     except OSError as error:
-        raise LinkError(f"the link broke at {where}: {error.strerror or error}") from None
+        raise LinkError(_broken(where, error)) from None
+
+
+def _broken(where: Message, error: OSError) -> Message:
+    return DeviceText.BROKEN(where=where, reason=error.strerror or str(error))
 
 
 def _await_request(
     link: socket.socket,
     requests: Requests,
-    where: str,
+    where: Message,
     cancelled: Cancelled,
     patience: LinkPatience,
 ) -> None:
     until = patience.clock() + patience.answer
     while True:
         if cancelled():
-            raise JobCancelled(f"sending was stopped before {where}")
+            raise JobCancelled(StopText.BEFORE(where=where))
         try:
             data = link.recv(256)
         except TimeoutError:
             if patience.clock() > until:
-                raise LinkError(
-                    f"the controller was silent for {patience.answer:.0f} s at {where}"
-                ) from None
+                silent = DeviceText.SILENT(seconds=patience.answer, where=where)
+                raise LinkError(silent) from None
             continue
         except OSError as error:
-            raise LinkError(f"the link broke at {where}: {error.strerror or error}") from None
+            raise LinkError(_broken(where, error)) from None
         if not data:
-            raise LinkError(f"the controller closed the link at {where}")
+            raise LinkError(DeviceText.CLOSED(where=where))
         if requests.hear(data):
             return

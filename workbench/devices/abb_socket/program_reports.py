@@ -10,6 +10,7 @@ from workbench.devices.abb_socket.states import PHASES
 from workbench.model.cell import Cell
 from workbench.model.errors import ProtocolError
 from workbench.model.geometry import Floats
+from workbench.model.messages.message import Message
 from workbench.model.plan import Plan
 from workbench.model.release import PartReport
 from workbench.plugins.reported import bounds_of
@@ -123,7 +124,7 @@ class ProgramReports:
                 return self._parts[arm.arm]
         raise ProtocolError(f"{frame.text!r} is about no part of the plan, or comes twice")
 
-    def check_done(self, frame: MessageFrame, where: str) -> None:
+    def check_done(self, frame: MessageFrame, where: Message) -> None:
         """Check that all steps were allowed to run, and that all parts were reported.
 
         Raises:

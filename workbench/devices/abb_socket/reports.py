@@ -7,6 +7,7 @@ from typing import Any
 
 from workbench.devices.abb_socket.connecting import connect
 from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.messages.devices import DeviceText
 from workbench.model.release import RobotState
 from workbench.plugins.progress import Cancelled, never
 
@@ -26,7 +27,7 @@ def watch_state(host: str, port: int, cancelled: Cancelled = never) -> Iterator[
         LinkError: nobody answers, or the report broke off.
         ProtocolError: a line is not a state.
     """
-    with connect(host, port, "reports its state") as link:
+    with connect(host, port, DeviceText.NO_STATE) as link:
         heard = b""
         while not cancelled():
             try:
@@ -34,9 +35,10 @@ def watch_state(host: str, port: int, cancelled: Cancelled = never) -> Iterator[
             except TimeoutError:
                 continue
             except OSError as error:
-                raise LinkError(f"the state report broke off: {error.strerror or error}") from None
+                broken = DeviceText.STATE_BROKEN(reason=error.strerror or str(error))
+                raise LinkError(broken) from None
             if not data:
-                raise LinkError("the controller closed its state report")
+                raise LinkError(DeviceText.STATE_CLOSED())
             heard += data
             *lines, heard = heard.split(b"\n")
             if len(heard) > LONGEST_LINE:

@@ -31,6 +31,8 @@ from workbench.devices.abb_socket.program import ProgramLine, SocketProgram, lin
 from workbench.devices.abb_socket.program_reports import ProgramReports
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
 from workbench.model.messages.work import StopText
 from workbench.model.plan import Plan
 from workbench.model.release import LinkStatus, Receipt
@@ -155,18 +157,18 @@ class SocketSending:
         return self.status.stopped is not None
 
     @property
-    def where(self) -> str:
+    def where(self) -> Message:
         """How far it has come, for people."""
         if self._acknowledged < len(self._lines):
-            return f"message {self._acknowledged + 1} of {len(self._lines)}"
+            return DeviceText.MESSAGE(number=self._acknowledged + 1, total=len(self._lines))
         steps = len(self._program.steps)
         if self._waits:
-            return f"step {self._waits} of {steps}, which had not begun"
+            return DeviceText.STEP_WAITS(number=self._waits, total=steps)
         # A step that may run is under way from our word on, whatever was reported before.
         step = self._reports.step
         if self._program.is_stepped:
             step = max(step, self._reports.may)
-        return f"step {step} of {steps}"
+        return DeviceText.STEP(number=step, total=steps)
 
     @property
     def _is_run(self) -> bool:
@@ -191,11 +193,12 @@ class SocketSending:
             self._heard_at = at
         if self._waiting is not None and at - self._waiting[2] > self._silence:
             raise LinkError(
-                f"the controller did not acknowledge {self._waiting[0].text!r} within "
-                f"{self._silence:.0f} s, at {self.where}"
+                DeviceText.NOT_ACKNOWLEDGED(
+                    frame=repr(self._waiting[0].text), seconds=self._silence, where=self.where
+                )
             )
         if at - self._heard_at > self._silence:
-            raise LinkError(f"the controller was silent for {self._silence:.0f} s at {self.where}")
+            raise LinkError(DeviceText.SILENT(seconds=self._silence, where=self.where))
 
     def hear(self, data: bytes, at: float) -> Iterator[Receipt]:
         """Take what arrived; receipts of what it settles, one by one.
@@ -240,11 +243,11 @@ class SocketSending:
             case "no":
                 yield self._make_receipt(frame)
                 raise LinkError(
-                    f"the controller refuses {self.where}: {frame.rest[5:]}{self._hint}"
+                    DeviceText.REFUSES(where=self.where, why=f"{frame.rest[5:]}{self._hint}")
                 )
             case "fault":
                 yield self._make_receipt(frame)
-                raise LinkError(f"the controller reports a fault at {self.where}: {frame.rest}")
+                raise LinkError(DeviceText.FAULT(where=self.where, fault=frame.rest))
             case "state":
                 yield from self._take_state(frame)
             case "at":

@@ -12,6 +12,7 @@ import numpy as np
 from workbench.devices.genicam.depth import MOST_PIXELS
 from workbench.devices.genicam.library import Aravis, aravis
 from workbench.model.errors import LinkError
+from workbench.model.messages.devices import ScannerText
 
 SIXTEEN_BITS = {0x01100007: "Mono16", 0x011000B8: "Coord3D_C16"}
 """Pixel formats of GenICam's Pixel Format Naming Convention that hold one depth of 16 bits."""
@@ -114,12 +115,12 @@ def open_camera(address: str, serial: str) -> Generator[Camera]:
     name = address or _find(library, serial)
     camera = library.call("arv_camera_new", name.encode())
     if not camera:
-        raise LinkError(f"there is no camera at {name}")
+        raise LinkError(ScannerText.NO_CAMERA(found=name))
     try:
         # Aravis takes the first word for a name as well: a camera called like the address.
         is_serial = library.text("arv_camera_get_device_serial_number", camera)
         if serial and is_serial != serial:
-            raise LinkError(f"the camera at {name} has the serial number {is_serial}, not {serial}")
+            raise LinkError(ScannerText.OTHER_CAMERA(found=is_serial, serial=serial))
         yield Camera(library, camera)
     finally:
         library.plain("g_object_unref", camera)
@@ -132,15 +133,14 @@ def _find(library: Aravis, serial: str) -> str:
         tuple(library.text(f"arv_get_device_{what}", index) for what in ("id", "serial_nbr"))
         for index in range(library.plain("arv_get_n_devices"))
     ]
-    numbers = ", ".join(number for _, number in here) or "none"
+    numbers = ", ".join(number for _, number in here) or "-"
     meant = [name for name, number in here if serial in ("", number)]
     if not meant:
-        wanted = f"with the serial number {serial} " if serial else ""
-        raise LinkError(f"no camera {wanted}answers (found: {numbers})")
+        if serial:
+            raise LinkError(ScannerText.NO_SUCH_CAMERA(serial=serial, found=numbers))
+        raise LinkError(ScannerText.NO_CAMERA(found=numbers))
     if len(meant) > 1:
-        raise LinkError(
-            f"{len(meant)} cameras answer ({numbers}); say which by `serial`, or by `address`"
-        )
+        raise LinkError(ScannerText.CAMERAS(count=len(meant), found=numbers))
     return meant[0]
 
 
@@ -164,7 +164,8 @@ def one_frame(
     library = camera.library
     size = camera.call("arv_camera_get_payload")
     if not 0 < size <= 2 * MOST_PIXELS:
-        raise LinkError(f"a frame of {size} bytes is no depth map of 16 bits")
+        detail = f"a frame of {size} bytes is no depth map of 16 bits"
+        raise LinkError(ScannerText.SETTING(detail=detail))
     if library.plain("arv_camera_is_gv_device", camera.handle):
         library.plain("arv_camera_gv_set_stream_options", camera.handle, NO_RAW_SOCKET)
     stream = camera.call("arv_camera_create_stream", None, None)
@@ -195,7 +196,7 @@ def _look_after(camera: Camera) -> None:
     try:
         camera.whole("Width")
     except LinkError as error:
-        raise CameraGone(f"the camera has gone: {error}") from None
+        raise CameraGone(ScannerText.GONE(reason=error.message)) from None
 
 
 def _flush(library: Aravis, stream: Any) -> frozenset[int]:
@@ -230,7 +231,7 @@ def _wait_for_frame(
         with _pop(camera.library, stream, GLANCE) as buffer:
             if buffer and camera.library.plain("arv_buffer_get_frame_id", buffer) not in early:
                 return _frame(camera.library, buffer)
-    raise LinkError(f"no frame came within {patience:g} s")
+    raise LinkError(ScannerText.NO_IMAGE(patience=patience))
 
 
 @contextmanager
@@ -249,25 +250,26 @@ def _frame(library: Aravis, buffer: Any) -> DepthFrame:
     number = library.plain("arv_buffer_get_frame_id", buffer)
     status = library.plain("arv_buffer_get_status", buffer)
     if status != SUCCESS:
-        raise LinkError(f"frame {number} {WRONG.get(status, f'has the status {status}')}")
+        raise _bad_image(number, WRONG.get(status, f"it has the status {status}"))
     parts = library.plain("arv_buffer_get_n_parts", buffer)
     if library.plain("arv_buffer_get_payload_type", buffer) != IMAGE or parts != 1:
-        raise LinkError(
-            f"frame {number} is not one image but {parts} parts: enable the component Range alone"
-        )
+        detail = f"{parts} parts and not one: enable the component Range alone"
+        raise _bad_image(number, detail)
     form = library.plain("arv_buffer_get_image_pixel_format", buffer)
     if form not in SIXTEEN_BITS:
         known = ", ".join(SIXTEEN_BITS.values())
-        raise LinkError(f"frame {number} has the pixel format {form:#x}, expected one of {known}")
+        raise _bad_image(number, f"its pixel format is {form:#x}, expected one of {known}")
     columns = library.plain("arv_buffer_get_image_width", buffer)
     rows = library.plain("arv_buffer_get_image_height", buffer)
     size = ctypes.c_size_t()
     data = library.plain("arv_buffer_get_image_data", buffer, ctypes.byref(size))
     is_sound = columns > 0 and rows > 0 and columns * rows <= MOST_PIXELS
     if not data or not is_sound or size.value < 2 * columns * rows:
-        raise LinkError(
-            f"frame {number} of {columns} x {rows} pixels has {size.value} bytes, "
-            f"expected {2 * columns * rows}"
-        )
+        detail = f"{columns} x {rows} pixels have {2 * columns * rows} bytes, not {size.value}"
+        raise _bad_image(number, detail)
     content = ctypes.string_at(data, 2 * columns * rows)
     return DepthFrame(np.frombuffer(content, "<u2").reshape(rows, columns), number)
+
+
+def _bad_image(number: int, detail: str) -> LinkError:
+    return LinkError(ScannerText.IMAGE(number=number, detail=detail))

@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import ScannerText
 
 MOST_PIXELS = 50_000_000
 """More than the largest depth cameras have."""
@@ -34,11 +35,12 @@ class DepthScale:
     def __post_init__(self) -> None:
         numbers = (self.scale, self.offset, self.focal, *self.center)
         if not (np.isfinite(numbers).all() and self.scale > 0 and self.focal > 0):
-            raise LinkError(
-                f"scanner: a depth map needs a scale and a focal length above zero and finite "
+            detail = (
+                f"a depth map needs a scale and a focal length above zero and finite "
                 f"numbers, not scale {self.scale:g} m, offset {self.offset:g} m, "
                 f"focal length {self.focal:g} px, principal point {self.center} px"
             )
+            raise LinkError(ScannerText.SETTING(detail=detail))
 
 
 def organise_points(counts: np.ndarray, means: DepthScale) -> Floats:

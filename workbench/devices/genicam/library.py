@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 from workbench.model.errors import LinkError
+from workbench.model.messages.devices import DeviceText, ScannerText
 
 LIBRARY = "libaravis-0.8.so.0"
 INSTALLS = "apt-get install libaravis-0.8-0"
@@ -98,7 +99,7 @@ class Aravis:
         if error:
             said = (error.contents.message or b"").decode("utf-8", "replace")
             self._functions["g_error_free"](error)
-            raise LinkError(said or f"{name} failed")
+            raise LinkError(ScannerText.SETTING(detail=said or f"{name} failed"))
         return result
 
     def text(self, name: str, *given: Any) -> str:
@@ -118,9 +119,9 @@ def aravis() -> Aravis:
     try:
         return Aravis(ctypes.CDLL(LIBRARY))
     except OSError:
-        raise LinkError(f"scanner genicam: {LIBRARY} is missing: {INSTALLS}") from None
+        raise LinkError(DeviceText.LIBRARY(library=LIBRARY, command=INSTALLS)) from None
     except AttributeError as error:
-        raise LinkError(f"scanner genicam: {LIBRARY} is another version: {error}") from None
+        raise LinkError(DeviceText.LIBRARY_VERSION(library=LIBRARY, reason=str(error))) from None
 
 
 def is_installed() -> bool:

@@ -8,6 +8,8 @@ from workbench.devices.genicam.depth import DepthScale, organise_points
 from workbench.devices.scanners.organised import scan_of
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.messages.devices import ScannerText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Scan
 from workbench.plugins.options import option
 from workbench.plugins.progress import Cancelled, Report
@@ -59,8 +61,8 @@ class GenicamScanner:
 
         def glance(share: float) -> None:
             if cancelled():
-                raise JobCancelled("the scan was cancelled")
-            report(share, f"waiting for a frame of {named}")
+                raise JobCancelled(CancelText.SCAN())
+            report(share, ProgressText.WAITS_FOR_IMAGE(scanner=named))
 
         glance(0.0)
         try:
@@ -71,7 +73,7 @@ class GenicamScanner:
                 frame = one_frame(camera, is_triggered, self._mount.patience, glance)
             return self._scan(frame, means, named)
         except LinkError as error:
-            raise LinkError(f"scanner {named}: {error}") from None
+            raise LinkError(ScannerText.PROBLEM(name=named, problem=error.message)) from None
 
     def _scan(self, frame: DepthFrame, means: DepthScale, named: str) -> Scan:
         """The scan of a frame, if it lies where the scanner can measure."""
@@ -79,7 +81,7 @@ class GenicamScanner:
             organise_points(frame.counts, means),
             self._mount,
             f"{named} frame {frame.number}",
-            f"is the scale of {means.scale * 1000:g} mm a count right (scale_mm)?",
+            ScannerText.IS_SCALE_RIGHT(scale=means.scale),
         )
 
 
@@ -122,7 +124,8 @@ def _unit(camera: Camera) -> float:
         return UNITS["Millimeter"]
     unit = camera.choice("Scan3dDistanceUnit")
     if unit not in UNITS:
-        raise LinkError(f"Scan3dDistanceUnit is {unit!r}, expected one of {', '.join(UNITS)}")
+        detail = f"Scan3dDistanceUnit is {unit!r}, expected one of {', '.join(UNITS)}"
+        raise LinkError(ScannerText.SETTING(detail=detail))
     return UNITS[unit]
 
 
@@ -139,5 +142,5 @@ def _invalid(camera: Camera, options: GenicamOptions) -> int | None:
 
 def _read_number(camera: Camera, feature: str, key: Literal["scale_mm", "focal_px"]) -> float:
     if not camera.has(feature):
-        raise LinkError(f"the camera has no {feature}; give {key} in [scanner.options]")
+        raise LinkError(ScannerText.NO_FEATURE(feature=feature, key=key))
     return camera.number(feature)

@@ -7,6 +7,8 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.files.whole_files import Stamp, stamps
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.messages.devices import ScannerText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Scan
 from workbench.plugins.options import NoOptions
 from workbench.plugins.progress import Cancelled, Report
@@ -37,15 +39,17 @@ class FolderScanner:
     def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
         """Wait for the next file; see `Scanner`."""
         if not self._folder.is_dir():
-            raise LinkError(f"scanner: there is no folder {self._folder}")
+            raise LinkError(ScannerText.NO_FOLDER(folder=str(self._folder)))
         began = time.monotonic()
         seen = {path: (stamp, began) for path, stamp in self._files().items()}
         # Those may be written just now; what they are once they rest is from before, too.
         unsettled, before = set(seen), dict[Path, Stamp]()
         while (waited := time.monotonic() - began) < self._mount.patience:
             if cancelled():
-                raise JobCancelled("the scan was cancelled")
-            report(waited / self._mount.patience, f"waiting for a file in {self._folder}")
+                raise JobCancelled(CancelText.SCAN())
+            report(
+                waited / self._mount.patience, ProgressText.WAITS_FOR_FILE(folder=str(self._folder))
+            )
             for path, stamp in self._files().items():
                 if before.get(path) == stamp:
                     continue
@@ -59,12 +63,13 @@ class FolderScanner:
                     return read_scan(path, self._mount)
             time.sleep(GLANCE)
         raise LinkError(
-            f"scanner: no new PLY or PCD file came into {self._folder} within "
-            f"{self._mount.patience:g} s"
+            ScannerText.NO_FILE(folder=str(self._folder), patience=self._mount.patience)
         )
 
     def _files(self) -> dict[Path, Stamp]:
         try:
             return stamps(self._folder, KINDS)
         except OSError as error:
-            raise LinkError(f"scanner: {self._folder}: {error.strerror or error}") from None
+            raise LinkError(
+                ScannerText.PROBLEM(name=str(self._folder), problem=error.strerror or str(error))
+            ) from None

@@ -9,6 +9,8 @@ from workbench.devices.scanners.logins import BASIC, BEARER, HttpOptions
 from workbench.formats.clouds.scans import parse_scan
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
+from workbench.model.messages.devices import ScannerText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Scan
 from workbench.plugins.progress import Cancelled, Report
 from workbench.plugins.scanner import ScanRequest
@@ -45,11 +47,11 @@ class HttpScanner:
     def scan(self, request: ScanRequest, report: Report, cancelled: Cancelled) -> Scan:
         """Ask for a scan; see `Scanner`."""
         address = self._mount.address
-        report(0.0, f"asking {address}")
+        report(0.0, ProgressText.ASKS(address=address))
         try:
             content = asyncio.run(self._ask(report, cancelled))
         except LinkError as error:
-            raise LinkError(f"scanner: {address}: {error}") from None
+            raise LinkError(ScannerText.PROBLEM(name=address, problem=error.message)) from None
         name = Path(unquote(urlsplit(address).path).rpartition("/")[2] or "scan")
         return parse_scan(name, content, self._mount)
 
@@ -63,14 +65,14 @@ class HttpScanner:
         try:
             while not asking.done():
                 if cancelled():
-                    raise JobCancelled("the scan was cancelled")
+                    raise JobCancelled(CancelText.SCAN())
                 waited = time.monotonic() - began
+                megabytes = f"{len(content) / 1e6:.1f}"
                 if waited > self._mount.patience:
                     raise LinkError(
-                        f"it is too slow: {len(content) / 1e6:.1f} MB and no end within "
-                        f"{self._mount.patience:g} s (patience_s)"
+                        ScannerText.TOO_SLOW(size=megabytes, patience=self._mount.patience)
                     )
-                report(waited / self._mount.patience, f"{len(content) / 1e6:.1f} MB have come")
+                report(waited / self._mount.patience, ProgressText.CAME(size=megabytes))
                 await asyncio.wait({asking}, timeout=GLANCE)
             await asking
         finally:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from workbench.model.errors import InputError, LinkError
+from workbench.model.messages.devices import ScannerText
 from workbench.plugins.options import option
 
 NONE, BASIC, DIGEST, BEARER = "none", "basic", "digest", "bearer"
@@ -84,14 +85,18 @@ def secret_of(options: HttpOptions) -> str:
         where = f"the environment variable {options.secret_variable} (secret_variable)"
         content = os.environ.get(options.secret_variable)
         if content is None:
-            raise LinkError(f"{where} is not set")
+            raise _unusable(f"{where} is not set")
     else:
         where = f"{options.secret_file} (secret_file)"
         content = _private(Path(options.secret_file), where)
     secret = content.removesuffix("\n").removesuffix("\r")
     if not secret or not secret.isprintable():
-        raise LinkError(f"{where} holds no secret: one line of printable characters is expected")
+        raise _unusable(f"{where} holds no secret: one line of printable characters is expected")
     return secret
+
+
+def _unusable(detail: str) -> LinkError:
+    return LinkError(ScannerText.SECRET(detail=detail))
 
 
 def _private(path: Path, where: str) -> str:
@@ -102,20 +107,20 @@ def _private(path: Path, where: str) -> str:
         with open(number, "rb") as file:
             about = os.fstat(number)
             if not stat.S_ISREG(about.st_mode):
-                raise LinkError(f"{where} is no file")
+                raise _unusable(f"{where} is no file")
             if about.st_uid not in (os.geteuid(), 0):
-                raise LinkError(f"{where} belongs to another user of this computer")
+                raise _unusable(f"{where} belongs to another user of this computer")
             if about.st_mode & 0o077:
-                raise LinkError(
+                raise _unusable(
                     f"{where} can be used by others than its owner (mode "
                     f"{stat.S_IMODE(about.st_mode):04o}): `chmod 600 {path}`, and change the secret"
                 )
             content = file.read(LONGEST_SECRET + 1)
     except OSError as error:
-        raise LinkError(f"{where}: {error.strerror or error}") from None
+        raise _unusable(f"{where}: {error.strerror or error}") from None
     if len(content) > LONGEST_SECRET:
-        raise LinkError(f"{where} holds more than {LONGEST_SECRET} bytes, which is no secret")
+        raise _unusable(f"{where} holds more than {LONGEST_SECRET} bytes, which is no secret")
     try:
         return content.decode()
     except UnicodeDecodeError:
-        raise LinkError(f"{where} is no text in UTF-8") from None
+        raise _unusable(f"{where} is no text in UTF-8") from None

@@ -19,7 +19,9 @@ from workbench.formats.files.toml_keys import read_toml
 from workbench.model.cell import Cell, ScannerMount
 from workbench.model.errors import FileError, InputError, JobCancelled, LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import ScannerText
 from workbench.model.messages.message import Message
+from workbench.model.messages.work import CancelText
 from workbench.model.scan import Scan
 from workbench.plugins.options import option
 from workbench.plugins.progress import Cancelled, Report
@@ -72,18 +74,16 @@ class MergedScanner:
             try:
                 scan = view.scanner.scan(request, share, cancelled)
             except (FileError, LinkError) as error:
-                raise LinkError(f"view {view.file.name}: {error}") from None
+                raise _failed(view, error.message) from None
             if cancelled():
-                raise JobCancelled("the scan was cancelled")
+                raise JobCancelled(CancelText.SCAN())
             T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
             clouds.append(scan.points @ T.rotation.T + T.translation)
             colours.append(scan.colours)
             notes.append(f"{len(scan.points):,} of {view.file.name}")
         points = np.concatenate(clouds)
         if len(points) > MOST_POINTS:
-            raise LinkError(
-                f"scanner: {len(points)} points in all, at most {MOST_POINTS} are taken"
-            )
+            raise LinkError(ScannerText.MOST_POINTS(count=len(points), most=MOST_POINTS))
         # Where one of the scanners gives no colours, nobody could tell which points have some.
         painted = [each for each in colours if each is not None]
         return Scan(
@@ -131,10 +131,12 @@ def _check_calibration(view: ScannerView, now: float) -> None:
     if view.mount.source == SIMULATED:
         return
     if record is None:
-        raise LinkError(f"view {view.file.name}: its pose was never calibrated")
+        raise _failed(view, ScannerText.NOT_CALIBRATED())
     days = (now - record.at) / DAY
     if days > view.mount.calibration_days:
-        raise LinkError(
-            f"view {view.file.name}: it was calibrated {days:.0f} days ago, and "
-            f"{view.mount.calibration_days:g} are allowed (calibration_days)"
-        )
+        allowed = view.mount.calibration_days
+        raise _failed(view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=allowed))
+
+
+def _failed(view: ScannerView, problem: Message) -> LinkError:
+    return LinkError(ScannerText.VIEW(name=view.file.name, problem=problem))

@@ -6,10 +6,12 @@ from workbench.formats.clouds.scans import BESIDE, FEW
 from workbench.model.cell import ScannerMount
 from workbench.model.errors import LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import ScannerText
+from workbench.model.messages.message import Message
 from workbench.model.scan import Scan
 
 
-def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: str) -> Scan:
+def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: Message) -> Scan:
     """A scan of one image.
 
     Args:
@@ -25,13 +27,19 @@ def scan_of(points: Floats, mount: ScannerMount, source: str, doubt: str) -> Sca
     flat = points.reshape(-1, 3)
     measured = np.flatnonzero(np.isfinite(flat).all(axis=1))
     if not len(measured):
-        raise LinkError(f"{source} has no pixel with a measurement")
+        raise LinkError(ScannerText.NOTHING_MEASURED(image=source))
     flat = flat[measured]
     away = np.linalg.norm(flat, axis=1)
     nearest, farthest = (float(value) for value in np.quantile(away, (FEW, 1 - FEW)))
     if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
         raise LinkError(
-            f"{source} is {nearest:.4g} to {farthest:.4g} m away, and the scanner "
-            f"measures from {mount.near:g} to {mount.far:g} m (near_mm, far_mm): {doubt}"
+            ScannerText.OUT_OF_RANGE(
+                image=source,
+                nearest=nearest,
+                farthest=farthest,
+                near=mount.near,
+                far=mount.far,
+                doubt=doubt,
+            )
         )
     return Scan(flat, mount.T_world_scanner, source, measured, (columns, rows))

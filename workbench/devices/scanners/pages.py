@@ -11,6 +11,7 @@ import aiohttp
 from workbench.devices.scanners.logins import BASIC, DIGEST, NONE, HttpOptions, secret_of
 from workbench.formats.clouds.scans import LARGEST_FILE
 from workbench.model.errors import LinkError
+from workbench.model.messages.devices import ScannerText
 
 
 class _Pinned(aiohttp.Fingerprint):
@@ -44,19 +45,14 @@ async def pull(address: str, options: HttpOptions, content: bytearray) -> None:
             async for piece in answer.content.iter_any():
                 content += piece
                 if len(content) > LARGEST_FILE:
-                    raise LinkError("it gives more than a scan can hold")
+                    raise LinkError(ScannerText.TOO_LARGE())
     except aiohttp.ServerFingerprintMismatch as error:
-        raise LinkError(
-            "it shows another certificate than certificate_sha256 says, that of "
-            f"{error.got.hex()}; nothing was asked"
-        ) from None
+        raise LinkError(ScannerText.OTHER_CERTIFICATE(found=error.got.hex())) from None
     except aiohttp.ClientConnectorCertificateError as error:
-        raise LinkError(
-            f"its certificate is not believed: {_plain(error.certificate_error)}; ca_file "
-            "names the authority that signed it, certificate_sha256 this one certificate"
-        ) from None
+        reason = _plain(error.certificate_error)
+        raise LinkError(ScannerText.CERTIFICATE(reason=reason)) from None
     except aiohttp.InvalidURL:
-        raise LinkError("this is no address of a page") from None
+        raise LinkError(ScannerText.NO_ADDRESS()) from None
     except (aiohttp.ClientError, OSError, ValueError) as error:
         raise LinkError(f"{error or type(error).__name__}") from None
 
@@ -75,9 +71,11 @@ def _trust(options: HttpOptions) -> bool | aiohttp.Fingerprint | ssl.SSLContext:
     try:
         return ssl.create_default_context(cafile=options.ca_file)
     except ssl.SSLError:
-        raise LinkError(f"{options.ca_file} (ca_file) holds no certificates in PEM") from None
+        detail = f"{options.ca_file} (ca_file) holds no certificates in PEM"
+        raise LinkError(ScannerText.SECRET(detail=detail)) from None
     except OSError as error:
-        raise LinkError(f"{options.ca_file} (ca_file): {error.strerror or error}") from None
+        detail = f"{options.ca_file} (ca_file): {error.strerror or error}"
+        raise LinkError(ScannerText.SECRET(detail=detail)) from None
 
 
 def _login(options: HttpOptions) -> dict[str, Any]:
@@ -103,12 +101,10 @@ def _check_status(answer: aiohttp.ClientResponse, login: str) -> None:
     if answer.status == 200:
         return
     if answer.status == 401 and login == NONE:
-        raise LinkError(f"it asks for a login ({status}): give login in [scanner.options]")
+        raise LinkError(ScannerText.LOGIN_WANTED(status=status))
     if answer.status in (401, 403):
-        raise LinkError(f"it refuses the login {login} ({status})")
+        raise LinkError(ScannerText.LOGIN_REFUSED(login=login, status=status))
     if 300 <= answer.status < 400:
         to = urlsplit(answer.headers.get("Location", "")).hostname or "elsewhere"
-        raise LinkError(
-            f"it sends to {to} ({status}), which is not followed: give the address itself"
-        )
-    raise LinkError(f"it gives no file: {status}")
+        raise LinkError(ScannerText.REDIRECTS(host=to, status=status))
+    raise LinkError(ScannerText.NO_CLOUD(status=status))

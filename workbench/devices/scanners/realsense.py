@@ -18,6 +18,8 @@ from workbench.devices.scanners.organised import scan_of
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import DeviceText, ScannerText
+from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.scan import Scan
 from workbench.plugins.options import option
 from workbench.plugins.progress import Cancelled, Report
@@ -69,21 +71,21 @@ class RealsenseScanner:
         named = self._options.file or self._options.serial or "the only camera"
         report(0.0, f"starting {named}")
         if cancelled():
-            raise JobCancelled("the scan was cancelled")
+            raise JobCancelled(CancelText.SCAN())
         try:
             sdk: Any = importlib.import_module(LIBRARY)
         except ImportError:
-            raise LinkError(
-                f"scanner: {LIBRARY} is not installed: pip install 'workbench[realsense]'"
-            ) from None
+            command = "pip install 'workbench[realsense]'"
+            raise LinkError(DeviceText.LIBRARY(library=LIBRARY, command=command)) from None
         taking = _Taking(sdk, self._options.skipped_frames)
         try:
             with _running(sdk, self._options, taking) as has_ended:
                 number, points = self._wait_for(taking, has_ended, named, report, cancelled)
             source = f"{named} frame {number}"
-            return scan_of(points, self._mount, source, "is it this scanner?")
+            return scan_of(points, self._mount, source, ScannerText.IS_IT_THIS())
         except (LinkError, RuntimeError) as error:
-            raise LinkError(f"scanner {named}: {error}") from None
+            problem = error.message if isinstance(error, LinkError) else str(error)
+            raise LinkError(ScannerText.PROBLEM(name=named, problem=problem)) from None
 
     def _wait_for(
         self,
@@ -98,19 +100,17 @@ class RealsenseScanner:
         skipped = 0
         while (waited := time.monotonic() - began) < self._mount.patience:
             if cancelled():
-                raise JobCancelled("the scan was cancelled")
-            report(waited / self._mount.patience, f"waiting for an image of {named}")
+                raise JobCancelled(CancelText.SCAN())
+            report(waited / self._mount.patience, ProgressText.WAITS_FOR_IMAGE(scanner=named))
             if taking.skipped > skipped:
                 skipped, heard = taking.skipped, time.monotonic()
             is_over = has_ended() and time.monotonic() - heard > LAST_IMAGES
             with suppress(queue.Empty):
                 return taking.images.get(timeout=GLANCE)
             if is_over:
-                raise LinkError(
-                    f"the recording ends after {taking.skipped} depth images, and "
-                    f"{self._options.skipped_frames} are skipped (skipped_frames)"
-                )
-        raise LinkError(f"no depth image came within {self._mount.patience:g} s (patience_s)")
+                skipped = self._options.skipped_frames
+                raise LinkError(ScannerText.RECORDING_ENDS(count=taking.skipped, skipped=skipped))
+        raise LinkError(ScannerText.NO_IMAGE(patience=self._mount.patience))
 
 
 _Image = tuple[int, Floats]
@@ -156,7 +156,7 @@ def _running(sdk: Any, options: RealsenseOptions, take: _Taking) -> Generator[Ca
     device = _recording(context, options) if options.file else _camera(sdk, context, options)
     number = device.get_info(sdk.camera_info.serial_number)
     if options.serial not in ("", number):
-        raise LinkError(f"it is of the camera {number}, expected {options.serial} (serial)")
+        raise LinkError(ScannerText.OTHER_CAMERA(found=number, serial=options.serial))
     sensor, profile = _depths(sdk, device, options)
     if options.exposure_us:
         sensor.set_option(sdk.option.enable_auto_exposure, 0)
@@ -184,7 +184,7 @@ def _running(sdk: Any, options: RealsenseOptions, take: _Taking) -> Generator[Ca
 def _recording(context: Any, options: RealsenseOptions) -> Any:
     # The library would make a file that is not there.
     if not Path(options.file).is_file():
-        raise LinkError("there is no such file (file)")
+        raise LinkError(ScannerText.NO_RECORDING(file=options.file))
     device = context.load_device(options.file)
     device.set_real_time(False)
     return device
@@ -198,8 +198,8 @@ def _camera(sdk: Any, context: Any, options: RealsenseOptions) -> Any:
     if options.serial in devices:
         return devices[options.serial]
     if options.serial or len(devices) != 1:
-        there = f"there are {', '.join(sorted(devices))}" if devices else "there is none"
-        raise LinkError(f"no such camera: {there} (serial)")
+        found = ", ".join(sorted(devices)) or "-"
+        raise LinkError(ScannerText.NO_SUCH_CAMERA(serial=options.serial or "-", found=found))
     return next(iter(devices.values()))
 
 
@@ -214,5 +214,6 @@ def _depths(sdk: Any, device: Any, options: RealsenseOptions) -> tuple[Any, Any]
             is_usual = options.columns == 0 and (bool(options.file) or profile.is_default())
             if is_usual or size == (options.columns, options.rows):
                 return sensor, profile
-    wanted = f" of {options.columns} x {options.rows} pixels" if options.columns else ""
-    raise LinkError(f"it has no depth images{wanted}")
+    if options.columns:
+        raise LinkError(ScannerText.NO_DEPTH_SIZE(columns=options.columns, rows=options.rows))
+    raise LinkError(ScannerText.NO_DEPTH())

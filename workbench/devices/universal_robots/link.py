@@ -13,6 +13,7 @@ from workbench.devices.universal_robots.talking import Client
 from workbench.devices.universal_robots.told import States
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
+from workbench.model.messages.devices import DeviceText
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
@@ -111,9 +112,7 @@ class UrRtde:
                 news = states.taken(client.hear(POLL), in_motion=False)
                 if news is None:
                     if time.monotonic() - fresh > silence:
-                        raise LinkError(
-                            f"the controller has reported nothing new for {silence:.0f} s"
-                        )
+                        raise LinkError(DeviceText.NOTHING_NEW(seconds=silence))
                     continue
                 fresh, silence = time.monotonic(), USUAL.silence
                 moving = "" if news.stands else arm.name

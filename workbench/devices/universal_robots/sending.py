@@ -11,8 +11,10 @@ from workbench.devices.universal_robots.servo import off_the_references
 from workbench.devices.universal_robots.talking import Client
 from workbench.devices.universal_robots.told import States, UrState
 from workbench.model.cell import Cell
-from workbench.model.errors import JobCancelled, LinkError
+from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.geometry import Floats
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
 from workbench.model.messages.work import StopText
 from workbench.model.release import LinkStatus, Receipt
 from workbench.plugins.progress import Cancelled
@@ -55,8 +57,8 @@ class RtdeSending:
         self._until = dict.fromkeys(range(len(program.legs) + 1), 0.0)
 
     @property
-    def _where(self) -> str:
-        return f"leg {self._leg} of {len(self._program.legs)}"
+    def _where(self) -> Message:
+        return DeviceText.LEG(number=self._leg, total=len(self._program.legs))
 
     def run(self, released: Callable[[], None], cancelled: Cancelled) -> Iterator[Receipt]:
         """Look, send, follow.
@@ -102,10 +104,10 @@ class RtdeSending:
                 continue
             done = state.leg - self._program.ticket
             if fault := state.fault:
-                raise LinkError(f"the controller reports at {self._where}: {fault}")
+                raise LinkError(DeviceText.FAULT(where=self._where, fault=fault))
             if not self._has_begun and not 0 <= done <= REFUSED:
                 if clock() - began > self._patience.silence:
-                    raise LinkError("the controller did not begin the program; see its log")
+                    raise LinkError(DeviceText.NOT_BEGUN())
                 continue
             self._check_leg(done, state.at)
             yield state
@@ -113,37 +115,34 @@ class RtdeSending:
             self._report(state)
             over = over or (clock() if done > total else None)
             if over is not None and clock() - over > self._patience.answer:
-                raise LinkError("the controller does not end the program after its last leg")
+                raise LinkError(DeviceText.NOT_ENDED())
             if state.runtime == PLAYING:
                 stood = None
             elif done > total and state.runtime == STOPPED:
-                return self._check_stands(state, self._program.q_end, "ends")
+                return self._check_stands(state, self._program.q_end, DeviceText.PLAN_END())
             else:
                 stood = clock() if stood is None else stood
             # The register and the state of the program come in one packet; a doubt is short.
             if stood is not None and clock() - stood > self._patience.doubt:
-                raise LinkError(f"the controller ended the program at {self._where}")
+                raise LinkError(DeviceText.ENDED_EARLY(where=self._where))
 
     def _check_leg(self, done: int, at: float) -> None:
         """The leg that is reported follows that before, and all between took their time."""
         total, seconds = len(self._program.legs), self._program.seconds
         self._has_begun = True
         if done == REFUSED:
-            raise LinkError(
-                f"the program came to the controller twice, at {self._where}; "
-                "the second one has not begun"
-            )
+            raise LinkError(DeviceText.TWICE(where=self._where))
         if not 0 <= done <= total + 1:
-            raise LinkError(f"the controller tells of another program at {self._where}")
+            raise ProtocolError(f"the controller reports another program at {self._where}")
         if done < self._leg:
-            raise LinkError(f"the controller is in leg {done} after {self._where}")
+            raise ProtocolError(f"the controller is in leg {done} after {self._where}")
         for before in range(done):
             least = LEAST * sum(seconds[before : done - 1])
             if at - self._until[before] < least:
                 later = at - self._until[before]
                 where = f"in leg {done}" if done <= total else "at the end"
                 since = f"leg {before}" if before else "the beginning"
-                raise LinkError(
+                raise ProtocolError(
                     f"the controller is {where} {later:.2f} s after {since}: "
                     f"what is between takes {least / LEAST:.2f} s"
                 )
@@ -158,32 +157,30 @@ class RtdeSending:
                 raise JobCancelled(StopText.NOT_SPOKEN())
             message = self._client.hear(POLL)
             if message is not None and message.get("remote") is False:
-                raise LinkError("the robot is in local control; choose remote control on its panel")
+                raise LinkError(DeviceText.LOCAL_CONTROL())
             state = self._states.taken(message)
             if state is not None:
                 # How long the client took to connect is not the controller's silence.
                 self._fresh = self._patience.clock()
                 self._until = dict.fromkeys(self._until, state.at)
                 return state
-        raise LinkError(f"the controller told nothing within {self._patience.answer:.0f} s")
+        raise LinkError(DeviceText.NOTHING_NEW(seconds=self._patience.answer))
 
     def _check_ready(self, state: UrState) -> None:
         if fault := state.fault:
-            raise LinkError(f"the robot cannot move: {fault}")
+            raise LinkError(DeviceText.CANNOT_MOVE(fault=fault))
         if state.runtime != STOPPED:
-            raise LinkError("the controller runs another program, or holds one that is paused")
+            raise LinkError(DeviceText.OTHER_RUNS())
         ticket = self._program.ticket
         if ticket in state.begun or 0 <= state.leg - ticket < TICKETS:
-            raise LinkError("the controller has run this program already; nothing runs twice")
-        self._check_stands(state, self._program.q_start, "begins")
+            raise LinkError(DeviceText.RUN_BEFORE())
+        self._check_stands(state, self._program.q_start, DeviceText.PLAN_START())
 
-    def _check_stands(self, state: UrState, q: Floats, where: str) -> None:
+    def _check_stands(self, state: UrState, q: Floats, where: Message) -> None:
         off = np.abs(state.q - q)
         if not off.max() <= NEAR:
             joint = self._arm.joints[int(off.argmax())]
-            raise LinkError(
-                f"{joint} stands {np.rad2deg(off.max()):.1f} degrees from where the plan {where}"
-            )
+            raise LinkError(DeviceText.OFF_TARGET(joint=joint, off=float(off.max()), where=where))
 
     def _check_follows(self, state: UrState) -> None:
         """Where the arm is streamed, it is on the way of the leg that it says it is in."""
@@ -193,8 +190,7 @@ class RtdeSending:
         if not off.max() <= OFF:
             joint = self._arm.joints[int(off.argmax())]
             raise LinkError(
-                f"the robot does not follow in {self._where}: {joint} is "
-                f"{np.rad2deg(off.max()):.1f} degrees from its references"
+                DeviceText.NOT_FOLLOWING(name=joint, off=float(off.max()), where=self._where)
             )
 
     def _hear(self) -> UrState | None:
@@ -202,7 +198,7 @@ class RtdeSending:
         began = self._patience.clock()
         message = self._client.hear(POLL)
         if message is not None and message.get("sent") is False:
-            raise LinkError("the controller did not take the program")
+            raise LinkError(DeviceText.NOT_TAKEN())
         state = self._states.taken(message)
         if state is not None:
             self._fresh = self._patience.clock()
@@ -210,9 +206,7 @@ class RtdeSending:
             self._client.say(alive=self._alive)
         # What comes while this process stands still is heard next, so that is no silence.
         elif began - self._fresh > self._patience.silence:
-            raise LinkError(
-                f"the controller was silent for {self._patience.silence:.0f} s at {self._where}"
-            )
+            raise LinkError(DeviceText.SILENT(seconds=self._patience.silence, where=self._where))
         return state
 
     def _stop(self) -> None:

@@ -10,7 +10,8 @@ import subprocess
 import sys
 from typing import Any
 
-from workbench.model.errors import LinkError
+from workbench.model.errors import LinkError, ProtocolError
+from workbench.model.messages.devices import DeviceText
 
 CONNECT_SECONDS = 3.0
 
@@ -33,13 +34,17 @@ class Client:
             LinkError: nobody answers, or the library is not installed.
         """
         if importlib.util.find_spec("rtde_receive") is None:
-            raise LinkError("this needs the library ur-rtde: pip install 'workbench[ur-rtde]'")
+            raise LinkError(
+                DeviceText.LIBRARY(library="ur-rtde", command="pip install 'workbench[ur-rtde]'")
+            )
         for port in ports:
             try:
                 socket.create_connection((host, port), CONNECT_SECONDS).close()
             except (OSError, UnicodeError) as error:
                 reason = getattr(error, "strerror", None) or error
-                raise LinkError(f"no controller answers at {host}:{port} ({reason})") from None
+                raise LinkError(
+                    DeviceText.NO_ANSWER(address=f"{host}:{port}", reason=str(reason))
+                ) from None
         way = "send" if sends else "watch"
         words = [sys.executable, "-P", "-m", "workbench.devices.universal_robots.client"]
         self._process = subprocess.Popen(
@@ -78,7 +83,7 @@ class Client:
             self._in.write(json.dumps(asked).encode() + b"\n")
             self._in.flush()
         except OSError:
-            raise LinkError("the client of the controller has ended") from None
+            raise LinkError(DeviceText.CLIENT_ENDED()) from None
 
     def hear(self, seconds: float) -> dict[str, Any] | None:
         """The next line; None when none came within so long.
@@ -91,13 +96,13 @@ class Client:
                 return None
             data = os.read(self._out.fileno(), 1 << 16)
             if not data:
-                raise LinkError("the client of the controller has ended")
+                raise LinkError(DeviceText.CLIENT_ENDED())
             self._heard += data
         line, self._heard = self._heard.split(b"\n", 1)
         try:
             message = dict[str, Any](json.loads(line))
         except (ValueError, TypeError):
-            raise LinkError(f"the controller's client says {line[:40]!r}") from None
+            raise ProtocolError(f"the controller's client says {line[:40]!r}") from None
         if "problem" in message:
-            raise LinkError(f"the controller's client says: {message['problem']}")
+            raise LinkError(DeviceText.CLIENT(problem=str(message["problem"])))
         return message

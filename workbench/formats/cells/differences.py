@@ -95,8 +95,8 @@ def _parts(before: tuple[Part, ...], after: tuple[Part, ...]) -> Iterator[Messag
         if old is None:
             yield DifferenceText.PART_ADDED(part=part.name)
         elif digest_of(old.library) != digest_of(part.library):
-            words = "; ".join(changes_in_words(old.library, part.library))
-            yield DifferenceText.GRASPS(part=part.name, changes=words)
+            changes = all_of(changes_in_words(old.library, part.library)) or ""
+            yield DifferenceText.GRASPS(part=part.name, changes=changes)
         elif digest_of(old) != digest_of(part):
             yield DifferenceText.PART_CHANGED(part=part.name)
     for name in were:

@@ -21,10 +21,11 @@ from workbench.model.cell import Arm, Cell, Policy
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.files import FileProblem
 from workbench.model.part import PartPlace
 from workbench.model.recipes.recipe import names_of
 
-UNWRITABLE = "not written: something was changed that cannot be written into the file"
+UNWRITABLE = FileProblem.UNWRITABLE()
 
 
 def save_cell(path: Path, cell: Cell) -> None:
@@ -65,7 +66,7 @@ def written_cell(path: Path, cell: Cell) -> bytes:
         write_whole(trial, written)
         again = read_cell(trial)
     except FileError as error:
-        raise FileError(path, f"not written: {error.problem}") from None
+        raise FileError(path, FileProblem.NOT_WRITTEN(problem=error.problem)) from None
     finally:
         trial.unlink(missing_ok=True)
     if not _is_same(again, cell):

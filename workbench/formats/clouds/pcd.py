@@ -14,6 +14,7 @@ from workbench.formats.files.text_rows import read_rows
 from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.files import FileProblem
 
 LONGEST_HEADER = 64 * 1024
 MOST_VALUES = 10_000
@@ -96,12 +97,14 @@ def _layout(path: Path, content: bytes) -> Layout:
     while "DATA" not in items:
         line, newline, _ = head[end:].partition(b"\n")
         if not newline:
-            raise FileError(path, "is not a PCD file: its header has no line DATA")
+            detail = "its header has no line DATA"
+            raise FileError(path, FileProblem.NO_KIND(kind="PCD", detail=detail))
         end += len(line) + 1
         try:
             words = line.decode("ascii").split()
         except UnicodeDecodeError:
-            raise FileError(path, "is not a PCD file: its header is not text") from None
+            detail = "its header is not text"
+            raise FileError(path, FileProblem.NO_KIND(kind="PCD", detail=detail)) from None
         if words and not words[0].startswith("#"):
             items[words[0].upper()] = words[1:]
     names = items.get("FIELDS", [])
@@ -145,7 +148,7 @@ def _binary(
 ) -> list[np.ndarray]:
     row = _row(layout)
     if len(data) < count * row.itemsize:
-        raise FileError(path, f"is cut off: {count} points were declared")
+        raise FileError(path, FileProblem.CUT_OFF(detail=f"{count} points were declared"))
     rows = np.frombuffer(data, row, count)
     return [rows[f"{layout.names.index(name)}"][:, 0] for name in names]
 

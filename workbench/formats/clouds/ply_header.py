@@ -11,6 +11,7 @@ import numpy as np
 
 from workbench.formats.files.toml_keys import quote
 from workbench.model.errors import FileError
+from workbench.model.messages.files import FileProblem
 
 LONGEST_HEADER = 64 * 1024
 ENCODINGS = ("ascii", "binary_little_endian", "binary_big_endian")
@@ -144,7 +145,8 @@ def read_header(path: Path, content: bytes) -> PlyHeader:
 def _split(path: Path, content: bytes) -> tuple[list[str], int]:
     """The header's lines from `ply` up to `end_header`, and the offset behind them."""
     if not re.match(rb"ply[ \t]*\r?\n", content):
-        raise FileError(path, "is not a PLY file: it does not begin with a line `ply`")
+        detail = "it does not begin with a line `ply`"
+        raise FileError(path, FileProblem.NO_KIND(kind="PLY", detail=detail))
     end = _END.search(content, 0, LONGEST_HEADER)
     if end is None:
         raise FileError(path, "the PLY header has no line `end_header`")

@@ -27,6 +27,7 @@ from workbench.formats.files.whole_files import MB, read_whole, write_whole
 from workbench.model.cell import Z_FORWARD, ScannerMount
 from workbench.model.errors import FileError
 from workbench.model.geometry import Bools, Floats
+from workbench.model.messages.files import FileProblem
 from workbench.model.scan import Scan
 
 LARGEST_FILE = 512 * MB
@@ -97,17 +98,18 @@ def parse_scan(path: Path, content: bytes, mount: ScannerMount, *, key: str = KE
     if nearest > mount.far * BESIDE or farthest < mount.near / BESIDE:
         raise FileError(
             path,
-            f"its points are {nearest:.4g} to {farthest:.4g} m from the scanner when read in "
-            f"{mount.unit} ({key}), and the scanner measures from {mount.near:g} to "
-            f"{mount.far:g} m (near_mm, far_mm). Is the file in another unit ({', '.join(UNITS)})?",
+            FileProblem.OUT_OF_RANGE(
+                nearest=f"{nearest:.4g}",
+                farthest=f"{farthest:.4g}",
+                unit=mount.unit,
+                key=key,
+                near=f"{mount.near:g}",
+                far=f"{mount.far:g}",
+                units=UNITS,
+            ),
         )
     if before(scan) < FEW:
-        raise FileError(
-            path,
-            "nearly all of its points lie behind the scanner when its axes are taken for "
-            f"{mount.cloud_axes} (cloud_axes in [scanner] of the cell file, one of "
-            f"{', '.join(CLOUD_AXES)})",
-        )
+        raise FileError(path, FileProblem.BEHIND(axes=mount.cloud_axes, known=CLOUD_AXES))
     return scan
 
 
@@ -152,7 +154,7 @@ def parse_cloud(
         FileError: neither a PLY nor a PCD file, cut off, without points, or of another unit.
     """
     if unit not in UNITS:
-        raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
+        raise FileError(path, FileProblem.UNIT(unit=repr(unit), known=UNITS))
     rows = _rows(path, content)
     with np.errstate(over="ignore", invalid="ignore"):
         points = rows.points * UNITS[unit]
@@ -182,7 +184,7 @@ def _select_measured(path: Path, points: Floats) -> Bools:
     """Which points (n,) were measured, some at least."""
     measured: Bools = np.asarray(np.isfinite(points).all(axis=1) & points.any(axis=1))
     if not measured.any():
-        raise FileError(path, f"is an empty cloud: none of its {len(points)} points was measured")
+        raise FileError(path, FileProblem.EMPTY(count=len(points)))
     return measured
 
 
@@ -203,7 +205,7 @@ def _rows(path: Path, content: bytes) -> Rows:
     if content[:3] == b"ply":
         return _ply(path, content)
     if b"FIELDS" not in content[:1024].upper():
-        raise FileError(path, "is neither a PLY nor a PCD file")
+        raise FileError(path, FileProblem.NO_CLOUD())
     points, resolution, colours = read_pcd(path, content, MOST_POINTS)
     return Rows(points, None, resolution, colours)
 
@@ -211,7 +213,7 @@ def _rows(path: Path, content: bytes) -> Rows:
 def _ply(path: Path, content: bytes) -> Rows:
     header = read_header(path, content)
     if header.count > MOST_POINTS:
-        raise FileError(path, f"declares {header.count} points, at most {MOST_POINTS} are read")
+        raise FileError(path, FileProblem.POINTS(count=header.count, most=MOST_POINTS))
     if header.count == 0:
         raise FileError(path, "is an empty cloud: it declares 0 points")
     has_pixels = "pixel" in header.names
@@ -274,7 +276,8 @@ def _binary(path: Path, content: bytes, header: PlyHeader, names: tuple[str, ...
     start = header.end + header.skip_bytes
     room = max(len(content) - start, 0) // layout.itemsize
     if room < header.count:
-        raise FileError(path, f"is cut off: it declares {header.count} points and holds {room}")
+        detail = f"it declares {header.count} points and holds {room}"
+        raise FileError(path, FileProblem.CUT_OFF(detail=detail))
     rows = np.frombuffer(content, layout, header.count, start)
     with np.errstate(invalid="ignore"):  # a NaN of the signalling kind, which is dropped later
         return np.column_stack([rows[name].astype(np.float64) for name in names])
@@ -291,9 +294,13 @@ def _check_distance(path: Path, points: Floats, unit: str, key: str) -> None:
     if not NEAREST <= reach <= FARTHEST:
         raise FileError(
             path,
-            f"the furthest point is {reach:.4g} m from the scanner when read in {unit}"
-            f"{key and f' ({key})'}; expected {NEAREST:g} to {FARTHEST:g} m. Is the file in "
-            f"another unit ({', '.join(UNITS)})?",
+            FileProblem.FAR(
+                reach=f"{reach:.4g}",
+                unit=f"{unit}{key and f' ({key})'}",
+                near=f"{NEAREST:g}",
+                far=f"{FARTHEST:g}",
+                units=UNITS,
+            ),
         )
 
 

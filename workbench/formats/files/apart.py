@@ -27,6 +27,9 @@ import numpy as np
 
 from workbench.formats.files.whole_files import MB
 from workbench.model.errors import FileError, InputError, JobCancelled, WorkbenchError
+from workbench.model.messages.catalogue import message_of
+from workbench.model.messages.files import FileProblem, FileText
+from workbench.model.messages.message import Message
 from workbench.plugins.progress import Cancelled, never
 
 log = logging.getLogger(__name__)
@@ -100,7 +103,7 @@ def apart(
         JobCancelled: it was cancelled.
     """
     if not _place(cancelled):
-        raise JobCancelled(f"{path.name}: reading was cancelled")
+        raise JobCancelled(_cancelled(path))
     try:
         with tempfile.TemporaryDirectory(prefix="workbench-") as name:
             folder = Path(name)
@@ -150,11 +153,10 @@ def _run(
                 return process.wait(POLL)
             except subprocess.TimeoutExpired:
                 if cancelled():
-                    raise JobCancelled(f"{path.name}: reading was cancelled") from None
+                    raise JobCancelled(_cancelled(path)) from None
                 if time.monotonic() > until:
-                    raise FileError(
-                        path, f"could not be read within {WAITS * longest:g} s"
-                    ) from None
+                    slow = FileProblem.TIME(seconds=WAITS * longest)
+                    raise FileError(path, slow) from None
     finally:
         process.kill()
         process.wait()
@@ -166,20 +168,23 @@ def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
         kind, content = said["kind"], said["told"]
     except (OSError, ValueError, LookupError, TypeError):
         if code == -signal.SIGXCPU:
-            problem = f"could not be read within {longest:g} s of processor time"
-            raise FileError(path, problem) from None
-        raise FileError(path, f"cannot be read: it made its reader end (code {code})") from None
+            raise FileError(path, FileProblem.TIME(seconds=longest)) from None
+        raise FileError(path, FileProblem.ENDED(code=code)) from None
     match kind:
         case "answer":
             names = [name for name in said["arrays"] if NAME.fullmatch(name)]
             return Answer(content, {name: _array(folder, name) for name in names})
         case "file":
-            raise FileError(path, content)
+            raise FileError(path, message_of(content))
         case "input":
-            raise InputError(content)
+            raise InputError(message_of(content))
         case _:
             log.error("a file could not be read:\n%s", content)
-            raise FileError(path, "cannot be read: internal error, see the log")
+            raise FileError(path, FileProblem.INTERNAL())
+
+
+def _cancelled(path: Path) -> Message:
+    return FileText.PROBLEM(path=path.name, problem=FileProblem.CANCELLED())
 
 
 def _array(folder: Path, name: str) -> np.ndarray:
@@ -204,13 +209,13 @@ def main() -> None:
         _write_answer(folder, "answer", answer.value, list(answer.arrays))
     except WorkbenchError as error:
         if isinstance(error, FileError) and error.path == asked[0]:
-            _write_answer(folder, "file", error.problem)
+            _write_answer(folder, "file", error.problem.form)
         else:
-            _write_answer(folder, "input", str(error))
+            _write_answer(folder, "input", error.message.form)
     except MemoryError:
-        _write_answer(folder, "file", f"cannot be read with {memory / MB:g} MB of memory")
+        _write_answer(folder, "file", FileProblem.MEMORY(most=f"{memory / MB:g}").form)
     except RecursionError:
-        _write_answer(folder, "file", "cannot be read: its parts are nested too deeply")
+        _write_answer(folder, "file", FileProblem.DEEP().form)
     except Exception:
         # A rim: it is told to whoever waits, who has a log.
         _write_answer(folder, "bug", traceback.format_exc())

@@ -8,6 +8,7 @@ from typing import Any, NoReturn, cast
 from workbench.formats.files.toml_keys import Table, quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.model.errors import FileError
+from workbench.model.messages.files import FileProblem
 
 LARGEST_FILE = 16 * MB
 """[bytes] A plan of two arms takes less than one megabyte."""
@@ -45,9 +46,9 @@ def parse_object(path: Path, content: bytes) -> dict[str, Any]:
             content.decode("utf-8-sig"), object_pairs_hook=_each_once, parse_constant=_refuse
         )
     except UnicodeDecodeError:
-        raise FileError(path, "is not a text file in UTF-8") from None
+        raise FileError(path, FileProblem.NOT_TEXT()) from None
     except ValueError as error:
-        raise FileError(path, f"is not valid JSON: {error}") from None
+        raise FileError(path, FileProblem.NOT_VALID(kind="JSON", detail=str(error))) from None
     except RecursionError:
         raise FileError(path, "is nested too deeply") from None
     if not isinstance(values, dict):

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.files import FileProblem
 
 
 def read_rows(
@@ -41,5 +42,6 @@ def read_rows(
             # NumPy counts from 0 and speaks of rows, which are the points of the file.
             raise FileError(path, f"a point is not a row of numbers: {str(error)[:200]}") from None
     if len(values) < count:
-        raise FileError(path, f"is cut off: it declares {count} points and holds {len(values)}")
+        detail = f"it declares {count} points and holds {len(values)}"
+        raise FileError(path, FileProblem.CUT_OFF(detail=detail))
     return values

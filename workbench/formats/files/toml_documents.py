@@ -11,6 +11,7 @@ from tomlkit.exceptions import TOMLKitError
 from workbench.formats.files.toml_keys import LARGEST_FILE
 from workbench.formats.files.whole_files import read_whole
 from workbench.model.errors import FileError
+from workbench.model.messages.files import FileProblem
 
 
 def read_document(path: Path) -> Any:
@@ -22,7 +23,7 @@ def read_document(path: Path) -> Any:
     try:
         return tomlkit.parse(read_whole(path, LARGEST_FILE).decode("utf-8-sig"))
     except (TOMLKitError, UnicodeDecodeError) as error:
-        raise FileError(path, f"is not valid TOML: {error}") from None
+        raise FileError(path, FileProblem.NOT_VALID(kind="TOML", detail=str(error))) from None
 
 
 def short(value: float, digits: int = 4) -> float | int:

@@ -15,8 +15,8 @@ import numpy as np
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.files import FileProblem, FileText
 from workbench.model.messages.message import Message
-from workbench.model.messages.refusals import FileText
 from workbench.model.scan import Option
 
 LARGEST_FILE = 4 * MB
@@ -350,8 +350,8 @@ def read_toml(path: Path) -> Table:
     try:
         return Table(path, tomllib.loads(content.decode("utf-8-sig")))
     except UnicodeDecodeError:
-        raise FileError(path, "is not a text file in UTF-8") from None
+        raise FileError(path, FileProblem.NOT_TEXT()) from None
     except ValueError as error:  # also of a number with more digits than Python will read
-        raise FileError(path, f"is not valid TOML: {error}") from None
+        raise FileError(path, FileProblem.NOT_VALID(kind="TOML", detail=str(error))) from None
     except RecursionError:
         raise FileError(path, "is nested too deeply") from None

@@ -14,6 +14,7 @@ from collections.abc import Collection, Generator
 from pathlib import Path
 
 from workbench.model.errors import FileError, InputError
+from workbench.model.messages.files import FileProblem
 
 MB = 1024 * 1024
 
@@ -51,9 +52,9 @@ def read_whole(path: Path, most: int) -> bytes:
     except OSError as error:
         raise FileError(path, error.strerror or "cannot be read") from None
     except ValueError:  # a name that no file can have, such as one with a NUL
-        raise FileError(repr(str(path)), "is not the name of a file") from None
+        raise FileError(repr(str(path)), FileProblem.NO_FILE_NAME()) from None
     if len(content) > most:
-        raise FileError(path, f"is longer than {most / MB:g} MB, the most that is read")
+        raise FileError(path, FileProblem.TOO_LARGE(most=f"{most / MB:g}"))
     _refuse_pointer(path, content)
     return content
 
@@ -130,7 +131,7 @@ def write_whole(path: Path, content: bytes) -> None:
     except OSError as error:
         raise FileError(path, error.strerror or "cannot be written") from None
     except ValueError:
-        raise FileError(repr(str(path)), "is not the name of a file") from None
+        raise FileError(repr(str(path)), FileProblem.NO_FILE_NAME()) from None
 
 
 def partial_of(path: Path) -> Path:
@@ -142,7 +143,7 @@ def partial_of(path: Path) -> Path:
     try:
         return path.with_name(f".{path.name}.{os.getpid()}.partial")
     except ValueError:
-        raise FileError(path, "is not the name of a file") from None
+        raise FileError(path, FileProblem.NO_FILE_NAME()) from None
 
 
 def sync_folder(folder: Path) -> None:
@@ -220,10 +221,7 @@ def sent_name(name: str) -> str:
     """
     is_odd = any(letter in "/\\" or unicodedata.category(letter) in ("Cc", "Cs") for letter in name)
     if is_odd or not name.strip("."):
-        raise InputError(
-            f"{name[-LONGEST_NAME:]!r} is not the name of a file: / and \\ and control characters "
-            "are not taken"
-        )
+        raise InputError(FileProblem.NAME(name=repr(name[-LONGEST_NAME:])))
     return name
 
 

@@ -18,6 +18,7 @@ from workbench.formats.meshes.repair import joined_corners, shells_of
 from workbench.formats.meshes.step_files import converted_step, stated_unit
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
+from workbench.model.messages.files import FileProblem, FileText
 
 STEP = (".step", ".stp")
 SCENES = (".3mf", ".dae", ".glb", ".gltf", *STEP)
@@ -132,7 +133,8 @@ def read_bodies(path: Path) -> CadBodies:
             try:
                 return read_bodies(inner)
             except FileError as error:
-                raise FileError(path, f"{inner.name} in it {error.problem}") from None
+                within = FileText.WITHIN(file=inner.name, problem=error.problem)
+                raise FileError(path, within) from None
         if kind not in SCENES:
             return CadBodies((_read_unnamed(path),), None, kind)
         if kind in STEP:
@@ -178,21 +180,21 @@ def _scene(path: Path, scale: float | None) -> tuple[list[CadBody], float]:
         raise
     except FileNotFoundError as error:
         name = Path(str(error.filename or error)).name
-        raise FileError(path, f"needs {name}, which is not beside it") from None
+        raise FileError(path, FileProblem.NEEDS(name=name)) from None
     except zipfile.BadZipFile:
-        raise FileError(path, f"is cut off, or no {kind.upper()} file") from None
+        raise FileError(path, FileProblem.BROKEN(kind=kind.upper(), detail="ZIP")) from None
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        problem = f"is cut off, or no {kind.upper()} file: {quote(str(error))}"
-        raise FileError(path, problem) from None
+        broken = FileProblem.BROKEN(kind=kind.upper(), detail=quote(str(error)))
+        raise FileError(path, broken) from None
     if not bodies:
-        raise FileError(path, "holds no triangles")
+        raise FileError(path, FileProblem.NO_TRIANGLES())
     count = sum(len(body.mesh.triangles) for body in bodies)
     if count > MOST_TRIANGLES or len(bodies) > MOST_BODIES:
-        raise FileError(path, f"has {count} triangles, {MOST_TRIANGLES} are allowed")
+        raise FileError(path, FileProblem.TRIANGLES(count=count, most=MOST_TRIANGLES))
     if not all(
         np.isfinite(body.mesh.points).all() and np.isfinite(body.T).all() for body in bodies
     ):
-        raise FileError(path, "holds a point that is not finite")
+        raise FileError(path, FileProblem.NOT_FINITE())
     return bodies, scale or _metres(kind, unit)
 
 
@@ -247,8 +249,8 @@ def _unzip(path: Path, folder: Path) -> Path:
             members = [info for info in archive.infolist() if _is_wanted(info)]
             named = [member.filename for member in members if _suffix(member.filename) in KINDS]
             if len(named) != 1:
-                held = f"{len(named)} CAD files: {', '.join(named[:8])}" if named else "no CAD file"
-                raise FileError(path, f"holds {held}; one is expected")
+                held = FileProblem.SEVERAL_CAD(count=len(named), names=named[:8])
+                raise FileError(path, held if named else FileProblem.NO_CAD())
             left = 4 * LARGEST_MESH
             for member in members:
                 place = folder / PurePosixPath(member.filename)
@@ -257,10 +259,10 @@ def _unzip(path: Path, folder: Path) -> Path:
                     content = source.read(left + 1)
                 left -= len(content)
                 if left < 0:
-                    raise FileError(path, f"unpacks to more than {4 * LARGEST_MESH / MB:g} MB")
+                    raise FileError(path, FileProblem.UNPACKS(most=f"{4 * LARGEST_MESH / MB:g}"))
                 place.write_bytes(content)
     except (zipfile.BadZipFile, zlib.error, ValueError, OSError, EOFError, RuntimeError):
-        raise FileError(path, "is no zip file that can be read, or is cut off") from None
+        raise FileError(path, FileProblem.NO_ZIP()) from None
     return folder / PurePosixPath(named[0])
 
 

@@ -25,6 +25,7 @@ from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.formats.meshes.shells import volumes_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
+from workbench.model.messages.files import FileProblem
 
 KINDS = (*BARE_KINDS, *ZIPPED)
 
@@ -94,14 +95,14 @@ def read_cad(
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
-        raise FileError(path, f"is no CAD file that can be read: one of {', '.join(KINDS)}")
+        raise FileError(path, FileProblem.NO_CAD_FILE(kinds=KINDS))
     if not is_file(path):
-        raise FileError(path, "there is no such CAD file")
+        raise FileError(path, FileProblem.MISSING())
     if path.stat().st_size > LARGEST_MESH:
-        raise FileError(path, f"is larger than {LARGEST_MESH / MB:g} MB")
+        raise FileError(path, FileProblem.TOO_LARGE(most=f"{LARGEST_MESH / MB:g}"))
     refuse_pointer(path)
     if unit is not None and unit not in UNITS:
-        raise FileError(path, f"unit {unit!r} is not one of {', '.join(UNITS)}")
+        raise FileError(path, FileProblem.UNIT(unit=repr(unit), known=UNITS))
     found = read(path)
     raw, taken = _choose_bodies(path, found, solid)
     is_assumed = unit is None and found.scale is None
@@ -113,8 +114,10 @@ def read_cad(
     if not SMALLEST_PART / 10 <= size <= LARGEST_PART * 10:
         likely = _likely(float(np.ptp(raw.points, axis=0).max()))
         meanings = "; ".join(_meaning(raw, likely_unit, density) for likely_unit in likely)
-        would = f"would be {size * 1000:.4g} mm large" + (f" ({meanings})" if meanings else "")
-        raise FileError(path, f"{would}: give another unit (--unit)")
+        large = f"{size * 1000:.4g}"
+        if not meanings:
+            raise FileError(path, FileProblem.OTHER_UNIT(size=large))
+        raise FileError(path, FileProblem.OTHER_UNIT_OF(size=large, meanings=meanings))
     solids = tuple(_shapes(found.bodies)) if len(found.bodies) > 1 else ()
     return CadMesh(mesh, unit or "", is_assumed, taken, solids)
 
@@ -126,7 +129,7 @@ def _choose_bodies(path: Path, found: CadBodies, solid: str | None) -> tuple[Mes
         for body in bodies:
             if body.name == solid:
                 return body.own, f"solid {solid} of {len(bodies)}, in its own frame"
-        raise FileError(path, f"has no solid {solid!r}; there are {_names(bodies)}")
+        raise FileError(path, FileProblem.NO_SOLID(solid=repr(solid), solids=_names(bodies)))
     if solid == "" and len(bodies) > 1:
         raise SeveralSolids(path, bodies, found.scale or 1.0)
     if len(bodies) == 1:
@@ -168,7 +171,7 @@ def _likely_unit(path: Path, raw: Mesh, density: float) -> str:
     if len(likely) == 1:
         return likely[0]
     meanings = "; ".join(_meaning(raw, unit, density) for unit in likely or UNITS)
-    raise FileError(path, f"does not say its unit ({meanings}): say which (--unit)")
+    raise FileError(path, FileProblem.NO_UNIT(meanings=meanings))
 
 
 def _likely(side: float) -> list[str]:

@@ -12,6 +12,7 @@ from workbench.formats.meshes.kept import load_or_make, recipe
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats
+from workbench.model.messages.files import FileProblem
 
 KINDS = (".ply", ".obj", ".off", ".glb")
 """Of mesh files that may have colours; those of STL are no standard."""
@@ -35,13 +36,15 @@ def read_face_colours(path: Path, count: int) -> np.ndarray:
     """
     kind = path.suffix.lower()
     if kind not in KINDS:
-        raise FileError(path, f"cannot have colours: one of {', '.join(KINDS)} is expected")
+        detail = f"one of {', '.join(KINDS)} is expected"
+        raise FileError(path, FileProblem.COLOURS(detail=detail))
     content = read_whole(path, LARGEST_MESH)
     how = f"colours {recipe('trimesh', 'pillow')} {kind}"
     found = load_or_make(how, [content], lambda: {"colours": _load(path, kind, content)})
     colours = _load(path, kind, content) if found is None else found["colours"]
     if colours.shape != (count, 3):
-        raise FileError(path, f"has {count} triangles and {len(colours)} colours")
+        detail = f"{count} triangles and {len(colours)} colours"
+        raise FileError(path, FileProblem.COLOURS(detail=detail))
     return np.asarray(colours, np.uint8)
 
 
@@ -55,11 +58,11 @@ def _load(path: Path, kind: str, content: bytes) -> np.ndarray:
         of = _of_glb if kind == ".glb" else _of_visual
         colours = [of(mesh) for mesh in meshes]
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        raise FileError(path, f"its colours cannot be read: {quote(str(error))}") from None
+        raise FileError(path, FileProblem.COLOURS(detail=quote(str(error)))) from None
     if all(colour is None for colour in colours):
-        raise FileError(path, "has no colours, which use_colours asks for")
+        raise FileError(path, FileProblem.NO_COLOURS())
     if any(colour is None for colour in colours):
-        raise FileError(path, "has colours of some of its bodies, and use_colours asks for all")
+        raise FileError(path, FileProblem.SOME_COLOURS())
     return np.concatenate([colour for colour in colours if colour is not None])
 
 

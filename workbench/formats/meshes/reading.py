@@ -13,6 +13,7 @@ from workbench.formats.meshes.kept import load_or_make, pack_meshes, recipe, unp
 from workbench.formats.meshes.repair import examine_surface
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh
+from workbench.model.messages.files import FileProblem
 
 KINDS = (".stl", ".obj", ".ply", ".glb", ".dae", ".off", ".pcd")
 """Of mesh files.  Among what else trimesh reads are archives, and these may hold any amount."""
@@ -65,10 +66,10 @@ def read_mesh(
             size that speaks for another unit; or not convex, though it should be.
     """
     if not is_file(path):
-        raise FileError(path, "there is no such mesh file")
+        raise FileError(path, FileProblem.MISSING())
     kind = path.suffix.lower()
     if kind not in KINDS:
-        raise FileError(path, f"is no mesh that can be read: one of {', '.join(KINDS)} is expected")
+        raise FileError(path, FileProblem.NO_MESH(kinds=KINDS))
     content = read_whole(path, LARGEST_MESH)
 
     def made() -> Mesh:
@@ -101,23 +102,21 @@ def _load_mesh(path: Path, content: bytes, scale: Floats | float, most: int) -> 
     except MemoryError:
         raise
     except Exception as error:  # the loaders behind trimesh raise whatever they like
-        problem = f"is cut off, or no {kind.upper()} file: {quote(str(error))}"
-        raise FileError(path, problem) from None
+        broken = FileProblem.BROKEN(kind=kind.upper(), detail=quote(str(error)))
+        raise FileError(path, broken) from None
     triangles = np.asarray(loaded.faces)
     if len(triangles) == 0:
-        raise EmptyMesh(path, "holds no triangles")
+        raise EmptyMesh(path, FileProblem.NO_TRIANGLES())
     if len(triangles) > most:
-        raise FileError(path, f"has {len(triangles)} triangles, {most} are allowed")
+        raise FileError(path, FileProblem.TRIANGLES(count=len(triangles), most=most))
     points = np.asarray(loaded.vertices, dtype=np.float64) * scale
     if not np.all(np.isfinite(points)):
-        raise FileError(path, "holds a point that is not finite")
+        raise FileError(path, FileProblem.NOT_FINITE())
     if triangles.min() < 0 or triangles.max() >= len(points):
-        raise FileError(path, "has a triangle with a corner that does not exist")
+        raise FileError(path, FileProblem.NO_CORNER())
     size = float(np.ptp(points, axis=0).max())
     if size > LARGEST_EXTENT:
-        raise WrongUnit(
-            path, f"would be {size:.0f} m large; if it is in millimetres, scale it by 0.001"
-        )
+        raise WrongUnit(path, FileProblem.HUGE(size=f"{size:.0f}"))
     is_mirrored = np.prod(np.broadcast_to(scale, 3)) < 0
     return Mesh(points, triangles[:, ::-1] if is_mirrored else triangles)
 
@@ -130,14 +129,15 @@ def _check_stl(path: Path, content: bytes) -> None:
     """
     if content[:6].lstrip().lower().startswith(b"solid") and b"facet" in content[:2000]:
         if b"endsolid" not in content:
-            raise FileError(path, "is cut off: endsolid is missing at its end")
+            raise FileError(path, FileProblem.CUT_OFF(detail="endsolid is missing at its end"))
         return
     if len(content) < HEADER:
         return
     count = int.from_bytes(content[HEADER - 4 : HEADER], "little")
     there = (len(content) - HEADER) // TRIANGLE
     if there < count and b"facet" not in content[:2000]:
-        raise FileError(path, f"is cut off: of {count} triangles that it has, {there} are there")
+        detail = f"of {count} triangles that it has, {there} are there"
+        raise FileError(path, FileProblem.CUT_OFF(detail=detail))
 
 
 MATERIALS = ("bind_material", "library_images", "library_effects", "library_materials")
@@ -164,10 +164,10 @@ def _read_taught(path: Path, content: bytes, scale: Floats | float) -> Mesh:
         raise FileError(path, "holds fewer than four points")
     hull = convex_hull(Mesh(points - points.mean(axis=0), np.empty((0, 3), np.int32)))
     if hull is None:
-        raise FileError(path, "its points lie in one plane")
+        raise FileError(path, FileProblem.FLAT())
     size = float(np.ptp(hull.points, axis=0).max())
     if size > LARGEST_EXTENT:
-        raise FileError(path, f"would be {size:.0f} m large; if it is in millimetres, say so")
+        raise FileError(path, FileProblem.HUGE(size=f"{size:.0f}"))
     return Mesh(hull.points, hull.triangles)
 
 

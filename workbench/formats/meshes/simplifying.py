@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh
+from workbench.model.messages.files import FileProblem
 
 LARGE = 200_000
 """Triangles of a part; one with more is simplified."""
@@ -40,8 +41,7 @@ def simplify_mesh(path: Path, mesh: Mesh) -> tuple[Mesh, str]:
         )
     )
     if whole.status() != manifold3d.Error.NoError:
-        problem = f"has {count} triangles and is not closed, so it cannot be simplified"
-        raise FileError(path, f"{problem}: export it with {LARGE} at most")
+        raise FileError(path, FileProblem.EXPORT_OPEN(count=count, most=LARGE))
     off = FINEST
     coarsest = COARSEST * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     while off <= max(coarsest, FINEST):
@@ -52,4 +52,4 @@ def simplify_mesh(path: Path, mesh: Mesh) -> tuple[Mesh, str]:
             words = f"simplified from {count} to {len(made.triangles)} triangles"
             return made, f"{words}, at most {off * 1000:g} mm off"
         off *= 2
-    raise FileError(path, f"has {count} triangles: export it with {LARGE} at most")
+    raise FileError(path, FileProblem.EXPORT(count=count, most=LARGE))

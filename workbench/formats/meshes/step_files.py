@@ -9,6 +9,7 @@ from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
+from workbench.model.messages.files import FileProblem
 
 FINENESS_MM, FINENESS_DEG = 0.05, 10.0
 """How far a facet may lie from a round face of a STEP file, and be turned against the next."""
@@ -56,13 +57,15 @@ def converted_step(path: Path, target: Path) -> Path:
     """
     content = read_whole(path, LARGEST_MESH)
     if b"ISO-10303-21" not in content[:2000]:
-        raise FileError(path, "cannot be read as STEP: ISO-10303-21 is missing at its beginning")
+        detail = "ISO-10303-21 is missing at its beginning"
+        raise FileError(path, FileProblem.UNREADABLE(kind="STEP", detail=detail))
     if STEP_ENDS not in content[-2000:]:
-        raise FileError(path, "is cut off: END-ISO-10303-21 is missing at its end")
+        detail = "END-ISO-10303-21 is missing at its end"
+        raise FileError(path, FileProblem.CUT_OFF(detail=detail))
     others = list(dict.fromkeys(DOCUMENT.findall(content)))
     if others and not SHAPE.search(content):
         names = ", ".join(quote(name.decode(errors="replace")) for name in others[:MOST_NAMED])
-        raise FileError(path, f"holds no shape: its parts are in other files, import {names}")
+        raise FileError(path, FileProblem.NO_SHAPE(names=names))
     import cascadio  # OpenCASCADE: large, and seldom needed
 
     try:
@@ -74,9 +77,10 @@ def converted_step(path: Path, target: Path) -> Path:
             use_parallel=False,
         )
     except RuntimeError as error:
-        raise FileError(path, f"cannot be read as STEP: {quote(str(error))}") from None
+        detail = quote(str(error))
+        raise FileError(path, FileProblem.UNREADABLE(kind="STEP", detail=detail)) from None
     if not target.is_file() or target.stat().st_size == 0:
-        raise FileError(path, "cannot be read as STEP, or holds no solid")
+        raise FileError(path, FileProblem.NO_SOLIDS())
     if target.stat().st_size > 4 * LARGEST_MESH:
-        raise FileError(path, f"gives a mesh of more than {4 * LARGEST_MESH / MB:g} MB")
+        raise FileError(path, FileProblem.UNPACKS(most=f"{4 * LARGEST_MESH / MB:g}"))
     return target

@@ -7,93 +7,92 @@ import numpy as np
 
 from workbench.formats.parts.grasp_files import keys_of
 from workbench.model.geometry import shift_and_turn
+from workbench.model.messages.changes import GraspChange
+from workbench.model.messages.message import Message
 from workbench.model.part import Entry, GraspLibrary, GraspPair, GraspPattern
 
-WORDS = {
-    "opening_mm": ("opening", "mm"),
-    "grip_mm": ("grip", "mm"),
-    "approach": ("approach", ""),
-    "approach_length_mm": ("approach length", "mm"),
-    "retreat": ("retreat", ""),
-    "retreat_length_mm": ("retreat length", "mm"),
-    "priority": ("priority", ""),
-    "arms": ("arms", ""),
-    "tool": ("tool", ""),
-    "free_rotation_deg": ("free rotation", "°"),
-    "tilt_deg": ("tilt", "°"),
-    "slide_mm": ("slide", "mm"),
-}
-"""How keys of a grasp file are called in a sentence, and their unit."""
+KEYS = (
+    "opening_mm", "grip_mm", "approach", "approach_length_mm", "retreat", "retreat_length_mm",
+    "priority", "arms", "tool", "free_rotation_deg", "tilt_deg", "slide_mm",
+)  # fmt: skip
+"""Of a grasp file, in the order in which changes of them are listed; each has a `GraspChange`."""
 
 
-def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[str, ...]:
-    """A sentence for each entry and pair in which `new` differs from `old`, in their order."""
+def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[Message, ...]:
+    """A message for each entry and pair in which `new` differs from `old`, in their order."""
     before = {entry.name: entry for entry in old.entries}
     after = {entry.name: entry for entry in new.entries}
-    found = [f"{name} is gone" for name in before if name not in after]
+    found = [GraspChange.GONE(name=name) for name in before if name not in after]
     for name, entry in after.items():
         if name not in before:
-            found.append(f"{name} is new, {_kind(entry)}")
-        elif changes := ", ".join(_changes(before[name], entry)):
-            found.append(f"{name}: {changes}")
+            found.append(GraspChange.NEW_KIND(name=name, kind=_kind(entry)))
+        elif changes := tuple(_changes(before[name], entry)):
+            found.append(GraspChange.CHANGED(name=name, changes=changes))
     kept = [
         [name for name in names if name in others]
         for names, others in ((before, after), (after, before))
     ]
     if kept[0] != kept[1]:
-        found.append("the order is another")
+        found.append(GraspChange.ORDER())
     found += [
-        f"{_describe_pair(pair)} is gone" for pair in old.pairs if not _is_in(pair, new.pairs)
+        GraspChange.GONE(name=_describe_pair(pair))
+        for pair in old.pairs
+        if not _is_in(pair, new.pairs)
     ]
-    found += [f"{_describe_pair(pair)} is new" for pair in new.pairs if not _is_in(pair, old.pairs)]
+    found += [
+        GraspChange.NEW(name=_describe_pair(pair))
+        for pair in new.pairs
+        if not _is_in(pair, old.pairs)
+    ]
     return tuple(found)
 
 
-def _kind(entry: Entry) -> str:
+def _kind(entry: Entry) -> Message:
     if isinstance(entry, GraspPattern):
-        return f"a pattern of {entry.count} grasps"
-    return "a grasp"
+        return GraspChange.PATTERN(count=entry.count)
+    return GraspChange.GRASP()
 
 
-def _changes(old: Entry, new: Entry) -> Iterator[str]:
+def _changes(old: Entry, new: Entry) -> Iterator[Message]:
     before, after = keys_of(old), keys_of(new)
     yield from _list_moves(old, new)
     if before.get("enabled", True) != after.get("enabled", True):
-        yield "disabled" if "enabled" in after else "enabled"
-    for key, (word, unit) in WORDS.items():
+        yield GraspChange.DISABLED() if "enabled" in after else GraspChange.ENABLED()
+    for key in KEYS:
         if before.get(key) != after.get(key):
-            yield f"{word} {_format(before.get(key), unit)} → {_format(after.get(key), unit)}"
+            text = GraspChange[key.upper()]
+            yield text(before=_format(before.get(key)), after=_format(after.get(key)))
     old_pattern, new_pattern = before.get("pattern"), after.get("pattern")
     if old_pattern is not None and new_pattern is None:
-        yield "no pattern any more"
+        yield GraspChange.NO_PATTERN()
     elif old_pattern is None and new_pattern is not None:
-        yield f"repeated as {_kind(new)}"
+        yield GraspChange.REPEATED(kind=_kind(new))
     elif old_pattern is not None and old_pattern != new_pattern:
         counts = [entry.count for entry in (old, new) if isinstance(entry, GraspPattern)]
-        yield f"pattern changed, {counts[0]} → {counts[1]} grasps"
+        yield GraspChange.PATTERN_CHANGED(before=counts[0], after=counts[1])
 
 
-def _list_moves(old: Entry, new: Entry) -> Iterator[str]:
+def _list_moves(old: Entry, new: Entry) -> Iterator[Message]:
     old_grasp, new_grasp = (e.grasp if isinstance(e, GraspPattern) else e for e in (old, new))
     shift, turn = shift_and_turn(old_grasp.T_part_tcp.actInv(new_grasp.T_part_tcp))
     if shift * 1000 >= 0.005:
-        yield f"moved by {shift * 1000:.2f} mm"
+        yield GraspChange.MOVED(by=shift)
     if np.rad2deg(turn) >= 0.005:
-        yield f"turned by {np.rad2deg(turn):.2f}°"
+        yield GraspChange.TURNED(by=turn)
 
 
-def _describe_pair(pair: GraspPair) -> str:
-    order = "then" if pair.is_ordered else "with"
-    return f"the pair {pair.first} {order} {pair.second}"
+def _describe_pair(pair: GraspPair) -> Message:
+    text = GraspChange.PAIR_ORDERED if pair.is_ordered else GraspChange.PAIR
+    return text(first=pair.first, second=pair.second)
 
 
 def _is_in(pair: GraspPair, pairs: tuple[GraspPair, ...]) -> bool:
     return any(_describe_pair(grasp_pair) == _describe_pair(pair) for grasp_pair in pairs)
 
 
-def _format(value: Any, unit: str) -> str:
+def _format(value: Any) -> "Message | str":
     if value is None:
-        return "as usual"
+        return GraspChange.AS_USUAL()
     if isinstance(value, list):
-        return " ".join(map(str, value)) or "any"
-    return f"{value:g} {unit}".strip().replace(" °", "°") if unit else str(value)
+        return " ".join(map(str, value)) or GraspChange.ANY()
+    return f"{value:g}" if isinstance(value, int | float) else str(value)

@@ -27,6 +27,7 @@ from workbench.formats.meshes.triangles import stl_of, triangles_of
 from workbench.formats.parts.reading import read_part, tolerance_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Mesh
+from workbench.model.messages.files import FileProblem
 from workbench.model.messages.work import ProgressText
 from workbench.model.part import Part
 from workbench.model.symmetry import Symmetry
@@ -101,7 +102,7 @@ def import_mesh(
     if len(mesh.triangles) < 4:
         raise FileError(path, f"has {len(mesh.triangles)} triangles, a body has four at least")
     if is_flat(np.asarray(mesh.points)):
-        raise FileError(path, "is flat: all its points lie in one plane")
+        raise FileError(path, FileProblem.FLAT())
     surface = examine_surface(mesh)
     if surface.is_inside_out:
         mesh, turned = outside_out(mesh)
@@ -112,12 +113,11 @@ def import_mesh(
         mesh, mended = repair_surface(mesh)
         done, surface = (*done, *mended), examine_surface(mesh)
     if surface.problems and not is_open:
-        help = "it could not be repaired" if repair else "have it mended (--repair)"
-        as_it_is = "take it as it is, to be found in scans (--open --mass-g)"
-        problems = ", ".join(surface.problems)
-        raise FileError(path, f"its surface is not closed: {problems}; {help}, or {as_it_is}")
+        help = FileProblem.NOT_REPAIRED() if repair else FileProblem.REPAIR()
+        problems = tuple(surface.problems)
+        raise FileError(path, FileProblem.NOT_CLOSED(problems=problems, repair=help))
     if not surface.problems and _encloses_nothing(surface):
-        raise FileError(path, "its surface encloses nothing")
+        raise FileError(path, FileProblem.NO_VOLUME())
     if len(mesh.triangles) > LARGE:
         report(0.8, ProgressText.SIMPLIFYING(count=len(mesh.triangles)))
         mesh, words = simplify_mesh(path, mesh)
@@ -138,13 +138,12 @@ def mass_of(imported: Imported, density: float, mass: float | None) -> float:
     if mass is not None:
         return mass
     if imported.surface.problems:
-        raise FileError(imported.source, "is open, so its mass is not known: give it (--mass-g)")
+        raise FileError(imported.source, FileProblem.NO_MASS())
     weighs = imported.surface.volume * density
     if not LIGHTEST <= weighs <= HEAVIEST:
         size = " x ".join(f"{length * 1000:.4g}" for length in imported.surface.size)
-        would = f"would be {size} mm and weigh {mass_words(weighs)}"
-        give = "give another unit (--unit) or its mass (--mass-g)"
-        raise FileError(imported.source, f"{would}: {give}")
+        mass_text = mass_words(weighs)
+        raise FileError(imported.source, FileProblem.MASS(size=size, mass=mass_text))
     return weighs
 
 
@@ -155,7 +154,7 @@ def check_name(name: str) -> None:
         InputError: says what is expected.
     """
     if not NAME.fullmatch(name):
-        raise InputError(f"name {name!r}: letters, digits, - and _ are expected, 1 to 60 of them")
+        raise InputError(FileProblem.PART_NAME(name=repr(name)))
 
 
 def write_part(
@@ -186,7 +185,7 @@ def write_part(
     check_name(name)
     folder = into / name
     if os.path.lexists(folder):
-        raise FileError(folder, "is there already; choose another name, or remove it first")
+        raise FileError(folder, FileProblem.EXISTS())
     try:
         into.mkdir(parents=True, exist_ok=True)
         made = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=into))

@@ -95,7 +95,7 @@ def _keep(folder: Path, library: GraspLibrary, *, actor: str, at: float, remark:
         "at": utc(at),
         "by": actor,
         "remark": remark,
-        "changes": list(changes_in_words(before, library)) if kept else [],
+        "changes": list(map(str, changes_in_words(before, library))) if kept else [],
     }
     add_line(folder / LOG, entry)
     return number

@@ -44,7 +44,7 @@ class Remarks:
 def _problem(error: FileError) -> str:
     """What is wrong; a mesh's own fault is reported with the name of its file."""
     file = Path(error.path)
-    return f"{file.name} {error.problem}" if file.suffix.lower() in KINDS else error.problem
+    return f"{file.name} {error.problem}" if file.suffix.lower() in KINDS else str(error.problem)
 
 
 def _sentence(instead: str, what: list[str]) -> str:

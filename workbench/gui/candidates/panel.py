@@ -113,7 +113,9 @@ class CandidatesPanel:
             )
             self._fix_line.visible = bool(new.fix.words)
         if old is None or old.sure != new.sure:
-            self._sure_line.content = line(sentence(new.sure), kind="hint")
+            self._sure_line.content = line(
+                sentence(self._visitor.words.render(new.sure)), kind="hint"
+            )
             self._sure_line.visible = bool(new.sure)
         self._fix.show(old, new, new.fix)
 

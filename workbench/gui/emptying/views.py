@@ -229,7 +229,7 @@ def left_html(
         return line("Nothing stays of this pile.", kind="hint")
     body = "".join(
         f"<tr{marked(left_part.part == _name(chosen))} {clickable(rows[place])}>"
-        f"<td>{escape(left_part.part)}</td>"
+        f'<td translate="no">{escape(left_part.part)}</td>'
         f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
         f"{escape(words.render(left_part.kind_message))}</span> "
         f"{escape(sentence(words.render(left_part.reason)))}."

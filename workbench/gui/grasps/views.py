@@ -110,7 +110,7 @@ def _row(
     return (
         f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
         f'<td><i class="wb-dot" style="background:{light}"></i></td>'
-        f"<td>{escape(grasp.name)}{kind}</td>"
+        f'<td translate="no">{escape(grasp.name)}{kind}</td>'
         f'<td class="wb-number">{grasp.priority}</td>'
         f'<td class="wb-number">{escape(mm(grasp.opening))}</td>'
         f"<td>{escape(', '.join(grasp.arms) or 'all')}</td>"
@@ -194,7 +194,7 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     head = "".join(f'<th class="{style}">{title}</th>' for title, style in heads)
     body = "".join(
         f"<tr{marked(number == chosen)} {clickable(rows[number])}>"
-        f"<td>{escape(suggestion.grasp.name)}</td>"
+        f'<td translate="no">{escape(suggestion.grasp.name)}</td>'
         f'<td class="wb-number">{suggestion.score:.2f}</td>'
         f'<td class="wb-number">{escape(mm(suggestion.grasp.grip))}</td>'
         f'<td class="wb-number">{math.degrees(suggestion.angle):.0f}°</td>'
@@ -234,7 +234,8 @@ def versions_html(versions: Sequence[Version]) -> str:
         return line("Nothing was saved from here yet.", kind="hint")
     body = "".join(
         f"<tr><td>{version.number}</td><td>{escape(_when(version))}</td>"
-        f"<td>{escape(version.by)}</td><td>{escape(version.remark)}</td></tr>"
+        f'<td translate="no">{escape(version.by)}</td>'
+        f'<td translate="no">{escape(version.remark)}</td></tr>'
         for version in reversed(versions)
     )
     return (

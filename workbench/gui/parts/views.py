@@ -75,7 +75,7 @@ def remarks_html(
 ) -> str:
     """Who has changed what was found, the latest first, and which folder is watched for poses."""
     rows = "".join(
-        f"<tr><th>{clock(remark.at)}</th><td>{escape(remark.by)}</td>"
+        f'<tr><th>{clock(remark.at)}</th><td translate="no">{escape(remark.by)}</td>'
         f"<td>{escape(words.render(remark.says))}</td></tr>"
         for remark in reversed(remarks)
     )
@@ -122,7 +122,8 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
     return (
         f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
-        f"<td>{escape(detection.part)}</td>{numbers}<td>{escape(_roll(detection))}</td></tr>"
+        f'<td translate="no">{escape(detection.part)}</td>{numbers}'
+        f"<td>{escape(_roll(detection))}</td></tr>"
     )
 
 

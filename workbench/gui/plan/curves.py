@@ -57,7 +57,8 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words =
     for arm in cell.arms:
         blocks = "".join(_block(run, seconds, words) for run in runs if run.arm == arm.name)
         lanes.append(
-            f'<div class="wb-lane"><span class="wb-lane-name">{escape(arm.name)}</span>'
+            f'<div class="wb-lane"><span class="wb-lane-name" translate="no">'
+            f"{escape(arm.name)}</span>"
             f'<div class="wb-track">{blocks}<i class="wb-at"></i></div></div>'
         )
     used = {run.words for run in runs}

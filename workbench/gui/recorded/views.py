@@ -88,6 +88,6 @@ def _row(event: Event, button: str) -> str:
     kind = "wb-bad" if event.is_fault else "wb-pair"
     return (
         f'<tr title="{escape(event.says)}" {clickable(button)}>'
-        f"<td>{time_of_day(event.at)}</td><td>{escape(event.actor)}</td>"
+        f'<td>{time_of_day(event.at)}</td><td translate="no">{escape(event.actor)}</td>'
         f'<td>{escape(what)}<div class="{kind}">{escape(event.says)}</div></td></tr>'
     )

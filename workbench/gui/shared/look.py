@@ -198,7 +198,7 @@ class View:
     is_recorded: bool = False
     unseen: tuple[tuple[float, float], ...] = ()
     hidden: tuple[tuple[float, float], ...] = ()
-    sure: str = ""
+    sure: Message | None = None
     own: Own = NOTHING_OWN
     jogged: Jogged | None = None
     overlay: Overlay | None = None

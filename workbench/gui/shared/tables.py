@@ -258,8 +258,8 @@ def _row_html(candidate: Candidate, button: str, words: Words) -> str:
     return (
         f'<tr title="{escape(words.render(verdict.message))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
-        f"<td>{escape(candidate.grasp.name)}</td>"
-        f"<td>{escape(candidate.arm)}</td>"
+        f'<td translate="no">{escape(candidate.grasp.name)}</td>'
+        f'<td translate="no">{escape(candidate.arm)}</td>'
         f'<td><span class="wb-verdict" style="background:{verdict_colour(kind)}">'
         f'{escape(words.render(kind.message))}</span><div class="wb-pair">{escape(pair)}</div></td>'
         f'<td class="wb-number">{escape(distance)}</td>'

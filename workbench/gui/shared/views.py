@@ -4,9 +4,12 @@ Everything that comes from outside (names of parts and people, messages of machi
 `escape` here, since HTML of the page may run scripts.
 """
 
+import re
 import time
+import unicodedata
 from collections.abc import Mapping, Sequence
 from html import escape
+from itertools import accumulate
 
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.results import is_failure
@@ -46,8 +49,13 @@ NOTHING_MADE: Mapping[str, str] = {}
 
 JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
 
-LONG = 80
-"""Letters of a status that are set smaller, so that all of it can be read."""
+LONG = 60
+"""Columns of a state line; a letter of Chinese takes two.  What is longer goes on below."""
+
+LINE = 48
+"""Columns of the first line of a state that goes on below: they fit beside the button."""
+
+_BREAKS = re.compile(r"(?<=[,;:] )|(?<=[，；：。])")
 
 
 def sentence(text: str) -> str:
@@ -126,33 +134,33 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         is_fault = state.phase is Phase.FAULT
         fault = StatusText.FAULT(fault=as_message(state.fault))
         text = said(fault if is_fault else state.message, words)
-        return _box("recorded", f"<b>Recorded:</b> {escape(text)}")
+        return _box("recorded", text, title="Recorded:")
     if live.unrecorded:
         is_sending = state.phase is Phase.SENDING
         what = StatusText.UNRECORDED_SENDING if is_sending else StatusText.UNRECORDED_TASK
-        why = escape(words.render(live.unrecorded))
-        return _box("fault", f"<b>{escape(words.render(what()))}</b> {why}")
+        why = words.render(live.unrecorded)
+        return _box("fault", why, title=words.render(what()))
     if live.getting_ready is not None and state.phase not in (Phase.FAULT, Phase.SENDING):
         # A task may wait for it, and runs then by itself.
         then = words.render(StatusText.THEN(message=as_message(state.message)))
         waiting = "" if state.job is None else f"; {then}"
         getting_ready = sentence(words.render(live.getting_ready.note))
-        note = f"<b>{escape(getting_ready)}</b>{escape(waiting)}"
-        return _box("busy", note, f"{100 * live.getting_ready.done:.0f}%")
+        right = f"{100 * live.getting_ready.done:.0f}%"
+        return _box("busy", waiting, right, title=getting_ready)
     if state.job is not None and state.phase is not Phase.SENDING:
         note = words.render(live.progress_of(state.job.number)[1] or state.message)
         seconds = max(0.0, view.at - live.started) if live.job == state.job.number else 0.0
-        return _box("busy", f"<b>{escape(sentence(note))}</b>", f"{seconds:.1f} s")
+        return _box("busy", "", f"{seconds:.1f} s", title=sentence(note))
     match state.phase:
         case Phase.FAULT:
-            return _box("fault", f"<b>Fault:</b> {escape(words.render(state.fault))}")
+            return _box("fault", words.render(state.fault), title="Fault:")
         case Phase.SENDING:
-            return _box("busy", escape(said(state.message, words)), parts_placed(state, words))
+            return _box("busy", said(state.message, words), parts_placed(state, words))
         case Phase.DONE:
             is_good = all(outcome.is_picked for outcome in state.outcomes) and not is_failure(
                 state.message
             )
-            return _box("good" if is_good else "fault", escape(said(state.message, words)))
+            return _box("good" if is_good else "fault", said(state.message, words))
         case _:
             text = said(state.message, words) or "Ready. Take a scan to begin."
             is_ready = isinstance(state.message, Message) and state.message.mentions(
@@ -160,7 +168,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
             )
             if state.plan is not None and is_ready:
                 text = words.render(_ready_message(state, state.plan))
-            return _box("fault" if is_failure(state.message) else "plain", escape(text))
+            return _box("fault" if is_failure(state.message) else "plain", text)
 
 
 def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
@@ -173,13 +181,31 @@ def changes_html(state: State, words: Words = IN_ENGLISH) -> str:
     return f'<div class="wb-status wb-changes"><div>{head}<ul>{listed}</ul></div></div>'
 
 
-def _box(kind: str, left: str, right: str = "") -> str:
-    # What a plan is takes more than two lines.
-    length = " wb-long" if kind != "fault" and len(left) > LONG else ""
+def _box(kind: str, text: str, right: str = "", *, title: str = "") -> str:
+    """A state: `title` in bold and the text behind it; what is too long goes on below, smaller."""
+    first, rest = split_line(f"{title} {text}".strip() if text[:1] != ";" else title + text)
+    rest = f"<small>{escape(rest)}</small>" if rest else ""
+    shown = escape(first)
+    if title and first.startswith(title):
+        shown = f"<b>{escape(title)}</b>{escape(first[len(title) :])}"
+    tip = f' title="{escape(text)}"' if rest else ""
     return (
-        f'<div class="wb-status wb-status-{kind}{length}"><span>{left}</span>'
+        f'<div class="wb-status wb-status-{kind}"{tip}><span>{shown}{rest}</span>'
         f'<span class="wb-right">{escape(right)}</span></div>'
     )
+
+
+def split_line(text: str) -> tuple[str, str]:
+    """A text as a first line, of up to `LONG` columns, and the rest of it."""
+    columns = [2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text]
+    if sum(columns) <= LONG:
+        return text, ""
+    ends = list(accumulate(columns))
+    most = sum(end <= LINE for end in ends)
+    breaks = [found.end() for found in _BREAKS.finditer(text, 0, most + 1)]
+    at = max((place for place in breaks if place > most // 2), default=0)
+    at = at or text.rfind(" ", 0, most + 1) + 1 or most
+    return text[:at].rstrip(), text[at:]
 
 
 def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:

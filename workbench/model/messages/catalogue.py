@@ -8,8 +8,11 @@ from workbench.model.messages.calibration import (
     BinText,
     DriftText,
     FirstScanText,
+    ObjectionText,
     PlateText,
     PoseText,
+    ScaleText,
+    ScanText,
 )
 from workbench.model.messages.cells import (
     CellText,
@@ -18,7 +21,7 @@ from workbench.model.messages.cells import (
     LoadText,
     RecipeText,
 )
-from workbench.model.messages.changes import ChangeText, FillText, RemainText
+from workbench.model.messages.changes import ChangeText, FillText, GraspChange, RemainText
 from workbench.model.messages.commands import (
     CommandText,
     EditText,
@@ -28,10 +31,17 @@ from workbench.model.messages.commands import (
     RoleText,
     StaleText,
 )
+from workbench.model.messages.devices import DeviceText, ScannerText
+from workbench.model.messages.files import FileProblem, FileText
 from workbench.model.messages.grasps import BudgetText, FixText, GripText
 from workbench.model.messages.message import GROUPED, UNITS, FoundPart, Message, Others, Text, plain
-from workbench.model.messages.parts import DrawnText, PileText
-from workbench.model.messages.places import PalletText, StationText
+from workbench.model.messages.parts import (
+    DrawnText,
+    PalletText,
+    PileText,
+    StationText,
+    SymmetryText,
+)
 from workbench.model.messages.plans import (
     CycleText,
     GuaranteeText,
@@ -46,11 +56,9 @@ from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
-    FileText,
     Refusal,
     ValueRefusal,
 )
-from workbench.model.messages.scans import ObjectionText, ScaleText, ScanText
 from workbench.model.messages.states import (
     AheadText,
     ClearanceText,
@@ -147,6 +155,11 @@ SUBJECTS: tuple[type[Text], ...] = (
     CaseRefusal,
     ProgressText,
     CancelText,
+    DeviceText,
+    ScannerText,
+    FileProblem,
+    GraspChange,
+    SymmetryText,
 )
 
 TEXTS: Mapping[str, Text] = MappingProxyType(

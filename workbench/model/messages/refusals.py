@@ -191,13 +191,6 @@ class ControlRefusal(Text, subject="control"):
     NOT_YOURS = "{person} has to give control back, not {other}"
 
 
-class FileText(Text, subject="file"):
-    """What is wrong with a file, behind its path."""
-
-    PROBLEM = "{path}: {problem}"
-    KEY = "key {key}: {problem}"
-
-
 class ValueRefusal(Text, subject="value"):
     """Why a value of a command cannot be used."""
 

@@ -69,6 +69,7 @@ class StopText(Text, subject="stopped"):
     """How the controller answers a stop."""
 
     AT = "sending was stopped at {where}; {how}"
+    BEFORE = "sending was stopped before {where}"
     NOT_SPOKEN = "sending was stopped before the controller was spoken to"
     ACKNOWLEDGED = "the controller acknowledged the stop after {took:ms}"
     STANDS = "the controller reported that it stands after {took:ms}"
@@ -148,6 +149,10 @@ class ProgressText(Text, subject="progress"):
     EXCESS = "measuring the convex pieces"
     SYMMETRY = "searching for the symmetry"
     FINGERS_OR_CUP = "making fingers or cup"
+    WAITS_FOR_FILE = "waiting for a file in {folder}"
+    WAITS_FOR_IMAGE = "waiting for an image of {scanner}"
+    ASKS = "asking {address}"
+    CAME = "{size} MB have come"
     MEETS_ROBOT = "checking for collisions with the robot"
 
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Bools, Solid
-from workbench.model.messages.scans import ScanText
+from workbench.model.messages.calibration import ScanText
 from workbench.model.scan import Scan
 from workbench.perception.views.surfaces import add_surface, triangles_of
 

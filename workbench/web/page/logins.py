@@ -37,7 +37,11 @@ NO_USERS = (
     "works once, for one browser; a new start prints another. For more browsers and people add "
     "users: workbench user add NAME --role engineer"
 )
-USED = "This link has been used, or is of an earlier start. " + NO_USERS
+USED = (
+    "This link has been used, or belongs to an earlier start. It works once, for one browser; a "
+    "new start prints another. For more browsers and people add users: workbench user add NAME "
+    "--role engineer"
+)
 
 Ahead = Callable[[], Awaitable[str]]
 """Addresses of what a browser will need, see `Relay.ahead`."""
