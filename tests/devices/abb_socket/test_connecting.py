@@ -22,7 +22,7 @@ def test_a_port_that_is_closed_between_two_conversations_is_tried_again(port, mo
         opened.append(socket.create_server(("127.0.0.1", port)))
 
     monkeypatch.setattr(connecting.time, "sleep", listen)
-    with connecting.connect("127.0.0.1", port, "answers") as link:
+    with connecting.connect("127.0.0.1", port) as link:
         assert link.getpeername() == ("127.0.0.1", port)
     (server,) = opened
     server.close()
@@ -32,5 +32,5 @@ def test_a_port_that_stays_closed_is_told(port, monkeypatch):
     waited = []
     monkeypatch.setattr(connecting.time, "sleep", waited.append)
     with pytest.raises(LinkError, match=f"no controller answers at 127.0.0.1:{port}"):
-        connecting.connect("127.0.0.1", port, "answers")
+        connecting.connect("127.0.0.1", port)
     assert waited == list(connecting.AGAIN_SECONDS)
