@@ -48,7 +48,7 @@ const FAULT = { title: word("A fault came up"), press: [word("Acknowledge")],
 
 const ASKED = { title: word("Is this your first visit?"),
   says: word("A tour leads through one pick on the simulated cell: from the scan to the robot that moves. You press "
-    + "everything yourself, and leave when you like. The key T brings the keyboard here.") };
+    + "everything yourself, and leave when you like. Press T to move the focus here.") };
 
 const OVER = { title: word("That was a pick"),
   says: word("If a pick failed, scroll down in the tab Cycle and press Failed. Scan begins the next pick. "

@@ -181,7 +181,7 @@ def test_a_tool_from_cad_is_told_before_it_is_taken_and_carried(screen, bench, w
     wait(lambda: bench.state.before != (), "the tool")
     arm = bench.state.cell.arms[0]
     assert arm.tool.name == "palm" and arm.tool.stroke == (0.0, 0.04)
-    expect(field(screen, "Thing")).to_have_value("TCP palm")
+    expect(field(screen, "Object")).to_have_value("TCP palm")
     expect(field(screen, f"Tool, {arm.name}")).to_have_value("palm")
     screen.press("Show gizmo")
     settle(screen.page, 500)
@@ -207,7 +207,7 @@ class TestRegion:
     def test_it_is_dragged_by_its_gizmo_along_with_nothing_else(self, screen, bench, wait):
         cell = bench.state.cell
         screen.tab("Cell")
-        field(screen, "Thing").click()
+        field(screen, "Object").click()
         screen.page.get_by_role("option", name="region middle").click()
         screen.press("Show gizmo")
         settle(screen.page, 1000)

@@ -61,14 +61,14 @@ def test_the_hand_goes_from_copy_to_copy_and_a_grasp_to_an_offset(screen, bench,
     screen.press("Duplicate")
     wait(lambda: len(library(bench).entries) == 2, "the duplicate")
     authored, copy = library(bench).entries
-    screen.page.get_by_text("Put at offset").scroll_into_view_if_needed()
+    screen.page.get_by_text("Apply offset").scroll_into_view_if_needed()
     boxes = screen.page.locator(
         "//label[normalize-space(.)='Offset [mm]']/ancestor::*[.//input][1]//input"
     ).locator("visible=true")
     boxes.nth(0).fill("4")
     boxes.nth(0).press("Tab")
     screen.page.wait_for_timeout(300)
-    screen.press("Put at offset")
+    screen.press("Apply offset")
     wait(lambda: "at an offset from side" in str(bench.state.message), "the offset")
     T_side_copy = authored.grasp.T_part_tcp.actInv(grasp(bench, copy.name).grasp.T_part_tcp)
     assert np.allclose(T_side_copy.translation, (0.004, 0.0, 0.0), atol=1e-5)

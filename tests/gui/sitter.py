@@ -82,7 +82,7 @@ class Sitter:
 
     async def confirm(self):
         """Type what anybody may type: when that has come, all that was sent before has."""
-        (field,) = (one for one in self.page.of(TEXT) if self.label_of(one) == "Only with")
+        (field,) = (one for one in self.page.of(TEXT) if self.label_of(one) == "Filter")
         asked = f"only {self.sent}"
         await self.set(field, asked)
         return field, asked

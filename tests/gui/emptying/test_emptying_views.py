@@ -110,7 +110,7 @@ def test_a_part_that_stays_has_its_sentence_its_fix_and_its_colour():
     rows = html.split("<tbody>")[1].split("<tr")[1:]
     assert VERDICTS[Reason.TOOL_COLLISION] in rows[0] and MUTED in rows[1]
     assert ["wb-chosen" in row for row in rows] == [False, True]
-    assert "Nothing stays" in left_html(PILES[0], None, ROWS)
+    assert "The bin was emptied" in left_html(PILES[0], None, ROWS)
 
 
 def test_every_verdict_has_its_colour_in_the_bin_too():

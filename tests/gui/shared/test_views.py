@@ -373,7 +373,7 @@ def test_the_robots_last_word_is_told_from_the_fault_to_be_acknowledged_here(sta
     live = Live(robot="fault: stopped by the client")
     for state, here in ((states.fault, states.fault.fault), (states.idle, "none to acknowledge")):
         text = Reader(link_views.link_html(view_of(state, live=live))).text
-        assert f"Last report of the robot{live.robot}Fault here{here}" in text
+        assert f"Last report of the robot{live.robot}Fault{here}" in text
 
 
 def test_what_has_changed_since_the_start_before_is_listed_and_escaped(states):

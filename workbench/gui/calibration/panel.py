@@ -88,7 +88,7 @@ class CalibrationPanel:
             self._table = gui.add_html("")
             self._leave = gui.add_button("Leave out", color="gray")
             self._remove = gui.add_button("Remove", icon=viser.Icon.TRASH, color="red")
-        with group(gui, "3 · Look and apply"):
+        with group(gui, "3 · Review and apply"):
             self._after = gui.add_checkbox(
                 "As calibrated", True, hint="Off: where the cell has the scanner now."
             )

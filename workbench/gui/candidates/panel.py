@@ -52,7 +52,7 @@ class CandidatesPanel:
         gui = visitor.gui
         self._funnel = gui.add_html("")
         self._words = gui.add_text(
-            "Only with",
+            "Filter",
             "",
             hint="Words that a row must have: part-2, left, side-1, approach, bin_wall_back.",
         )

@@ -56,9 +56,9 @@ class CellPanel:
         gui, cell = visitor.gui, visitor.cell
         with group(gui, "What is there", expand_by_default=False):
             self._tree = gui.add_html("")
-        with group(gui, "Things in the cell"):
+        with group(gui, "Objects in the cell"):
             self._thing = gui.add_dropdown(
-                "Thing", things(cell), hint="What the numbers and the gizmo below move."
+                "Object", things(cell), hint="What the numbers and the gizmo below move."
             )
             self._inputs = PoseInputs(
                 visitor,

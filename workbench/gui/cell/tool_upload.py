@@ -63,7 +63,7 @@ class ToolUpload:
             hint="Where fingers or cup begin on z of the drawing; first where the body ends.",
         )
         self._is_mended = gui.add_checkbox(
-            "Mend it", False, hint="Close holes, turn facets, join what lies apart."
+            "Repair mesh", False, hint="Close holes, turn facets, join what lies apart."
         )
         self._add = gui.add_button("Add the tool", icon=viser.Icon.TOOL)
         self._way.on_update(lambda _: self._show_way())

@@ -32,7 +32,7 @@ def approval_line(
 
     Where the problem `is_next`, it says what is to be done next, and nothing is wrong.
     """
-    purpose = "A person looks at the facts of this plan and gives a name for it."
+    purpose = "Someone reviews the facts of this plan and signs it off by name."
     if state.phase in (Phase.PLANNED, Phase.APPROVED) and problem:
         # What is to be done next, or waited for, is no fault.
         kind = "result" if is_next or state.job is not None else "bad"

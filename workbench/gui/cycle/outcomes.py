@@ -29,10 +29,10 @@ class OutcomeInputs:
         """Add the controls, unseen; `row` marks a folder of three columns."""
         self._visitor = visitor
         gui = visitor.gui
-        self._folder = gui.add_folder("What became of the parts", visible=False)
+        self._folder = gui.add_folder("Result of each pick", visible=False)
         self._rows: list[_PartRow] = []
         with self._folder:
-            gui.add_html(help_html("What became of the parts"))
+            gui.add_html(help_html("Result of each pick"))
             gui.add_html(row)
             self._why = gui.add_text(
                 "Why it failed",

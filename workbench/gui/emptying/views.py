@@ -226,7 +226,7 @@ def left_html(
         words: of who reads it.
     """
     if not pile.left:
-        return line("Nothing stays of this pile.", kind="hint")
+        return line("The bin was emptied.", kind="hint")
     body = "".join(
         f"<tr{marked(left_part.part == _name(chosen))} {clickable(rows[place])}>"
         f'<td translate="no">{escape(left_part.part)}</td>'

@@ -28,7 +28,7 @@ class GraspOffset:
         self._filled = ""
         gui = visitor.gui
         self._from = gui.add_dropdown(
-            "As offset from",
+            "Relative to",
             (NONE,),
             hint="Another grasp of the part, in whose hand's frame it is.",
         )
@@ -40,7 +40,7 @@ class GraspOffset:
         )
         visitor.name(self._turn, ANGLES)
         self._put = gui.add_button(
-            "Put at offset",
+            "Apply offset",
             icon=viser.Icon.ARROWS_RIGHT_DOWN,
             color="gray",
             hint="Once: the grasp stays there when the other one is moved.",

@@ -98,7 +98,7 @@ class GraspsPanel:
         with group(gui, "Suggestions", expand_by_default=False):
             self._suggestions = Suggestions(visitor, editing, self._preview)
             self._filling = FillControls(visitor, editing)
-        with group(gui, "How the part can lie", expand_by_default=False):
+        with group(gui, "Coverage of resting poses", expand_by_default=False):
             self._coverage = CoverageControls(visitor, editing, self._stage)
         with group(gui, "Symmetry of the part", expand_by_default=False):
             self._symmetry = SymmetryControls(visitor, editing)

@@ -32,7 +32,7 @@ class PartUpload:
             "Density [g/cm³]", PLASTIC / 1000, min=0.01, max=25.0, step=0.01, hint="For its mass."
         )
         self._is_mended = gui.add_checkbox(
-            "Mend it", False, hint="Close holes, turn facets, join what lies apart."
+            "Repair mesh", False, hint="Close holes, turn facets, join what lies apart."
         )
         self._is_symmetric = gui.add_checkbox(
             "Take its symmetry",

@@ -77,7 +77,7 @@ class GraspPose:
             "Gizmo along", (TOOL_AXES, PART_AXES), hint="Whose axes the gizmo moves along."
         )
         self._steps = gui.add_checkbox(
-            "In steps", False, hint="The gizmo moves by whole 1 mm and turns by whole 5 degrees."
+            "Snap", False, hint="The gizmo moves by whole 1 mm and turns by whole 5 degrees."
         )
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._apply = gui.add_button("Move it there", icon=viser.Icon.CHECK)

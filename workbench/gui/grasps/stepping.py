@@ -114,7 +114,7 @@ class CopySteps:
         gui, self._visitor = visitor.gui, visitor
         gui.add_html('<div class="wb-buttons wb-two"></div>')
         self._back = gui.add_button(
-            "Copy before",
+            "Previous copy",
             icon=viser.Icon.CHEVRON_LEFT,
             color="gray",
             hint="All that the grasp stands for: of a pattern, of symmetry, and what is left free.",

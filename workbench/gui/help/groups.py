@@ -36,7 +36,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "in danger use the emergency stop.",
         SEND,
     ),
-    "What became of the parts": (
+    "Result of each pick": (
         "Say of each part whether its pick has succeeded. A part whose pick failed is left "
         "alone for some scans, and three failures in a row are a fault. The statistics count "
         "what is said here.",
@@ -64,7 +64,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "All of it is an obstacle for every plan. It comes from the cell file.",
         CELL,
     ),
-    "Things in the cell": (
+    "Objects in the cell": (
         "Bin, scanner and fixtures can be moved, by numbers or by a gizmo. What was found and "
         "planned before is gone then. Undo takes a change back.",
         CELL,
@@ -108,7 +108,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "clicked shows the hand there. None counts before you take it.",
         GRASPS,
     ),
-    "How the part can lie": (
+    "Coverage of resting poses": (
         "Every grasp is tried however the part lies in the bin: tool against bin, and reach of "
         "the arms. What is coloured shows where none works. Add what helps takes a grasp that "
         "closes a gap.",
@@ -190,7 +190,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         "first. What has changed of the cell is read again at once; sessions that are there stay.",
         BACKUP,
     ),
-    "3 · Look and apply": (
+    "3 · Review and apply": (
         "From all poses follows where the scanner hangs; green lights are within 1 mm and 0.3 "
         "degrees. A pose that is wrong can be left out. Apply changes the cell, Save to file "
         "keeps it.",

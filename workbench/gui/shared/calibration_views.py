@@ -56,7 +56,7 @@ def record_line(cell: Cell, now: float, words: Words = IN_ENGLISH) -> str:
     """Who has calibrated the scanner of the cell, when, and how well."""
     record = cell.scanner.calibration
     if record is None:
-        return line("Not calibrated: the pose is as somebody has written or moved it.", kind="hint")
+        return line("Not calibrated: the pose was entered by hand.", kind="hint")
     at = day_and_time(record.at)
     texts = [CalibrationText.RECORD(at=at, person=record.by, count=record.poses, rms=record.rms)]
     if record.covariance is not None:

@@ -42,7 +42,7 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         ("Robot link", name),
         ("Link", phase),
         ("Last report of the robot", view.live.robot or "none (no state report)"),
-        ("Fault here", state.fault or "none to acknowledge"),
+        ("Fault", state.fault or "none to acknowledge"),
     ]
     if link.acknowledged:
         facts.append(("Last answer at", clock(link.acknowledged_at)))
@@ -57,7 +57,7 @@ def link_html(view: View, words: Words = IN_ENGLISH) -> str:
         facts += [
             ("Messages", LinkPageText.COUNT(count=last.done, total=last.total)),
             ("Last message", at),
-            ("On the wire", _wire(last, link)),
+            ("Content", _wire(last, link)),
         ]
     if state.plan is not None:
         facts.append(("Parts", parts_placed(state, words)))
