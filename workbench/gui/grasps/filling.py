@@ -32,7 +32,7 @@ class FillControls:
             "of grasps by what each takes. Takes about a minute.",
         )
         stop = gui.add_button("Stop", icon=viser.Icon.X, color="gray", disabled=True)
-        self._search = GraspSearch(visitor, begin, stop, self._find, editing.tell)
+        self._search = GraspSearch(visitor, begin, stop, self._find, editing.notify)
 
     def show(self) -> None:
         """Whether it can be pressed now."""

@@ -52,7 +52,7 @@ def model_of(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
-    spec.memory = MEMORY
+    spec.memory = MEMORY  # pyright: ignore[reportAttributeAccessIssue]  # not in its stubs
     for solid in (*bin.solids, *around):
         add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):
