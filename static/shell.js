@@ -180,24 +180,28 @@ function look() {
   const shown = scene.contentDocument?.querySelector(".wb-mode");
   if (shown) {
     if (isHere) put("mode", shown.querySelector("b").textContent, shown.dataset.mode);
-    document.getElementById("wait").hidden = true;
+    if (!document.getElementById("wait").hidden) {
+      document.getElementById("wait").hidden = true;
+      takeScheme();
+    }
     compare(scene.contentDocument);
   }
+}
+
+function takeScheme() {
+  const scheme = scene.contentDocument?.documentElement.getAttribute("data-mantine-color-scheme");
+  // Until it is drawn, the scene is light for everybody.
+  if (!scheme || !document.getElementById("wait").hidden) return;
+  document.documentElement.dataset.scheme = scheme;
+  // The server makes the next page of this browser alike.
+  document.cookie = `${SCHEME}=${scheme}; path=/; max-age=31536000; samesite=strict`;
 }
 
 function follow() {
   const root = scene.contentDocument?.documentElement;
   if (!root) return;
   root.lang = document.documentElement.lang;
-  const take = () => {
-    const scheme = root.getAttribute("data-mantine-color-scheme");
-    if (!scheme) return;
-    document.documentElement.dataset.scheme = scheme;
-    // The server makes the next page of this browser alike.
-    document.cookie = `${SCHEME}=${scheme}; path=/; max-age=31536000; samesite=strict`;
-  };
-  new MutationObserver(take).observe(root, { attributes: true });
-  take();
+  new MutationObserver(takeScheme).observe(root, { attributes: true });
   scene.contentWindow.focus();
 }
 

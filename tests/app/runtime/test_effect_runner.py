@@ -161,9 +161,10 @@ def test_what_the_controller_says_of_a_fault_is_part_of_it(cell, controller, ben
     wait_until(lambda: bench.live.joints)
     bench.do(SendPlan(bench.state.plan.digest), "ada")
     state = bench.wait(lambda state: state.phase is Phase.FAULT, PATIENCE)
-    assert "closed the link at message 3 of 4; the controller reports: joint joint_1" in str(
-        state.fault
+    says = (
+        "closed the link at message 3 of 4; the controller reports: protocol error: joint joint_1"
     )
+    assert says in str(state.fault)
     assert "30.00 deg is outside" in str(state.fault)
     assert [receipt.sent for receipt in state.receipts] == MESSAGES[:2]
 

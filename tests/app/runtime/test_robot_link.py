@@ -169,7 +169,10 @@ def test_a_robot_of_which_nonsense_is_reported_goes_on_with_no_plan(rig):
 
     one = rig(send, states)
     one.link.send(one.plan, APPROVAL)
-    says = "the controller reports joint_1 at 1e+308 degrees; the controller reported that it"
+    says = (
+        "protocol error: the controller reports joint_1 at 1e+308 degrees; "
+        "the controller reported that it"
+    )
     assert str(one.ended().fault).startswith(says)
 
 

@@ -97,7 +97,7 @@ def test_sessions_are_kept_only_when_wanted_and_never_replaced(say, home, tmp_pa
         ({"parts/puck/part.toml": b"nonsense"}, "part.toml"),
         ({"backup.json": b"{}"}, "is no backup"),
         ({"backup.json": None}, "is no backup"),
-        ({"backup.json": json.dumps({"format": "other/9"}).encode()}, "has format 'other/9'"),
+        ({"backup.json": json.dumps({"format": "other/9"}).encode()}, "format 'other/9', expected"),
         ({"etc/passwd": b"root"}, "holds 'etc'"),
         ({"../evil": b"x"}, "no plain path"),
     ],

@@ -11,7 +11,11 @@ from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.plugins.found import names
 from workbench.plugins.robot_link import link_named, states
 
-ROBOTS = {"ur": ("tx2_90", 30002, 30004), "abb": ("yumi", 6510, 6520)}
+ROBOTS = {
+    "ur": ("tx2_90", 30002, 30004),
+    "abb": ("yumi", 6510, 6520),
+    "pick": ("tx2_90", 6530, 6540),
+}
 """For links of a maker: a cell that they can serve, and its ports."""
 
 LIBRARIES = {"ur-rtde": "rtde_receive", "abb-egm": "google.protobuf"}

@@ -75,7 +75,11 @@ class Course:
     def __post_init__(self) -> None:
         for name in ("moved", "change", "deviation", "freedom"):
             put(self, **{name: frozen(getattr(self, name))})
-        put(self, days=frozen(self.days, np.int64), is_told=frozen(self.is_significant, np.bool_))
+        put(
+            self,
+            days=frozen(self.days, np.int64),
+            is_significant=frozen(self.is_significant, np.bool_),
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
