@@ -96,7 +96,7 @@ def test_a_joint_that_is_reported_where_it_cannot_be_ends_the_motion(planned, de
 
 def test_motors_that_were_off_between_two_good_reports_end_the_motion(planned):
     spoil = InLeg(lambda told: [replace(told, motors=wire.MOTORS_OFF)], held=True)
-    fault_of(*planned, spoil, "the motors are off in leg 1")
+    fault_of(*planned, spoil, r"at leg 1 of \d+: left: the motors are off")
 
 
 def telling(**changes):

@@ -173,7 +173,7 @@ def _stand(arms: Sequence[TwinArm]) -> bool:
 @pytest.mark.parametrize(
     ("fault", "says"),
     [
-        ("motors-off@1", "the motors are off in leg 1"),
+        ("motors-off@1", r"at leg 1 of \d+: left: the motors are off"),
         ("stuck@1", "does not follow in leg 1"),
         ("twice@1", "twice, or out of order"),
         ("jitter@1", r"a report came \d+ ms late in leg 1|silent"),

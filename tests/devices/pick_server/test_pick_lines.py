@@ -101,8 +101,9 @@ def test_a_byte_that_is_lost_or_comes_twice_is_found(data):
     ],
 )
 def test_a_line_that_means_nothing_is_refused_by_its_word(line, word):
-    with pytest.raises(BadLine, match=f"^{word}$"):
+    with pytest.raises(BadLine) as refused:
         read_request(Form(), line)
+    assert refused.value.word == word
 
 
 def test_answers_begin_with_numbers_where_a_controller_reads_no_words():

@@ -14,6 +14,7 @@ from waiting import PATIENCE
 from workbench.devices.scanners.realsense import RealsenseOptions, RealsenseScanner
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
+from workbench.model.messages.message import Message
 from workbench.plugins.options import options_of
 from workbench.plugins.scanner import ScanRequest
 from workbench.testing import check_scanner
@@ -122,9 +123,9 @@ def test_a_camera_is_found_by_its_number_and_sends_what_comes_after_the_question
     sent = iter(range(1, 100))
     live = made(RealsenseScanner, "", options={"serial": "B2", "skipped_frames": 2})
 
-    def send(done: float, note: str) -> None:
+    def send(done: float, note: Message | str) -> None:
         cameras["A1"].send(99)
-        if "waiting" in note:
+        if "waiting" in str(note):
             cameras["B2"].send(next(sent))
 
     scan = live.scan(ScanRequest(), send, lambda: False)

@@ -122,7 +122,7 @@ def test_a_plan_is_carried_out_once_and_leg_by_leg(planned, host):
         assert twin.outputs == {0: False}
         assert shown[-1].joints is not None and shown[-1].steps == len(legs)
         # The controller remembers the ticket: the same approval moves nothing again.
-        with pytest.raises(LinkError, match="has run this program already"):
+        with pytest.raises(LinkError, match="has begun this plan already"):
             list(send(plan, approval, there, patience=PATIENT))
         assert len(plans(twin)) == 1
 

@@ -125,7 +125,7 @@ class Conversation:
                 if self._owner is not owner:
                     raise BadLine("hello")
             except BadLine as error:
-                return answer_bytes(self._form, 0, "ERR", str(error))
+                return answer_bytes(self._form, 0, "ERR", error.word)
             self._heard_at = self._clock()
             if request.number == self._last:
                 return self._again(request, line)
@@ -136,7 +136,7 @@ class Conversation:
             try:
                 words = self._answered(request)
             except BadLine as error:
-                words = ("ERR", str(error))
+                words = ("ERR", error.word)
             self._answer = answer_bytes(self._form, request.number, *words)
             self._changed.notify_all()
             return self._answer

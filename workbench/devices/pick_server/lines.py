@@ -38,7 +38,11 @@ WORD = re.compile(r"[A-Za-z0-9_/.-]{1,40}")
 
 
 class BadLine(ProtocolError):
-    """A line that cannot be taken; its text is the word of the answer."""
+    """A line that cannot be taken; `word` is that of the answer."""
+
+    def __init__(self, word: str):
+        super().__init__(word)
+        self.word = word
 
 
 @dataclass(frozen=True, slots=True)

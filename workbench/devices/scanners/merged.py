@@ -135,7 +135,7 @@ def _check_calibration(view: ScannerView, now: float) -> None:
     days = (now - record.at) / DAY
     if days > view.mount.calibration_days:
         allowed = view.mount.calibration_days
-        raise _failed(view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=allowed))
+        raise _failed(view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=f"{allowed:g}"))
 
 
 def _failed(view: ScannerView, problem: Message) -> LinkError:
