@@ -195,12 +195,12 @@ def test_an_end_that_comes_at_once_is_no_end(planned):
 @pytest.mark.parametrize(
     ("told", "says"),
     [
-        ({"safety_status_bits": 1 << 2}, r"reports at leg [12] of 6: protective stop"),
+        ({"safety_status_bits": 1 << 2}, r"reports a fault at leg [12] of 6: protective stop"),
         (
             {"safety_status_bits": 0xFFFFFFFF},
-            r"reports at leg [12] of 6: protective stop, recovery",
+            r"reports a fault at leg [12] of 6: protective stop, recovery",
         ),
-        ({"robot_mode": 5}, r"reports at leg [12] of 6: the robot is idle"),
+        ({"robot_mode": 5}, r"reports a fault at leg [12] of 6: the robot is idle"),
         ({"robot_mode": -(2**31)}, "the robot is in mode -2147483648"),
         ({"runtime_state": 77}, r"ended the program at leg \d of 6"),
         ({"runtime_state": rtde.STOPPED}, r"ended the program at leg \d of 6"),

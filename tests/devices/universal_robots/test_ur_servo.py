@@ -148,7 +148,7 @@ def test_a_plan_is_streamed_once_and_the_arm_stays_in_what_was_proven(planned, h
         assert [one.kind for one in receipts] == ["program", *(leg.name for leg in legs), "end"]
         assert [text for text in twin.programs if "workbench_plan" in text] == [receipts[0].sent]
         assert twin.outputs == {0: False}
-        with pytest.raises(LinkError, match="has run this program already"):
+        with pytest.raises(LinkError, match="has begun this plan already"):
             list(send(plan, approval, there, patience=PATIENT))
     seen = [json.loads(line)["q"] for line in trace.read_text().splitlines()]
     seen = [np.asarray(cell.arms[0].from_axes(q)) for q in seen]
@@ -160,7 +160,7 @@ def test_a_plan_is_streamed_once_and_the_arm_stays_in_what_was_proven(planned, h
 @pytest.mark.parametrize(
     ("fault", "says"),
     [
-        ("protective-stop@2", "reports at leg . of 6: protective stop"),
+        ("protective-stop@2", "reports a fault at leg . of 6: protective stop"),
         ("cut@2", "closed the link|silent|has ended|client of the controller|protocol error"),
         ("stray@2", r"does not follow in leg 2 of 6: \d\.\d deg from its reference"),
     ],

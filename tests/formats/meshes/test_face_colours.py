@@ -128,7 +128,7 @@ def test_a_file_without_colours_is_refused(tmp_path):
     with pytest.raises(FileError, match="has no colours"):
         read_part(part_file(tmp_path, 'file = "bare.glb"\nunit = "mm"'))
     bare.export(tmp_path / "bare.stl")
-    with pytest.raises(FileError, match="cannot have colours"):
+    with pytest.raises(FileError, match="its colours cannot be used"):
         read_part(part_file(tmp_path, 'file = "bare.stl"'))
 
 

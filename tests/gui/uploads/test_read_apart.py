@@ -25,8 +25,8 @@ from workbench.model.errors import JobCancelled
 from workbench.studies.stalls.large_files import cad_file
 
 READERS = (
-    *((cad_look, name) for name in ("read_cad", "joined_corners", "examined")),
-    *((repair, name) for name in ("joined_corners", "examined")),
+    *((cad_look, name) for name in ("read_cad", "joined_corners", "examine_surface")),
+    *((repair, name) for name in ("joined_corners", "examine_surface")),
     (reading, "read_mesh"),
     *((scans, name) for name in ("parse_scan", "parse_cloud", "read_pcd")),
     *((pose_files, name) for name in ("parse_poses", "parse_json")),
