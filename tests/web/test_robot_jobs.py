@@ -54,7 +54,7 @@ def until_done(robot, job, *words):
 
 def approve(bench):
     plan = bench.state.plan
-    bench.do(WatchPlan(plan.digest, is_told=True), "anna")
+    bench.do(WatchPlan(plan.digest, is_reported=True), "anna")
     bench.do(Approve(plan.digest), "anna")
 
 

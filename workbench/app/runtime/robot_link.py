@@ -44,7 +44,7 @@ RETRY = 1.0
 
 
 @dataclass(slots=True)
-class SendingRun:
+class Sending:
     """One sending, as it goes.
 
     `before` is what the controller reported last before it, `receipts` what has gone out since.
@@ -110,11 +110,11 @@ class LinkRunner:
         self._report: RobotState | None = None
         # Connections for reports that were wanted, and the one that the report came by.
         self._wanted = self._told = 0
-        self._runs: queue.SimpleQueue[tuple[SendingRun, Approval] | None] = queue.SimpleQueue()
+        self._runs: queue.SimpleQueue[tuple[Sending, Approval] | None] = queue.SimpleQueue()
         # The sending that goes on, and the same where the reports alone say what is done.
-        self._going: SendingRun | None = None
-        self._run: SendingRun | None = None
-        self._current: SendingRun | None = None
+        self._going: Sending | None = None
+        self._run: Sending | None = None
+        self._current: Sending | None = None
         self._used: set[str] = set()
         self._status = LinkStatus()
         self._sender = threading.Thread(target=self._send_all, name="robot link", daemon=True)
@@ -138,7 +138,7 @@ class LinkRunner:
             self._stopped = threading.Event()
         # Of a row all plans have one: a stop that comes between two of them stops the next one.
         stopped = self._stopped
-        run = SendingRun(plan, self._report, stopped, self._patience.clock, following=following)
+        run = Sending(plan, self._report, stopped, self._patience.clock, following=following)
         self._current = run
         self._runs.put((run, approval))
 
@@ -164,7 +164,7 @@ class LinkRunner:
         while (wanted := self._runs.get()) is not None:
             self._send(*wanted)
 
-    def _send(self, run: SendingRun, approval: Approval) -> None:
+    def _send(self, run: Sending, approval: Approval) -> None:
         fault: Message | None = None
         try:
             fault = self._spoken(run, approval)
@@ -181,7 +181,7 @@ class LinkRunner:
             self._end(plain(text.encode("ascii", "backslashreplace").decode()))
             self._show_link(replace(self._status, phase="closed"))
 
-    def _spoken(self, run: SendingRun, approval: Approval) -> Message | None:
+    def _spoken(self, run: Sending, approval: Approval) -> Message | None:
         """Send the plan, message by message; what ended that early, if anything did."""
         fault, is_silent = None, self._is_silent()
         self._show_link(LinkStatus(phase="connecting"))
@@ -220,9 +220,7 @@ class LinkRunner:
             fault = internal_error(error)
         return fault
 
-    def _outcome(
-        self, run: SendingRun, fault: Message | None
-    ) -> tuple[int, tuple[PartReport, ...]]:
+    def _outcome(self, run: Sending, fault: Message | None) -> tuple[int, tuple[PartReport, ...]]:
         """How many parts were put down, and what is known of each."""
         self._going = self._run = None
         self._show_link(replace(self._status, phase="closed"))
@@ -246,7 +244,7 @@ class LinkRunner:
             raise CommandRefused(LinkText.APPROVAL_USED())
         self._used.add(approval.digest)
 
-    def _parts(self, run: SendingRun) -> tuple[PartReport, ...]:
+    def _parts(self, run: Sending) -> tuple[PartReport, ...]:
         """What was reported of each part of the plan; where nothing was, nobody knows."""
         latest = {receipt.part.arm: receipt.part for receipt in run.receipts if receipt.part}
         why = LinkText.NO_REPORT(link=self._cell.controller.link)
@@ -280,7 +278,7 @@ class LinkRunner:
         if report is not None:
             self._show(joints=self._by_joint(report.joints))
 
-    def _see_it_stand(self, run: SendingRun) -> None:
+    def _see_it_stand(self, run: Sending) -> None:
         """After a stop by closing the link, which nobody acknowledges: what the reports say."""
         began = time.monotonic()
         # What was told before says nothing of now, and who stands may have no news: it is asked.

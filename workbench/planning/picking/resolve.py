@@ -222,12 +222,9 @@ def holding_phase(
     candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool
 ) -> LegPhase:
     """The phase of a leg with the candidate's part in the hand."""
-    return LegPhase(
-        moving=frozenset({arm.name}),
-        openings={arm.name: candidate.grasp.grip},
-        held={arm.name: (candidate.detection, T_tcp_part)},
-        straight=frozenset({arm.name} if straight else ()),
-    )
+    moving, held = frozenset({arm.name}), {arm.name: (candidate.detection, T_tcp_part)}
+    line = moving if straight else frozenset[str]()
+    return LegPhase(moving, {arm.name: candidate.grasp.grip}, held=held, straight=line)
 
 
 def _refuse(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
