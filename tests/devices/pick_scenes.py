@@ -94,7 +94,12 @@ class Program:
         form = form or Form()
         self.axes, self.q = axis_words(cell, form), np.asarray(cell.arms[0].home)
         self.over = threading.Event()
-        self.asker = Asker("127.0.0.1", port, form, run, self.over.is_set, again)
+        until = time.monotonic() + PATIENCE
+
+        def is_over():
+            return self.over.is_set() or time.monotonic() > until
+
+        self.asker = Asker("127.0.0.1", port, form, run, is_over, again)
         self.got, self.plans = [], []
 
     def ask(self, job, *words):
