@@ -108,7 +108,7 @@ class Program:
         return answer
 
     def joints(self):
-        return self.axes.shown(self.q)
+        return self.axes.format(self.q)
 
     def begin(self):
         while (answer := self.ask("next", *self.joints()))[0] == "WAIT":

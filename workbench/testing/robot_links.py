@@ -121,7 +121,9 @@ def _check_states(link: RobotLink, plan: Plan, cell: Cell, receipts: list[Receip
         # `states` has looked at every number of it.
         if has_outcome or state.placed >= len(plan.arms):
             return
-    assert has_outcome, "nobody tells what became of parts: `tells_of_parts = False` says so"
+    assert has_outcome, (
+        "no part has an outcome: a link that reports none states `tells_of_parts = False`"
+    )
 
 
 def _check_steps(

@@ -1,4 +1,4 @@
-"""What a robot program may ask for beside plans: a row a job, under the rules of an operator.
+"""The jobs of a robot program that need no plan, under the rules of an operator.
 
 Approvals are not here: they are a person's.
 """
@@ -54,9 +54,9 @@ class BenchDesk:
             match request.job:
                 case "scan":
                     parts = _whole(request, MOST_PARTS, SIMULATED_PARTS)
-                    return self._begin("scan", TakeScan(state.number, parts), _scanned)
+                    return self._begin("scan", TakeScan(state.number, parts), _scan_answer)
                 case "find":
-                    return self._begin("find", FindParts(state.number), _found)
+                    return self._begin("find", FindParts(state.number), _find_answer)
                 case "next":
                     return self._next(state)
                 case "recipe":
@@ -75,7 +75,7 @@ class BenchDesk:
                 case _:
                     return "NO", "job"
         except CommandRefused:
-            return self._refused()
+            return self._refuse()
 
     def _begin(self, job: str, command: Command, result: Callable[[State], Words]) -> Words:
         state = self._bench.state
@@ -117,9 +117,9 @@ class BenchDesk:
         if carrier is None:
             return "NO", "view"
         axes = axis_words(state.cell, PickServer().form(state.cell))
-        return ("OK", *axes.shown(carrier.view.q))
+        return ("OK", *axes.format(carrier.view.q))
 
-    def _refused(self) -> Words:
+    def _refuse(self) -> Words:
         state = self._bench.state
         if state.phase is Phase.FAULT:
             return "STOP", "fault"
@@ -145,11 +145,11 @@ def robot_jobs(bench: Bench) -> Generator[None]:
         yield
 
 
-def _scanned(state: State) -> Words:
+def _scan_answer(state: State) -> Words:
     return ("OK", "scan") if state.phase is Phase.SCANNED else ("NO", "scan")
 
 
-def _found(state: State) -> Words:
+def _find_answer(state: State) -> Words:
     count = len(state.detections or ())
     return ("OK", str(count)) if state.phase is Phase.LOCALIZED and count else ("NO", "parts")
 

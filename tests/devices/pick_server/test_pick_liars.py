@@ -16,7 +16,7 @@ def said(robot, *words):
 
 
 def stands(robot, offset):
-    return robot.axes.shown(robot.q + offset)
+    return robot.axes.format(robot.q + offset)
 
 
 AT_THE_START = {
@@ -57,7 +57,7 @@ IN_THE_FIRST_LEG = {
     "a point twice": lambda r: r.ask("point", "1", "1"),
     "done elsewhere": lambda r: r.ask("done", "1", *stands(r, 0.02)),
     "done of another leg": lambda r: r.ask("done", "2", *r.joints()),
-    "done where it began": lambda r: r.ask("done", "1", *r.axes.shown(r.home)),
+    "done where it began": lambda r: r.ask("done", "1", *r.axes.format(r.home)),
     "placed in the first leg": lambda r: r.ask("placed"),
     "next in the first leg": lambda r: r.ask("next", *r.joints()),
 }

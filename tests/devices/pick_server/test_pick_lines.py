@@ -70,7 +70,7 @@ def test_what_is_written_is_read_in_every_form(words, separator, end):
     form = Form(separator, end, 255)
     line = line_bytes(form, "12", "state", *words)
     taken = LineBuffer(form)
-    pieces = [piece for k in range(len(line)) for piece in taken.taken(line[k : k + 1])]
+    pieces = [piece for k in range(len(line)) for piece in taken.split(line[k : k + 1])]
     request = read_request(form, pieces[0])
     assert (len(pieces), request.number, request.job) == (1, 12, "state")
     assert request.words == tuple(words)

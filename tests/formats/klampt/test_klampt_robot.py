@@ -327,7 +327,7 @@ def test_no_text_is_too_strange(tmp_path_factory, data):
     [
         ("<robot ", "<robat ", "has 0 robots"),
         ("6 0 0 0 0 0 0", "6 zero", "config"),
-        ('file="robot.rob"', 'file="other.rob"', "no such file beside"),
+        ('file="robot.rob"', 'file="other.rob"', "the folder of the world has no such file"),
         ('color="1 0 0', 'color="red', "color"),
         ('scale="2"', 'scale="-2"', "must be positive"),
         ("1 2 3", "1 2", "3 numbers are expected"),

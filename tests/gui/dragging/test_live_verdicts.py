@@ -24,7 +24,7 @@ from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.page.server import serve
-from workbench.gui.scene.live import _covered, beside, live_message
+from workbench.gui.scene.live import _covered, live_message, right_of
 from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.things import moving
@@ -229,7 +229,7 @@ def test_the_words_stand_beside_bin_and_parts_as_they_are_seen(states, cell):
     covered = _covered(dragged)
     parts = [one.T_world_part.translation for one in states.localized.detections]
     camera = SimpleNamespace(position=position, up_direction=(0.0, 0.0, 1.0))
-    words = beside(camera, covered)
+    words = right_of(camera, covered)
     assert across(words) > max(across(p) for p in covered) > max(across(p) for p in parts)
     # Not out of the picture.
     assert across(words) < np.tan(FIELD_OF_VIEW / 2)

@@ -106,7 +106,7 @@ class Asker:
                 continue
             if not data:
                 raise OSError("closed")
-            for line in self._lines.taken(data):
+            for line in self._lines.split(data):
                 try:
                     heard, word, *rest = words_of(self._form, line)
                     word = ANSWERS[int(word)] if self._form.is_coded else word

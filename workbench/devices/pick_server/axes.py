@@ -41,16 +41,16 @@ class AxisWords:
         Raises:
             InputError: the digits of the form do not hold it.
         """
-        words = self.shown(q)
+        words = self.format(q)
         if not np.abs(self._read(words) - q).max() <= SAME:
             raise InputError("a line of these digits cannot hold what was proven")
         return words
 
-    def shown(self, q: Floats) -> list[str]:
+    def format(self, q: Floats) -> list[str]:
         """A configuration (n,) [rad, m], chain order, rounded to the digits of the form."""
-        return self.written(to_controller(self.cell.arms[0], q))
+        return self.format_shown(to_controller(self.cell.arms[0], q))
 
-    def written(self, shown: Floats) -> list[str]:
+    def format_shown(self, shown: Floats) -> list[str]:
         """What a controller shows (n,) [rad, m], as words of the form's digits."""
         values = np.round(shown / self._units, 9)
         words = [f"{v:.{d}f}" for v, d in zip(values, self._digits, strict=True)]

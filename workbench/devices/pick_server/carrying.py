@@ -45,7 +45,7 @@ class Carrying:
         self.is_stopping, self.is_acknowledged = False, False
         # Legs that were answered and that were reported as done; waypoints of the last one.
         self._given = self.done = self._points = self._count = 0
-        self._is_gripped = self._is_told = False
+        self._is_gripped = self._is_reported = False
         self.part: PartReport | None = None
         self.receipts: list[Receipt] = []
 
@@ -97,13 +97,13 @@ class Carrying:
             case "point" if self.is_moving and self._points < len(self._leg.points):
                 return self._point(request)
             case "done" if self.is_moving and self._points == len(self._leg.points):
-                return self._done(request)
-            case "picked" if self._is_gripped and not self._is_told:
-                return self._heard(request)
-            case "placed" if self._is_open_again and not self._is_told:
-                return self._tell(request, is_picked=True)
-            case "failed" if self._is_gripped and not self._is_told:
-                return self._tell(request, is_picked=False)
+                return self._end_leg(request)
+            case "picked" if self._is_gripped and not self._is_reported:
+                return self._acknowledge(request)
+            case "placed" if self._is_open_again and not self._is_reported:
+                return self._report(request, is_picked=True)
+            case "failed" if self._is_gripped and not self._is_reported:
+                return self._report(request, is_picked=False)
             case "stop":
                 why = request.words[0] if request.words else "-"
                 raise LinkError(AskText.STOPPED(where=self.where, why=why))
@@ -122,7 +122,7 @@ class Carrying:
         self._check_stands(request.words, self.program.q_start, in_motion=False)
         self.is_taken = True
         self._count += 1
-        return self._said(self.program.words, request)
+        return self._record(self.program.words, request)
 
     def _give(self, request: Request) -> Words:
         self._check_number(request, 0, self.done + 1)
@@ -131,35 +131,35 @@ class Carrying:
         self._given, self._points = self.done + 1, 0
         self._is_gripped = self._is_gripped or self._leg.hand == "grip"
         self._count += 1
-        return self._said(self._leg.words, request)
+        return self._record(self._leg.words, request)
 
     def _point(self, request: Request) -> Words:
         self._check_number(request, 0, self._given)
         self._check_number(request, 1, self._points + 1)
         self._points += 1
         self._count += 1
-        return self._said(self._leg.points[self._points - 1], request)
+        return self._record(self._leg.points[self._points - 1], request)
 
-    def _done(self, request: Request) -> Words:
+    def _end_leg(self, request: Request) -> Words:
         self._check_number(request, 0, self._given)
         self._check_stands(request.words[1:], self._leg.q_end, in_motion=True)
-        if self._given == len(self.program.legs) and not self._is_told:
+        if self._given == len(self.program.legs) and not self._is_reported:
             raise ProtocolError(AskText.WRONG_JOB(job="done", where=self.where))
         self.done = self._given
         self._count += 1
         self.is_over = self.done == len(self.program.legs)
-        return self._said(("OK", "end" if self.is_over else "leg"), request)
+        return self._record(("OK", "end" if self.is_over else "leg"), request)
 
-    def _tell(self, request: Request, *, is_picked: bool) -> Words:
+    def _report(self, request: Request, *, is_picked: bool) -> Words:
         why = "" if is_picked else (request.words or ("-",))[0]
-        self._is_told = True
+        self._is_reported = True
         self.part = PartReport(self.program.arm, self.program.detection, is_picked, why)
-        return self._heard(request, self.part)
+        return self._acknowledge(request, self.part)
 
-    def _heard(self, request: Request, part: PartReport | None = None) -> Words:
-        return self._said(("OK", request.job), request, part)
+    def _acknowledge(self, request: Request, part: PartReport | None = None) -> Words:
+        return self._record(("OK", request.job), request, part)
 
-    def _said(self, words: Words, request: Request, part: PartReport | None = None) -> Words:
+    def _record(self, words: Words, request: Request, part: PartReport | None = None) -> Words:
         heard = " ".join((request.job, *request.words))
         receipt = Receipt(
             self._now(),

@@ -1,8 +1,9 @@
-"""The server's side of the conversation without sockets: who asks, what was asked, and answers.
+"""The server's side of the conversation, without sockets: requests and their answers.
 
 A request that comes again, by its number, gets the answer that it got: nothing is done twice.
 """
 
+import logging
 import secrets
 import threading
 import time
@@ -24,6 +25,8 @@ from workbench.devices.pick_server.lines import (
 from workbench.model.errors import InputError, ProtocolError
 from workbench.model.geometry import Floats
 from workbench.model.messages.work import AskText
+
+log = logging.getLogger(__name__)
 
 VERSION = "pick-server/1"
 
@@ -134,9 +137,13 @@ class Conversation:
             self._last, self._request = request.number, line
             self.count += 1
             try:
-                words = self._answered(request)
+                words = self._respond(request)
             except BadLine as error:
                 words = ("ERR", error.word)
+            except Exception as error:
+                # A request without an answer is asked for ever.
+                log.exception("the request %s could not be answered", request.job)
+                words = self._fail(error)
             self._answer = answer_bytes(self._form, request.number, *words)
             self._changed.notify_all()
             return self._answer
@@ -165,7 +172,13 @@ class Conversation:
             self._changed.notify_all()
         return answer_bytes(self._form, request.number, "ERR", "number")
 
-    def _answered(self, request: Request) -> Words:
+    def _fail(self, why: Exception) -> Words:
+        """An error of ours: a doubt where a plan is under way."""
+        if self._carrying is not None and self._carrying.is_asked_for:
+            return self._carrying.doubt(why)
+        return "NO", "error"
+
+    def _respond(self, request: Request) -> Words:
         carrying = self._carrying
         if request.job == "state":
             return self._state(request.words)

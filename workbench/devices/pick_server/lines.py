@@ -177,7 +177,7 @@ class LineBuffer:
         self._end, self._longest = ENDS[form.end], form.longest
         self._rest = b""
 
-    def taken(self, data: bytes) -> list[bytes]:
+    def split(self, data: bytes) -> list[bytes]:
         """Whole lines without their ends; empty ones are left out.
 
         What is longer than a line may be comes cut, so that it is refused as one.

@@ -151,7 +151,9 @@ def check_lines(cell: Cell, axes: AxisWords) -> None:
     middle, half = coupling @ (low + high) / 2 + offsets, np.abs(coupling) @ np.abs(high - low) / 2
     longest = [
         max(words, key=len)
-        for words in zip(axes.written(middle - half), axes.written(middle + half), strict=True)
+        for words in zip(
+            axes.format_shown(middle - half), axes.format_shown(middle + half), strict=True
+        )
     ]
     answer_bytes(axes.form, LAST, "TO", *longest, "100.0", f"{LONGEST:.3f}", "50")
     load = ("99.999", "-999.9", "-999.9", "-999.9")

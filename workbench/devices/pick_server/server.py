@@ -103,7 +103,7 @@ def _answer_all(
             continue
         if not data:
             return
-        for line in lines.taken(data):
+        for line in lines.split(data):
             answer = conversation.hear(link, line)
             link.sendall(answer)
             is_bad = answer.startswith(b"0") and not conversation.owns(link)
@@ -118,7 +118,7 @@ _SERVERS: dict[tuple[str, int], tuple[Server, int]] = {}
 
 @contextmanager
 def listening(cell: Cell, axes: AxisWords, client: str) -> Generator[Server]:
-    """The server at the cell's address, the same for everybody in this process who asks.
+    """The server at the cell's address, shared by all users in this process.
 
     Raises:
         LinkError: the address cannot be had.

@@ -77,7 +77,7 @@ class SimulatedProgram:
 
     def _cycle(self) -> None:
         try:
-            answer = self._ask("state", *self._shown())
+            answer = self._ask("state", *self._joints())
         except LinkError:
             self._asker = self._new_asker()
             return
@@ -85,7 +85,7 @@ class SimulatedProgram:
             raise Stopped
         if answer[:2] != ("OK", "offered"):
             return
-        answer = self._told("next", *self._shown())
+        answer = self._ask_or_stop("next", *self._joints())
         if answer[0] != "PLAN":
             return
         if answer[1] in self.tickets:
@@ -93,22 +93,22 @@ class SimulatedProgram:
         self.tickets.append(answer[1])
         is_held = is_reported = False
         for number in range(1, int(answer[2]) + 1):
-            leg = self._told("leg", str(number))
+            leg = self._ask_or_stop("leg", str(number))
             hand, points = leg[2], int(leg[4])
-            ways = [self._told("point", str(number), str(k + 1)) for k in range(points)]
+            ways = [self._ask_or_stop("point", str(number), str(k + 1)) for k in range(points)]
             if hand == "grip":
                 is_held = "empty-hand" not in self._happens(number)
             if hand == "open" and is_held and not is_reported:
-                self._told("placed")
+                self._ask_or_stop("placed")
                 is_reported = True
             self._misbehave(number)
             for words in ways:
                 self._move(words)
             if "stray" in self._happens(number):
                 self.q = self.q + STRAY
-            self._told("done", str(number), *self._shown())
+            self._ask_or_stop("done", str(number), *self._joints())
             if hand == "grip":
-                self._told(*(("picked",) if is_held else ("failed", "empty")))
+                self._ask_or_stop(*(("picked",) if is_held else ("failed", "empty")))
 
     def _move(self, words: Words) -> None:
         """Go straight in the joints to a waypoint, in its time."""
@@ -122,7 +122,7 @@ class SimulatedProgram:
             if self._over.is_set():
                 raise LinkError("ended")
             if seconds > HEARTBEAT:
-                self._told("state", *self._shown())
+                self._ask_or_stop("state", *self._joints())
         self.q = there
 
     def _misbehave(self, leg: int) -> None:
@@ -141,7 +141,7 @@ class SimulatedProgram:
     def _happens(self, leg: int) -> list[str]:
         return [name for name, number in self._faults if number in (0, leg)]
 
-    def _told(self, job: str, *words: str) -> Words:
+    def _ask_or_stop(self, job: str, *words: str) -> Words:
         answer = self._ask(job, *words)
         if answer[0] == "STOP":
             raise Stopped
@@ -153,8 +153,8 @@ class SimulatedProgram:
                 file.write(" ".join((job, *words)) + "\n")
         return self._asker.ask(job, *words)
 
-    def _shown(self) -> list[str]:
-        return self._axes.shown(self.q)
+    def _joints(self) -> list[str]:
+        return self._axes.format(self.q)
 
     def _go_home(self) -> None:
         if not self._over.wait(min(self._simulation.home_after, threading.TIMEOUT_MAX)):

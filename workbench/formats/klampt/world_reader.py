@@ -164,5 +164,5 @@ def _beside(element: Element, key: str) -> Path:
     name = element.text(key)
     file = element.path.parent / name
     if not is_file(file):
-        raise element.error(f"{key}={quote(name)}: there is no such file beside the world")
+        raise element.error(f"{key}={quote(name)}: the folder of the world has no such file")
     return file

@@ -67,7 +67,7 @@ class DrawnVerdicts:
         text = str(short_message(glance))
         if self._words.text != text:
             self._words.text = text
-        self._words.position = beside(self._camera, _covered(dragged))
+        self._words.position = right_of(self._camera, _covered(dragged))
 
     def _paint_parts(self, dragged: Dragged) -> None:
         glance, cell = dragged.glance, dragged.state.cell
@@ -134,7 +134,7 @@ def _covered(dragged: Dragged) -> Floats:
     return np.concatenate(corners)
 
 
-def beside(camera: BrowserCamera, points: Floats) -> Floats:
+def right_of(camera: BrowserCamera, points: Floats) -> Floats:
     """A point (3,) [m] at the right of all points (n, 3) [m], as a camera sees them."""
     away = points.mean(axis=0) - camera.position
     right = np.cross(away, camera.up_direction)

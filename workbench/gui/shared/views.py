@@ -53,7 +53,7 @@ LONG = 60
 """Columns of a state line; a letter of Chinese takes two.  What is longer goes on below."""
 
 LINE = 48
-"""Columns of the first line of a state that goes on below: they fit beside the button."""
+"""Columns of the first line of a state that goes on below: the button leaves room for them."""
 
 _BREAKS = re.compile(r"(?<=[,;:] )|(?<=[，；：。])")
 
