@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from conftest import Screen
-from fronted import open_front
+from front_page import open_front
 from hands import field
 from picture_tools import PATIENCE, PICTURES, ROOT, Desk, cell_bench, close_notes, settled
 from playwright.sync_api import Browser, Page, Route

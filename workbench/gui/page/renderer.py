@@ -38,7 +38,7 @@ from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.texts.page import PageText
-from workbench.gui.words.spoken import speak
+from workbench.gui.words.translation import speak
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of

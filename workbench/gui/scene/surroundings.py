@@ -13,8 +13,8 @@ from workbench.gui.scene.robot import ROBOT_CHECKED, place
 from workbench.gui.scene.shade import shade_of
 from workbench.gui.scene.stations import add_regions, add_stations
 from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
+from workbench.gui.shared.movable_frames import name_of_region
 from workbench.gui.shared.solids import by_colour
-from workbench.gui.shared.things import name_of_region
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
