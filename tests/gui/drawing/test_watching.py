@@ -142,7 +142,7 @@ def test_playing_ends_every_jog_and_the_robot_follows_the_plan_in_all_browsers(
     # As somebody does who has a pose suggested, and logs out.
     bob.panel(CalibrationPanel)._suggest_next()
     wait_until(lambda: ada.link is not None and bob.link is not None, "the jogged robots")
-    assert not np.allclose(bob.link, shared_link(page))
+    wait_until(lambda: not np.allclose(bob.link, shared_link(page)), "the pose suggested to Bob")
     ada.play()
     wait_until(lambda: look.now.time > STEP, "the plan to play")
     wait_until(lambda: ada.link is None and bob.link is None, "the end of the jogs")

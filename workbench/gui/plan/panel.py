@@ -1,9 +1,9 @@
 """The tab that shows a plan: facts, lanes, and curves over time."""
 
 from workbench.app.core.cycle.planning import MOST_OUTLINES, MakePlan
+from workbench.gui.drawing.nearest import PlanLinks, proof_html
 from workbench.gui.plan.curves import doing, lanes_html, now_html, plots_of
 from workbench.gui.plan.views import outlines_html, plan_html
-from workbench.gui.scene.nearest import PlanLinks, proof_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.plots import Plot, legend_html, plot_html
 from workbench.gui.shared.views import line
