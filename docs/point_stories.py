@@ -206,7 +206,7 @@ def with_the_plan(at: Fronted) -> None:
     at.point(3, "end")
     screen.press("To the start")
     at.key("l")
-    page.get_by_text("Kept clear at least").first.evaluate("one => one.scrollIntoView()")
+    page.get_by_text("Least clearance").first.evaluate("one => one.scrollIntoView()")
     at.point(9, "plots-in-the-dark")
     at.key("l")
 

@@ -316,7 +316,7 @@ class Renderer:
             client.gui.set_panel_label(visitor.words.render(title))
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
-            panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
+            panels = (header, *scenes, *tabs_of(visitor, self._woken.set, header.transport.slider))
             for panel in panels:
                 panel.show(None, view)
             visitor.show_button_texts()
