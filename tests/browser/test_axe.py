@@ -1,4 +1,4 @@
-"""What axe-core, the judge of accessibility that others use, finds on every tab: nothing serious."""
+"""What axe-core, a judge of accessibility of others, finds on every tab: nothing serious."""
 
 import shutil
 import subprocess
