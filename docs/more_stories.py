@@ -22,8 +22,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.page.server import serve
 from workbench.gui.scene.stage import T_WORLD_STAGE, view_of
+from workbench.gui.shared.movable_frames import BIN, moved
 from workbench.gui.shared.playback import OVER, timeline
-from workbench.gui.shared.things import BIN, moved
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats, pose_from_rpy

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from conftest import Screen
-from fronted import open_front
+from front_page import open_front
 from hands import field
 from picture_tools import PATIENCE, PICTURES, ROOT, Desk, cell_bench, close_notes, settled
 from playwright.sync_api import Browser, Page, Route
@@ -206,7 +206,7 @@ def with_the_plan(at: Fronted) -> None:
     at.point(3, "end")
     screen.press("To the start")
     at.key("l")
-    page.get_by_text("Kept clear at least").first.evaluate("one => one.scrollIntoView()")
+    page.get_by_text("Least clearance").first.evaluate("one => one.scrollIntoView()")
     at.point(9, "plots-in-the-dark")
     at.key("l")
 

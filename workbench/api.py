@@ -21,7 +21,7 @@ from workbench.app.filling.fill import Filled, filled
 from workbench.app.picking.pipeline import judge
 from workbench.app.picking.proving import prove
 from workbench.app.picking.row import plan_row
-from workbench.app.records import kept_cases, session_archive
+from workbench.app.records import case_folder, session_archive
 from workbench.app.records import replay as replays
 from workbench.app.records.cases import Case, read_case
 from workbench.app.records.sessions import cell_of
@@ -259,7 +259,7 @@ def session_cases(folder: str | Path) -> tuple[Path, ...]:
     Raises:
         FileError: it cannot be read.
     """
-    return kept_cases.case_files(Path(folder))
+    return case_folder.case_files(Path(folder))
 
 
 def plate_poses(

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from chromium import find_chromium
 from forking import fork_workers
-from fronted import open_front
+from front_page import open_front
 from hands import pause
 from own_cell import own, own_bench, own_url  # noqa: F401
 from patient import PATIENT

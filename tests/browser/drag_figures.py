@@ -21,9 +21,9 @@ from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.grasps.pose import GIZMO as HAND_GIZMO
-from workbench.gui.scene.live import DrawnVerdicts
+from workbench.gui.scene.drag_overlay import DrawnVerdicts
 from workbench.gui.scene.stage import T_WORLD_STAGE, size_of, view_of
-from workbench.gui.shared.things import moving, pose_of
+from workbench.gui.shared.movable_frames import moving, pose_of
 from workbench.journal.journal import Journal
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part_edits import grasp_of, with_grasp, with_part

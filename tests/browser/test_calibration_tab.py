@@ -11,7 +11,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.page.server import serve
-from workbench.gui.shared.things import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, moved
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.synthesize import synthesize
 

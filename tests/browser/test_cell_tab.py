@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pinocchio as pin
 import pytest
-from drawn import PALM, stl
+from cad_tools import PALM, stl
 from hands import drag, field, first_look, pause, settle, typed, unfold
 from playwright.sync_api import expect
 

@@ -12,7 +12,7 @@ import workbench.gui.shared.visitor
 from workbench.app.core.control import AskForControl, ReleaseControl, TakeControl
 from workbench.app.core.people import Person, Role
 from workbench.gui.cell.panel import GIZMO
-from workbench.gui.scene.held import DrawnHeld
+from workbench.gui.scene.dragged_bodies import DrawnHeld
 
 ADA = Person("Ada", Role.ENGINEER)
 BOB = Person("Bob", Role.OPERATOR)

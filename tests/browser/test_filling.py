@@ -6,7 +6,7 @@ import pytest
 from hands import settle, typed, unfold
 from playwright.sync_api import expect
 
-from workbench.app.filling import fill_apart
+from workbench.app.filling import fill_process
 from workbench.app.filling.fill import filled
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,7 +30,7 @@ def small(monkeypatch):
     def fill(cell, part, report, given_up):
         return filled(cell, part, most=WORK, report=report, cancelled=given_up.is_set)
 
-    monkeypatch.setattr(fill_apart, "fill_apart", fill)
+    monkeypatch.setattr(fill_process, "fill_apart", fill)
 
 
 def entries(bench):

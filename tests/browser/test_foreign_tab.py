@@ -1,7 +1,7 @@
 """Tabs of other packages on the page: shown beside ours, and alone in what they break."""
 
 import pytest
-from plugged import Plugged
+from installed_package import Plugged
 
 from workbench.gui.page.server import serve
 

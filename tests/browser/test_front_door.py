@@ -3,7 +3,7 @@
 from urllib.parse import urlsplit
 
 import pytest
-from fronted import Window, open_front
+from front_page import Window, open_front
 from playwright.sync_api import expect
 from waiting import wait_until
 

@@ -8,8 +8,8 @@ from idle import Idle
 from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.scanning import UseScan
+from workbench.app.records.case_folder import case_files
 from workbench.app.records.cases import read_case
-from workbench.app.records.kept_cases import case_files
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal

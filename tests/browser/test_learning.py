@@ -11,7 +11,7 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import Phase
-from workbench.app.filling import fill_apart
+from workbench.app.filling import fill_process
 from workbench.app.filling.for_remaining import families_for
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
@@ -37,7 +37,7 @@ def here(monkeypatch):
     def propose(cell, name, left, report, given_up):
         return families_for(cell, name, left, report=report, cancelled=given_up.is_set)
 
-    monkeypatch.setattr(fill_apart, "propose_apart", propose)
+    monkeypatch.setattr(fill_process, "propose_apart", propose)
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def endless(monkeypatch):
         assert given_up.wait(60)
         raise JobCancelled(CancelText.FILLING())
 
-    monkeypatch.setattr(fill_apart, "propose_apart", propose)
+    monkeypatch.setattr(fill_process, "propose_apart", propose)
 
 
 def leave_a_part(screen, bench, wait):

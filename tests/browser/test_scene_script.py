@@ -1,7 +1,7 @@
 """What the page around adds to the scene's page, for keyboards and for quick hands, in Chromium."""
 
 import pytest
-from fronted import Window
+from front_page import Window
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import Shell

@@ -2,7 +2,7 @@
 
 import re
 
-from fronted import Window
+from front_page import Window
 from hands import pause
 from playwright.sync_api import expect
 from test_shell import IDLE, SENDING, Shell

@@ -4,7 +4,7 @@ import re
 from functools import partial
 
 import pytest
-from fronted import Window, open_front
+from front_page import Window, open_front
 from hands import settle
 from playwright.sync_api import expect
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from judge import Judge
-from judged_files import read
+from judge_files import read
 
 from workbench.app.picking.glance import glance_at
 from workbench.app.picking.pipeline import plan_pick
@@ -16,7 +16,7 @@ from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.scene.stations import edges_of
-from workbench.gui.shared.things import moved, pose_of, things
+from workbench.gui.shared.movable_frames import moved, pose_of, things
 from workbench.model.candidate import Reason
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy

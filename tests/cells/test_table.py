@@ -7,7 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from judge import Judge
-from judged_files import read
+from judge_files import read
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell

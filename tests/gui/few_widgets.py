@@ -5,7 +5,7 @@ import asyncio
 import msgspec
 from waiting import PATIENCE, wait_until
 
-from workbench.gui.words.spoken import speak
+from workbench.gui.words.translation import speak
 from workbench.studies.load.raw_browser import unpacked
 from workbench.words.words import Words
 

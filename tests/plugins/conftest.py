@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from plugged import Plugged
+from installed_package import Plugged
 
 from workbench.plugins import found
 

@@ -23,7 +23,7 @@ import numpy as np
 from bends import KINDS, bent
 from bent_cells import PILES, cases
 from judge import Judge
-from judged_motion import ALIKE
+from judge_motion import ALIKE
 
 from workbench.model.messages.proofs import ProofText
 from workbench.proof.claims.prove import prove

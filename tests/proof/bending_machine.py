@@ -26,7 +26,7 @@ from bends import turned_in_hand as in_hand
 from bent_case import Case, Draw, one_of, small
 from bent_cells import PILES, cases, folder_of
 from judge import Judge
-from judged_files import read
+from judge_files import read
 
 from workbench.app.picking.row import plan_row
 from workbench.formats.cells.reading import read_cell

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from judged_files import Files
+from judge_files import Files
 
 from workbench.model.cell import Cell
 from workbench.model.plan import Plan

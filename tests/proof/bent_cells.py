@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from bends import Case
 from bent_parts import PARTS, cell_text, write_part
-from judged_files import read
+from judge_files import read
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.work import boxes_around

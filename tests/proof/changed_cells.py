@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from bent_case import Case, Draw, near_a_way, one_of, small
-from judged_files import Files
+from judge_files import Files
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.model.cell import Arm, Cell, Fixture, Tool

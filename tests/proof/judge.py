@@ -10,8 +10,8 @@ plan is refused for a distance when that is missed by more than `BEYOND`.
 from itertools import pairwise
 
 import numpy as np
-from judged_files import Files, pose_of
-from judged_motion import (
+from judge_files import Files, pose_of
+from judge_motion import (
     ALIKE,
     BEYOND,
     CLEAR,
@@ -25,8 +25,8 @@ from judged_motion import (
     onto,
     where,
 )
-from judged_rules import STRAIGHT, is_off, leaves_straight, rule_broken
-from judged_scene import Scene
+from judge_rules import STRAIGHT, is_off, leaves_straight, rule_broken
+from judge_scene import Scene
 
 Kind = tuple[str, str]
 """What a geom is part of, and the arm that carries it or ""."""

@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 
 from judge import Judge
-from judged_files import Files, read
+from judge_files import Files, read
 
 from workbench.app.emptying.empty import empty_pile
 from workbench.app.picking.pipeline import plan_pick

@@ -12,7 +12,7 @@ from bends import KINDS
 from bent_cells import SHARE, URDFS, cases
 from judge import Judge
 from judge_studies import cell_and_files
-from judged_symmetry import turns
+from judge_symmetry import turns
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.model.scan import Detection

@@ -17,7 +17,7 @@ import workbench
 from workbench.app.picking.pipeline import plan_pick
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.meshes.kept import cache_folder
+from workbench.formats.meshes.mesh_cache import cache_folder
 from workbench.perception.simulation.piles import drop_parts
 
 SHARE = Path(sysconfig.get_path("purelib")) / "cmeel.prefix" / "share"

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import requests
 from aiohttp import web
-from canned import Canned, Results, make_results
+from prepared_bench import Canned, Results, make_results
 from waiting import PATIENCE
 
 from workbench.app.core.people import Person, Role

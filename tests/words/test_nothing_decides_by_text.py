@@ -25,7 +25,7 @@ SEARCHES = "match search fullmatch sub split findall finditer".split()  # noqa: 
 
 OTHERS = {
     "app/provenance/components.py": {"licence_of"},
-    "studies/kept.py": {"held_cases"},
+    "studies/case_searches.py": {"held_cases"},
     "studies/load/raw_browser.py": {"_learn"},
     "web/page/pages.py": {"_translate"},
 }

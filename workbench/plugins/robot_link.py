@@ -27,7 +27,7 @@ from workbench.plugins.found import USUAL as USUAL_NAME
 from workbench.plugins.found import Group, load
 from workbench.plugins.options import Options, options_of
 from workbench.plugins.progress import Cancelled, never
-from workbench.plugins.reported import Receipts, check_state, check_status
+from workbench.plugins.report_checks import Receipts, check_state, check_status
 
 GROUP: Group = "workbench.robot_links"
 

@@ -23,7 +23,7 @@ from workbench.web.access.lockout import Lockout
 from workbench.web.access.sessions import HOURS, Sessions
 from workbench.web.access.store import Store
 from workbench.web.access.users import Users
-from workbench.web.http.broken_off import is_broken_off
+from workbench.web.http.broken_connections import is_broken_off
 from workbench.web.http.connection_limits import ConnectionLimits, room_for
 from workbench.web.http.gate import Gate, descriptors
 from workbench.web.http.listening import TlsCertificate, listen

@@ -31,7 +31,7 @@ SENTENCES = (
     "app/filling",
     "app/picking",
     "app/provenance/inventory.py",
-    "app/records/kept_cases.py",
+    "app/records/case_folder.py",
     "app/runtime",
     "formats/cells/drawn_tools.py",
     "model",

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from arm_scanner_cell import at_view, on_arm_cell, pose_at
 from line import Line
-from on_arm import at_view, on_arm_cell, pose_at
 
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.parts import FindParts

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from through import deepest, nearest
+from penetration import deepest, nearest
 
 from workbench.app.core.cell.changes import EmptyPallets
 from workbench.app.core.command import Entry

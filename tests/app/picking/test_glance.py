@@ -9,7 +9,7 @@ import two_parts
 from workbench.app.picking.glance import apply_change, glance_at
 from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.work import JOBS
-from workbench.gui.shared.things import moved, moving, pose_of
+from workbench.gui.shared.movable_frames import moved, moving, pose_of
 from workbench.model.candidate import Reason, Stage
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy

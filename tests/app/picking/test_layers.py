@@ -18,7 +18,7 @@ from workbench.app.picking.pallets import at_rest, boxes_around, pallet_problems
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.things import moved, pose_of
+from workbench.gui.shared.movable_frames import moved, pose_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from drawn import PALM, drawn_gripper, stl
+from cad_tools import PALM, drawn_gripper, stl
 from idle import Idle
 from waiting import PATIENCE
 
@@ -25,7 +25,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.drawn_tools import CadDrawing, TwoFingers, made_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.things import moved, pose_of
+from workbench.gui.shared.movable_frames import moved, pose_of
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy

@@ -16,9 +16,9 @@ from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
-from workbench.app.records import cases, kept_cases
+from workbench.app.records import case_folder, cases
+from workbench.app.records.case_folder import case_files, keep_case
 from workbench.app.records.cases import Case, read_case
-from workbench.app.records.kept_cases import case_files, keep_case
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, FileError, WorkbenchError
 from workbench.model.scan import Detection, SearchOverrides
@@ -134,7 +134,7 @@ def test_without_a_search_there_is_nothing_to_keep(samples, keep):
 
 
 def test_so_many_cases_are_kept_and_the_same_one_once(samples, keep, tmp_path, monkeypatch):
-    monkeypatch.setattr(kept_cases, "MOST_CASES", 2)
+    monkeypatch.setattr(case_folder, "MOST_CASES", 2)
     state = searched(samples, *samples.detections())
     keep(state)
     with pytest.raises(CommandRefused, match="stored a moment ago"):

@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from bending import with_leg
-from canned import make_results
+from prepared_bench import make_results
 
 from workbench.app.review.likeness import MOVED, Likeness, resemblance
 from workbench.model.geometry import pose_from_rpy

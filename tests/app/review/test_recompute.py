@@ -1,7 +1,7 @@
 """A session is computed again task by task, whoever began each."""
 
 import pytest
-from canned import Canned, make_results
+from prepared_bench import Canned, make_results
 from waiting import PATIENCE
 
 from workbench.app.core.cycle.ahead import GoOn

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from addressed import at
+from controller_ports import at
 from full_disk import FullDisk
 from idle import Idle
 from waiting import PATIENCE, wait_until
@@ -29,7 +29,7 @@ from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.state import Phase
 from workbench.app.picking import facts
 from workbench.app.records.replay import replay
-from workbench.app.runtime import effect_runner, insisting
+from workbench.app.runtime import effect_runner, record_retries
 from workbench.app.runtime.bench import Bench
 from workbench.devices.abb_simulated.serve_requests import RequestClient
 from workbench.journal.journal import Journal
@@ -315,7 +315,7 @@ def test_a_disk_that_is_slow_to_take_a_draft_holds_nobody_up(bench, cell, monkey
 
 @pytest.fixture
 def disk(monkeypatch):
-    monkeypatch.setattr(insisting, "RETRY", 0.01)
+    monkeypatch.setattr(record_retries, "RETRY", 0.01)
     return FullDisk(monkeypatch)
 
 

@@ -17,7 +17,7 @@ from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.state import Phase
-from workbench.app.runtime import effect_runner, insisting
+from workbench.app.runtime import effect_runner, record_retries
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
@@ -31,7 +31,7 @@ from workbench.model.part_edits import grasp_of, with_grasp
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    monkeypatch.setattr(insisting, "RETRY", 0.01)
+    monkeypatch.setattr(record_retries, "RETRY", 0.01)
 
 
 @pytest.fixture

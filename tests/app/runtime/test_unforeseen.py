@@ -4,7 +4,7 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from addressed import at
+from controller_ports import at
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cell.changes import ChangeCell, SaveCell

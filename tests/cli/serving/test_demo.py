@@ -4,7 +4,7 @@ import functools
 import time
 
 import pytest
-from canned import Canned, make_results
+from prepared_bench import Canned, make_results
 
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase

@@ -46,7 +46,7 @@ def test_the_robot_is_stopped_before_places_of_anchors_are_waited_for(monkeypatc
 
 TOLD_ANYWHERE = """
 import signal, sys, threading
-from workbench.cli.serving.fronted import wait_for_the_end
+from workbench.cli.serving.front import wait_for_the_end
 
 last = max(line for _, _, line in wait_for_the_end.__code__.co_lines() if line)
 told = False

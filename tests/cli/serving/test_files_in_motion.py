@@ -6,8 +6,8 @@ import re
 import pytest
 from waiting import PATIENCE
 
-from workbench.cli.measuring.page.served import NAME, serve_page
-from workbench.studies.stalls.doings import chosen, has_ended, let_out, opened, planned
+from workbench.cli.measuring.page.page_process import NAME, serve_page
+from workbench.studies.stalls.actions import chosen, has_ended, let_out, opened, planned
 from workbench.studies.stalls.large_files import CAD, cad_file
 from workbench.studies.stalls.visit import visit
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from workbench.app.core.people import Role
+from workbench.app.records.case_folder import FOLDER, keep_case
 from workbench.app.records.cases import read_case
-from workbench.app.records.kept_cases import FOLDER, keep_case
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
 from workbench.journal.journal import Journal

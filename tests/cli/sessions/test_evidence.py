@@ -16,7 +16,7 @@ import pytest
 from workbench.app.core.session import Started
 from workbench.app.provenance.gathering import inventory
 from workbench.app.records.approvals import ApprovalRecord
-from workbench.app.records.certified import certificates
+from workbench.app.records.certificates import certificates
 from workbench.app.records.record import command_form
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.certificates import read_certificate, versions

@@ -15,7 +15,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
-from workbench.gui.shared.things import moved
+from workbench.gui.shared.movable_frames import moved
 from workbench.model.geometry import pose_from_rpy
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from workbench.app.picking.proving import check
-from workbench.app.records.certified import certificates
+from workbench.app.records.certificates import certificates
 from workbench.app.records.sessions import cell_of, new_session
 from workbench.app.review.history import History
 from workbench.formats.cells.reading import read_cell

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from blend_curves import RoundedPolyline
 from patient import PATIENT, Hurried, send
-from rounded import RoundedPolyline
 from waiting import PATIENCE, wait_until
 
 from workbench.app.picking.pipeline import plan_pick

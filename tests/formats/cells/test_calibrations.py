@@ -16,7 +16,7 @@ from workbench.formats.cells.calibrations import (
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.things import SCANNER, moved
+from workbench.gui.shared.movable_frames import SCANNER, moved
 from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, InputError

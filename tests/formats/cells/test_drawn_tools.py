@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from drawn import BAR, CUP, PALM, WITH_BAR, drawn_gripper, stl
+from cad_tools import BAR, CUP, PALM, WITH_BAR, drawn_gripper, stl
 
 from workbench.app.core.cell.making import carrying
 from workbench.formats.cells.drawn_tools import CadDrawing, SuctionLip, TwoFingers, made_of

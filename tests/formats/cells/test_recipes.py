@@ -10,7 +10,7 @@ from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.things import with_places
+from workbench.gui.shared.movable_frames import with_places
 from workbench.model.derived.by_recipe import strategy_of, with_recipe
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy

@@ -9,7 +9,7 @@ from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.things import with_tool
+from workbench.gui.shared.movable_frames import with_tool
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote

@@ -30,7 +30,7 @@ LINKS = 6
 
 def klampt_says(path: Path, configurations) -> dict:
     ran = subprocess.run(
-        [sys.executable, str(HERE / "klampt_says.py"), str(path)],
+        [sys.executable, str(HERE / "klampt_answers.py"), str(path)],
         input=json.dumps([list(map(float, q)) for q in configurations]),
         capture_output=True,
         text=True,

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from workbench.formats.files.shipped import find
-from workbench.formats.meshes.kept import cache_folder
+from workbench.formats.meshes.mesh_cache import cache_folder
 from workbench.formats.meshes.pieces.convex_pieces import groups_of, pieces_of
 from workbench.formats.meshes.pieces.hulls import MOST_CORNERS
 from workbench.formats.meshes.reading import as_convex

@@ -10,7 +10,7 @@ from mutations import mutated, only_file_errors
 from scipy.spatial import ConvexHull
 
 from workbench.formats.files.shipped import find
-from workbench.formats.meshes.kept import cache_folder
+from workbench.formats.meshes.mesh_cache import cache_folder
 from workbench.formats.parts.reading import read_grasps, read_part
 from workbench.model.errors import FileError
 from workbench.model.geometry import finest

@@ -5,7 +5,7 @@ from threading import Event
 import numpy as np
 import pytest
 
-import workbench.app.review.drift_apart
+import workbench.app.review.drift_process
 import workbench.app.review.scanner_drift
 from workbench.app.review.scanner_drift import RecordedDrift
 from workbench.gui.calibration.drift import LOOK, DriftGroup, course_html
@@ -16,7 +16,7 @@ from workbench.perception.calibration.refinement import Drift
 def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch):
     drift = Drift((), ("table",), False, (), np.full(6, 1e-3), np.eye(6) * 1e-8, 0)
     found = RecordedDrift(drift, 3, 20, ("monday: is not whole",))
-    monkeypatch.setattr(workbench.app.review.drift_apart, "drift_apart", lambda *args: found)
+    monkeypatch.setattr(workbench.app.review.drift_process, "drift_apart", lambda *args: found)
     monkeypatch.setattr(
         workbench.app.review.scanner_drift, "refined_cell", lambda cell, drift, at, by: (cell, by)
     )

@@ -9,7 +9,7 @@ from workbench.app.core.people import Role
 from workbench.app.runtime.live import Live
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import moved
+from workbench.gui.shared.movable_frames import moved
 from workbench.model.geometry import pose_from_rpy
 
 

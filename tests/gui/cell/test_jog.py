@@ -13,7 +13,7 @@ from shipped import shipped
 from workbench.app.core.state import State
 from workbench.gui.cell.jog import JogFinder, led
 from workbench.gui.cell.views import cell_line, contacts_html, tree_html
-from workbench.gui.shared.things import (
+from workbench.gui.shared.movable_frames import (
     frame_of,
     moved,
     pose_of,

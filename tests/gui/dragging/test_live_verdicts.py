@@ -24,10 +24,10 @@ from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.page.server import serve
-from workbench.gui.scene.live import _covered, live_message, right_of
+from workbench.gui.scene.drag_overlay import _covered, live_message, right_of
 from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
+from workbench.gui.shared.movable_frames import moving
 from workbench.gui.shared.own import Dragged
-from workbench.gui.shared.things import moving
 from workbench.journal.journal import Journal
 from workbench.model.candidate import Reason
 from workbench.model.errors import WorkbenchError

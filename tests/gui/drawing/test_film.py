@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from filmed import filmed_of
+from made_films import filmed_of
 from waiting import wait_until
 
 from workbench.app.core.cell.changes import ChangeCell
@@ -19,7 +19,7 @@ from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.drawing.film_scene import REAL, FilmScene
 from workbench.gui.emptying.panel import EmptyingPanel
-from workbench.gui.shared.things import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, moved
 from workbench.model.geometry import pose_from_rpy
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from filmed import film_of
+from made_films import film_of
 
 from workbench.app.emptying.film import Film
 from workbench.gui.emptying.reel import LOOK, Projector, advanced, end_of, reel_of

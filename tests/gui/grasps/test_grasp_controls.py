@@ -11,7 +11,7 @@ import workbench.gui.grasps.coverage
 import workbench.gui.shared.visitor
 from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.people import Role
-from workbench.app.filling import fill_apart
+from workbench.app.filling import fill_process
 from workbench.app.filling.fill import Filled
 from workbench.app.runtime.bench import Bench
 from workbench.formats.files.shipped import find
@@ -155,7 +155,7 @@ def found_by_filling(*entries):
 def test_a_filled_library_is_added_in_one_step_and_undone_in_one(bench, visitor, monkeypatch):
     before = bench.state.cell.part(PART).library
     new = (replace(HAND, name="across"), replace(HAND, name="end"))
-    monkeypatch.setattr(fill_apart, "fill_apart", lambda *_: found_by_filling(*new))
+    monkeypatch.setattr(fill_process, "fill_apart", lambda *_: found_by_filling(*new))
     controls = FillControls(visitor, Editing(visitor))
     controls._search._work()
     names = [entry.name for entry in bench.state.cell.part(PART).library.entries]
@@ -171,7 +171,7 @@ def test_a_filling_that_is_stopped_adds_nothing(bench, visitor, monkeypatch):
         raise JobCancelled("it was cancelled")
 
     before = bench.state.cell.digest
-    monkeypatch.setattr(fill_apart, "fill_apart", stopped)
+    monkeypatch.setattr(fill_process, "fill_apart", stopped)
     controls = FillControls(visitor, Editing(visitor))
     controls._search._work()
     assert (
@@ -183,7 +183,7 @@ def test_what_cannot_be_filled_is_said_in_a_sentence(visitor, monkeypatch):
     def refused(*_):
         raise InputError("part plate is too large for the bin")
 
-    monkeypatch.setattr(fill_apart, "fill_apart", refused)
+    monkeypatch.setattr(fill_process, "fill_apart", refused)
     controls = FillControls(visitor, Editing(visitor))
     controls._search._work()
     assert "part plate is too large for the bin" in controls._search._line.content

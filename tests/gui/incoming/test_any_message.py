@@ -7,8 +7,8 @@ import random
 import time
 
 import pytest
-from canned import Canned, Results
-from fronted import open_front
+from front_page import open_front
+from prepared_bench import Canned, Results
 from shown_page import CHOICE, FILE, TEXT, USED
 from sitter import PASSWORD, PEOPLE, sitting
 from waiting import PATIENCE, wait_until

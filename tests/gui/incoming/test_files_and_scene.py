@@ -8,7 +8,7 @@ from few_widgets import run
 from raw_browser import PICTURE
 from waiting import wait_until
 
-from workbench.gui.incoming.told import FILE_REFUSED
+from workbench.gui.incoming.refusals import FILE_REFUSED
 from workbench.model.errors import InputError
 
 

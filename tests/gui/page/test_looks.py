@@ -11,7 +11,7 @@ from workbench.gui.page.looks import BLEND_HALVINGS, KEYS, Looks, camera_of, cen
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, interesting_points
 from workbench.gui.shared.look import Look
-from workbench.gui.shared.things import pose_of, things
+from workbench.gui.shared.movable_frames import pose_of, things
 from workbench.model.errors import InputError
 from workbench.words.catalogs import LANGUAGES
 from workbench.words.words import words_of

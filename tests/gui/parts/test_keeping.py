@@ -7,8 +7,8 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
+from workbench.app.records.case_folder import case_files
 from workbench.app.records.cases import read_case
-from workbench.app.records.kept_cases import case_files
 from workbench.app.runtime.live import Live
 from workbench.gui.parts.keeping import cases_html
 from workbench.gui.parts.panel import PartsPanel

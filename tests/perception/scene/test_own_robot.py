@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from on_arm import at_view, on_arm_cell, pose_at
+from arm_scanner_cell import at_view, on_arm_cell, pose_at
 
 from workbench.app.runtime.work import as_taken
 from workbench.model.cell import Cell

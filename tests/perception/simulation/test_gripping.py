@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from lying import ball, brick, hand, off_by, plain, rod, tcp_over
+from resting_parts import ball, brick, hand, off_by, plain, rod, tcp_over
 
 from workbench.model.geometry import Box, pose_from_rpy
 from workbench.perception.simulation.gripping import TILE, Gripping, Shaking, tiles

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from rounded import curves_of
+from blend_curves import curves_of
 
 from workbench.planning.collision.arm_sweeps import ArmSweep, first_contact, standing
 from workbench.planning.collision.legs import phase_of

@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
+from blend_curves import RoundedPolyline, curves_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rounded import RoundedPolyline, curves_of
 
 from workbench.model.motion import MotionModel
 from workbench.planning.collision.motion import (

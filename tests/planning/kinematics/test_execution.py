@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
+from blend_curves import RoundedPolyline
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rounded import RoundedPolyline
 from toppra import algorithm, constraint
 
 from workbench.model.errors import WorkbenchError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from judged_arms import made
+from ssik_arms import made
 
 from workbench.planning.kinematics.inverse import configurations, has_closed_form
 

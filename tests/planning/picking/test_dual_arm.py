@@ -21,7 +21,7 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.planning.collision.legs import phase_of, stretches
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.chain import is_solution
-from workbench.planning.picking.in_step import in_step
+from workbench.planning.picking.synchronized_motion import in_step
 from workbench.planning.picking.weave import interleave
 from workbench.plugins.robot_link import send, spoken_to_by
 

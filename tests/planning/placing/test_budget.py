@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from lying import brick, hand, plain, tcp_over
+from resting_parts import brick, hand, plain, tcp_over
 
 from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord

@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from lying import plain
+from resting_parts import plain
 from scipy.stats import chi
 
 from workbench.model.geometry import Box, Cylinder, Sphere

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lying import ball, brick, hand, rod, tcp_over
+from resting_parts import ball, brick, hand, rod, tcp_over
 
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.grasps.grasp_check import GraspChecker

@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 from bending import with_leg
-from through import on_its_lift
+from penetration import on_its_lift
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove

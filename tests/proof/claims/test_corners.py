@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_leg
-from rounded import curves_of
+from blend_curves import curves_of
 
 from workbench.app.core.cycle.approval import approve
 from workbench.app.picking.pipeline import plan_pick

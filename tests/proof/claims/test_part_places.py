@@ -15,7 +15,7 @@ from workbench.model.cell import Cell
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import PartPlace, make_turn
 from workbench.model.symmetry import Symmetry, SymmetryAxis
-from workbench.proof.claims.places.lying import place_offs
+from workbench.proof.claims.places.placed_poses import place_offs
 
 X, Y, Z = np.eye(3)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bending import with_grasps, with_leg
-from through import deepest
+from penetration import deepest
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove

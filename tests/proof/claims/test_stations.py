@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judge import Judge
+from judge_stations import stood_on
 from judge_studies import cell_and_files
-from judged_stations import stood_on
 
 from workbench.app.picking.row import plan_row
 from workbench.model.digest import digest_of

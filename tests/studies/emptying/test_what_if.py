@@ -15,8 +15,8 @@ from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import plain
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.studies.cases import run_cases
-from workbench.studies.emptying import kept
-from workbench.studies.emptying.kept import emptied_all
+from workbench.studies.emptying import pile_results
+from workbench.studies.emptying.pile_results import emptied_all
 from workbench.studies.emptying.piles import emptied
 
 PILE = PileTask("yumi", "", 2, 3, settles=False)
@@ -86,7 +86,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
         return made(task)
 
     def run(function, folder):
-        monkeypatch.setattr(kept, "emptied", function)
+        monkeypatch.setattr(pile_results, "emptied", function)
         return emptied_all(tasks, folder=folder, workers=1, scheduler=None, report=nothing)
 
     with pytest.raises(KeyboardInterrupt):
@@ -104,7 +104,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
 
 
 def test_a_file_that_is_no_pile_is_refused_in_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr(kept, "emptied", made)
+    monkeypatch.setattr(pile_results, "emptied", made)
 
     def run():
         return emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
@@ -142,10 +142,10 @@ def test_piles_that_another_state_of_the_program_has_emptied_are_emptied_again(
         emptied_now.append(task.seed)
         return made(task)
 
-    monkeypatch.setattr(kept, "emptied", noted)
+    monkeypatch.setattr(pile_results, "emptied", noted)
     for program in ("one", "one", "other", "one"):
-        kept._program.cache_clear()
-        monkeypatch.setattr(kept, "files_digest", lambda program=program: program)
+        pile_results._program.cache_clear()
+        monkeypatch.setattr(pile_results, "files_digest", lambda program=program: program)
         emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
-    kept._program.cache_clear()
+    pile_results._program.cache_clear()
     assert len(emptied_now) == 2

@@ -8,10 +8,10 @@ import pytest
 from workbench.app.core.people import NOBODY, Person, Role
 from workbench.model.errors import FileError, InputError
 from workbench.web.access import passwords
-from workbench.web.access.kept_users import add_users, checked_users, kept_users
 from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
 from workbench.web.access.sessions import Sessions
 from workbench.web.access.store import Store
+from workbench.web.access.user_backup import add_users, checked_users, kept_users
 from workbench.web.access.users import Users, digest_of
 
 NOW = 1_760_000_000.0

@@ -24,7 +24,7 @@ from workbench.model.prediction import EmptiedPile, Emptying, LeftPart, PileTask
 from workbench.model.scan import LocalizationResult, ScaleCheck
 from workbench.web.api.calls import CALLS
 from workbench.web.api.fields import LARGEST_BODY
-from workbench.web.api.reads import READS, AnswerSource
+from workbench.web.api.resources import READS, AnswerSource
 
 PROBLEM = "application/problem+json"
 

@@ -1,7 +1,7 @@
 """Recipes over HTTP."""
 
 import pytest
-from canned import results_with_recipes
+from prepared_bench import results_with_recipes
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
 """Several picks after one scan, over HTTP."""
 
 import pytest
-from canned import make_row
+from prepared_bench import make_row
 
 
 @pytest.fixture(scope="module")

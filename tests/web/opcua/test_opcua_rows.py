@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from canned import make_row
 from foreign_opcua import foreign
+from prepared_bench import make_row
 from waiting import PATIENCE
 
 from workbench.app.core.cycle.approval import Approve

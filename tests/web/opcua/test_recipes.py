@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 from asyncua import Client, ua
-from canned import results_with_recipes
+from prepared_bench import results_with_recipes
 from waiting import PATIENCE
 
 from workbench.app.core.cycle.planning import MakePlan

@@ -5,9 +5,9 @@ import math
 import time
 
 import pytest
-from canned import Canned
 from foreign_opcua import ROBOTICS, UA, Official, answer, begin, foreign
 from patient import PATIENT, in_threads
+from prepared_bench import Canned
 from waiting import PATIENCE, wait_until
 
 from workbench.app.core.cycle.approval import Approve

@@ -11,9 +11,9 @@ from asyncua.crypto.security_policies import (
     SecurityPolicyAes256Sha256RsaPss,
     SecurityPolicyBasic256Sha256,
 )
-from canned import Canned
 from cryptography.hazmat.primitives.serialization import Encoding
 from foreign_opcua import foreign
+from prepared_bench import Canned
 from waiting import PATIENCE
 
 from workbench.app.core.control import ReleaseControl

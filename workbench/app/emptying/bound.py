@@ -18,7 +18,7 @@ from workbench.model.messages.states import LeftText
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.collision.world import World
-from workbench.planning.grasps.every_grip import grips_of
+from workbench.planning.grasps.grip_raster import grips_of
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.picking.lifts import find_lifts_clear_for_part
 from workbench.planning.picking.propose import candidate_of

@@ -10,7 +10,7 @@ from workbench.app.core.cycle.outcomes import AVOID_SCANS, MOST_FAILURES, SAME_P
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
-from workbench.app.emptying.left import Looked, left_in
+from workbench.app.emptying.remaining_parts import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row

@@ -16,7 +16,7 @@ from workbench.app.evidence import ed25519, packing, steps, verify
 from workbench.app.evidence.pages import html_page, pdf_pages
 from workbench.app.evidence.report import Moment, clock, tables_of
 from workbench.app.evidence.signing import signature_of
-from workbench.app.records.certified import certificates
+from workbench.app.records.certificates import certificates
 from workbench.app.records.replay import replay
 from workbench.app.records.sessions import cell_of
 from workbench.formats.files import zip_frame

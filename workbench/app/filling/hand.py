@@ -13,8 +13,8 @@ from workbench.model.geometry import Bools, Ints
 from workbench.model.part import Entry, Grasp, GraspPattern, Part
 from workbench.planning.collision.hands import Hands
 from workbench.planning.collision.tool_check import ToolCheck
-from workbench.planning.grasps.every_grip import grips_of
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
+from workbench.planning.grasps.grip_raster import grips_of
 from workbench.planning.kinematics.quickness import hand_acceleration
 
 RASTER = 24000

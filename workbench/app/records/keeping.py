@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from workbench import __version__
-from workbench.app.records.kept_cases import case_files
+from workbench.app.records.case_folder import case_files
 from workbench.formats.files.archives import write_archive
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import InputError

@@ -15,8 +15,8 @@ from typing import Literal
 from workbench.app.records.keeping import FORMAT, KINDS, MANIFEST, files_of, things_in
 from workbench.app.records.session_archive import check_journal
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.files.apart import Answer, apart, finish
 from workbench.formats.files.archives import unpacked_beside
+from workbench.formats.files.reader_process import Answer, apart, finish
 from workbench.formats.files.whole_files import read_whole
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError, InputError

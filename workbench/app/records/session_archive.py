@@ -11,8 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from workbench.app.records.certified import certificates
-from workbench.app.records.kept_cases import FOLDER, NAME, case_files
+from workbench.app.records.case_folder import FOLDER, NAME, case_files
+from workbench.app.records.certificates import certificates
 from workbench.app.records.record import SESSION
 from workbench.app.statistics.statistics import statistics
 from workbench.app.statistics.statistics_table import csv_text

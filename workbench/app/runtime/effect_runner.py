@@ -24,9 +24,9 @@ from workbench.app.core.effects import (
 )
 from workbench.app.core.people import CELL_FILE, WORKER
 from workbench.app.emptying.film import Filmed
-from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import WORK, Jobs, internal_error
 from workbench.app.runtime.live import Live
+from workbench.app.runtime.record_retries import insist
 from workbench.app.runtime.robot_link import Clock, Do, LinkRunner
 from workbench.app.runtime.worker import GettingReady, Question
 from workbench.formats.cells.edits import log_change, save_cell, written_cell

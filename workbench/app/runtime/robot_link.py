@@ -14,8 +14,8 @@ from workbench.app.core.cycle.sending import LinkEnded, Sent
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import State
-from workbench.app.runtime.insisting import insist
 from workbench.app.runtime.jobs import internal_error
+from workbench.app.runtime.record_retries import insist
 from workbench.model.cell import Cell
 from workbench.model.errors import (
     CommandRefused,

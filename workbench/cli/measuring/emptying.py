@@ -16,7 +16,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import MOST_PICKS
 from workbench.model.errors import InputError
 from workbench.model.prediction import CHANGE_KINDS, PileTask
-from workbench.studies.emptying.kept import emptied_all
+from workbench.studies.emptying.pile_results import emptied_all
 from workbench.studies.emptying.piles import cell_of, check_task
 from workbench.studies.emptying.plot import draw_emptying
 

@@ -23,7 +23,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchSoak
 from workbench.cli.exits import FAILURE, SUCCESS
 from workbench.cli.measuring.footprint import MEGABYTE, Footprint, footprint
-from workbench.cli.measuring.recalled import Recalled
+from workbench.cli.measuring.result_cache import Recalled
 from workbench.cli.serving.demo import ACTOR, Cycle, NoPlan, StageRow
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import (

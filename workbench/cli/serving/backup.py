@@ -13,8 +13,8 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import print_table
 from workbench.formats.files.whole_files import read_whole
 from workbench.model.errors import FileError, InputError
-from workbench.web.access.kept_users import add_users, checked_users, kept_users, new_users
 from workbench.web.access.store import OWNER_ONLY, Store
+from workbench.web.access.user_backup import add_users, checked_users, kept_users, new_users
 
 
 def backup(typed: arguments.Backup) -> int:

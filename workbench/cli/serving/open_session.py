@@ -8,7 +8,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
 from workbench.cli.exits import SUCCESS
-from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.front import front_options, fronted, wait_for_the_end
 from workbench.cli.terminal import progress
 from workbench.journal.journal import Journal
 

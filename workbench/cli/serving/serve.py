@@ -18,7 +18,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
-from workbench.cli.serving.fronted import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.front import front_options, fronted, wait_for_the_end
 from workbench.cli.serving.logs import begin_log
 from workbench.cli.serving.open_session import look_at
 from workbench.cli.serving.people import roles

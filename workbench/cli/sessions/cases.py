@@ -5,8 +5,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+from workbench.app.records.case_folder import case_files
 from workbench.app.records.cases import LARGEST, Case, read_case
-from workbench.app.records.kept_cases import case_files
 from workbench.app.records.session_archive import open_journal
 from workbench.cli.arguments.session import SessionCases
 from workbench.cli.exits import BAD_INPUT, SUCCESS

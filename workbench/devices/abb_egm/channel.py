@@ -17,7 +17,7 @@ from workbench.model.errors import LinkError, ProtocolError
 from workbench.model.geometry import Floats
 from workbench.model.messages.devices import DeviceText
 from workbench.model.messages.message import Message
-from workbench.plugins.reported import bounds_of
+from workbench.plugins.report_checks import bounds_of
 
 DRIFT = 1e-3
 """By such a share the controller's clock may be slower than ours: reports are not late for it."""

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from workbench.devices.abb_egm.guided import Guidance
+from workbench.devices.abb_egm.rapid_guidance import Guidance
 from workbench.devices.abb_egm.twin import BESIDE, LOCKSTEP, free_ports, socket_beside
 from workbench.devices.rapid.controller import Operator, RapidController
 from workbench.devices.rapid.motion import Mechanism

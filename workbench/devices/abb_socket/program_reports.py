@@ -13,7 +13,7 @@ from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.plan import Plan
 from workbench.model.release import PartReport
-from workbench.plugins.reported import bounds_of
+from workbench.plugins.report_checks import bounds_of
 
 BEFORE = ("greeted", "ready", "loading", "loaded")
 """Phases before the program runs; nothing moves in them."""

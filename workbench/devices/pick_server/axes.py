@@ -8,7 +8,7 @@ from workbench.devices.pick_server.lines import BadLine, Form, read_number
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.plugins.reported import JointBounds, bounds_of
+from workbench.plugins.report_checks import JointBounds, bounds_of
 
 NEAR = np.deg2rad(0.5)
 """[rad] A joint may stand this far from where a leg begins or ends."""

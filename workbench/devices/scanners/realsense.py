@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.devices.scanners.organised import scan_of
+from workbench.devices.scanners.organised_clouds import scan_of
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
 from workbench.model.geometry import Floats

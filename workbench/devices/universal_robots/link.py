@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.program import UrProgram, program_of
+from workbench.devices.universal_robots.received_states import States
 from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.sending import RtdeSending
 from workbench.devices.universal_robots.servo import PERIOD, Servo
 from workbench.devices.universal_robots.talking import Client
-from workbench.devices.universal_robots.told import States
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
 from workbench.model.messages.devices import DeviceText

@@ -6,10 +6,10 @@ from contextlib import suppress
 import numpy as np
 
 from workbench.devices.universal_robots.program import UrProgram
+from workbench.devices.universal_robots.received_states import States, UrState
 from workbench.devices.universal_robots.rtde import PLAYING, REFUSED, STOPPED, TICKETS
 from workbench.devices.universal_robots.servo import off_the_references
 from workbench.devices.universal_robots.talking import Client
-from workbench.devices.universal_robots.told import States, UrState
 from workbench.model.cell import Cell
 from workbench.model.errors import JobCancelled, LinkError, ProtocolError
 from workbench.model.geometry import Floats

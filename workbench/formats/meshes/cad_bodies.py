@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.formats.files.apart import Answer, apart
+from workbench.formats.files.reader_process import Answer, apart
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, read_whole
 from workbench.formats.meshes.reading import LARGEST_MESH, bare_collada, read_mesh

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import read_whole
-from workbench.formats.meshes.kept import load_or_make, recipe
+from workbench.formats.meshes.mesh_cache import load_or_make, recipe
 from workbench.formats.meshes.reading import LARGEST_MESH
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats

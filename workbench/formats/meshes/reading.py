@@ -9,7 +9,7 @@ import numpy as np
 from workbench.formats.clouds.pcd import read_pcd
 from workbench.formats.files.toml_keys import quote
 from workbench.formats.files.whole_files import MB, is_file, read_whole
-from workbench.formats.meshes.kept import load_or_make, pack_meshes, recipe, unpack_meshes
+from workbench.formats.meshes.mesh_cache import load_or_make, pack_meshes, recipe, unpack_meshes
 from workbench.formats.meshes.repair import examine_surface
 from workbench.model.errors import FileError
 from workbench.model.geometry import Floats, Mesh

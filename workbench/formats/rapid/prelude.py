@@ -4,7 +4,7 @@
 it names, is executed; `robotware/` knows all others.  Names and arguments are those of ABB's
 "Technical reference manual: RAPID instructions, functions and data types" (3HAC050917); those of
 the gripper of "Product manual: Grippers for IRB 14000" (3HAC054949); those of EGM are taken from
-modules that others have published, as `devices/abb_egm/guided.py` says.
+modules that others have published, as `devices/abb_egm/rapid_guidance.py` says.
 """
 
 from pathlib import Path

@@ -107,7 +107,7 @@ class DriftGroup:
     ) -> tuple[str, Callable[[float, str], Cell]] | None:
         # Open3D takes a second to load: the page does not wait for it.
         from workbench.app.calibration.drift_words import drift_words
-        from workbench.app.review.drift_apart import drift_apart
+        from workbench.app.review.drift_process import drift_apart
         from workbench.app.review.scanner_drift import refined_cell
 
         cell = bench.state.cell

@@ -17,7 +17,7 @@ from workbench.gui.cell.views import contacts_html
 from workbench.gui.dragging.gizmo_drag import add_gizmo
 from workbench.gui.scene.robot import place, pose_of_node
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import shown_pose, typed_pose, with_home, with_places
+from workbench.gui.shared.movable_frames import shown_pose, typed_pose, with_home, with_places
 from workbench.gui.shared.views import sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cell import CellPageText

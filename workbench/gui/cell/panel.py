@@ -17,7 +17,7 @@ from workbench.gui.help.groups import group
 from workbench.gui.scene.measure import pointed_at
 from workbench.gui.scene.surroundings import nodes_with
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import (
+from workbench.gui.shared.movable_frames import (
     SCANNER,
     TCP,
     frame_of,

@@ -7,7 +7,7 @@ from workbench.app.core.cell.making import AddTool
 from workbench.app.core.command import Command
 from workbench.app.core.state import State
 from workbench.formats.cells.drawn_tools import CadDrawing, DrawnTool, SuctionLip, TwoFingers
-from workbench.gui.shared.things import ANGLES, typed_pose
+from workbench.gui.shared.movable_frames import ANGLES, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.uploads.cad_pick import CadPick
 from workbench.model.errors import InputError

@@ -11,7 +11,7 @@ import viser
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.state import State
 from workbench.gui.cycle.approval_views import facts_html
-from workbench.gui.scene.nearest import PlanLinks
+from workbench.gui.drawing.nearest import PlanLinks
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.approval import ApprovalText

@@ -36,7 +36,7 @@ from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, moved
 from workbench.gui.shared.views import (
     line,
     parts_line,

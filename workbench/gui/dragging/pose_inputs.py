@@ -12,8 +12,8 @@ from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.look import Held, View
+from workbench.gui.shared.movable_frames import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.own import Carried
-from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 
 

@@ -4,7 +4,7 @@ import enum
 from collections import Counter
 from html import escape
 
-from workbench.gui.scene.live import kinds_in, live_message
+from workbench.gui.scene.drag_overlay import kinds_in, live_message
 from workbench.gui.shared.colours import KINDS, verdict_colour
 from workbench.gui.shared.own import Dragged
 from workbench.gui.shared.views import line

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import pinocchio as pin
 import viser
 
-from workbench.gui.scene.live import DrawnCarried, DrawnVerdicts
+from workbench.gui.scene.contacts import draw_meets
+from workbench.gui.scene.drag_overlay import DrawnCarried, DrawnVerdicts
 from workbench.gui.scene.marks import draw_measured, draw_visited
-from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import PLANNED, ROBOT_CHECKED, finger_name, moved_by, place
 from workbench.gui.shared.calibrating import draw_overlay
 from workbench.gui.shared.look import View

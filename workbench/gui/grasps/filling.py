@@ -40,7 +40,7 @@ class FillControls:
 
     def _find(self, report: Report, cancelled: threading.Event) -> Sequence[str]:
         # Physics, which most sessions spare.
-        from workbench.app.filling.fill_apart import fill_apart
+        from workbench.app.filling.fill_process import fill_apart
         from workbench.app.filling.words import filled_words
 
         part, cell = self._editing.part, self._visitor.cell  # as they are when it begins

@@ -4,7 +4,7 @@ import viser
 
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.views import no_grasp
-from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
+from workbench.gui.shared.movable_frames import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.digest import digest_of
 from workbench.model.messages.commands import GraspEditText

@@ -16,7 +16,7 @@ from workbench.gui.grasps.views import no_grasp
 from workbench.gui.scene.robot import place
 from workbench.gui.scene.stage import T_WORLD_STAGE
 from workbench.gui.shared.look import View
-from workbench.gui.shared.things import ANGLES, shown_pose, typed_pose
+from workbench.gui.shared.movable_frames import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.digest import digest_of

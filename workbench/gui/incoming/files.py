@@ -7,7 +7,7 @@ from typing import Any
 import viser
 from viser import _messages as messages
 
-from workbench.gui.incoming.told import FILE_REFUSED, REFUSED, SECONDS_TO_READ
+from workbench.gui.incoming.refusals import FILE_REFUSED, REFUSED, SECONDS_TO_READ
 from workbench.gui.incoming.values import is_no_sign
 from workbench.gui.incoming.widgets import NOT_THERE, use_problem, widget_of
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import viser
 
-from workbench.gui.incoming.told import FAILED, REFUSED, SECONDS_TO_READ
+from workbench.gui.incoming.refusals import FAILED, REFUSED, SECONDS_TO_READ
 from workbench.model.errors import WorkbenchError
 
 log = logging.getLogger(__name__)

@@ -20,8 +20,8 @@ from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, framed
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import Look, View
+from workbench.gui.shared.movable_frames import pose_of, things
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.things import pose_of, things
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.scene import LegendText
 from workbench.model.cell import Cell

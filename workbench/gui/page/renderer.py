@@ -38,7 +38,7 @@ from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.texts.page import PageText
-from workbench.gui.words.spoken import speak
+from workbench.gui.words.translation import speak
 from workbench.model.calibration import Calibration
 from workbench.model.cell import Cell
 from workbench.model.digest import digest_of
@@ -316,7 +316,7 @@ class Renderer:
             client.gui.set_panel_label(visitor.words.render(title))
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
-            panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
+            panels = (header, *scenes, *tabs_of(visitor, self._woken.set, header.transport.slider))
             for panel in panels:
                 panel.show(None, view)
             visitor.show_button_texts()

@@ -8,7 +8,7 @@ from pathlib import Path
 import viser
 
 from workbench.app.core.people import Role
-from workbench.app.records.kept_cases import There, case_files, keep_case, keeping_problem
+from workbench.app.records.case_folder import There, case_files, keep_case, keeping_problem
 from workbench.app.review.history import History
 from workbench.gui.help.groups import group
 from workbench.gui.shared.look import View

@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 import viser
 
+from workbench.gui.scene.contacts import draw_meets
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.scene.meets import draw_meets
 from workbench.gui.scene.robot import DrawnRobot, place
 from workbench.gui.shared.colours import rgb_of, verdict_colour
 from workbench.gui.shared.look import Pose, View

@@ -3,7 +3,7 @@
 import numpy as np
 import viser
 
-from workbench.gui.scene.meets import add_body, draw_meets
+from workbench.gui.scene.contacts import add_body, draw_meets
 from workbench.gui.shared.colours import BAD, BRAND, BUSY, GOOD, rgb_of
 from workbench.gui.shared.own import Visited
 from workbench.gui.shared.solids import Colour

@@ -9,7 +9,7 @@ import viser
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.scene.candidate import DrawnCandidates
 from workbench.gui.scene.cloud import PaintedCloud, in_short, painted_cloud, shown_colours
-from workbench.gui.scene.held import DrawnHeld, DrawnLost
+from workbench.gui.scene.dragged_bodies import DrawnHeld, DrawnLost
 from workbench.gui.scene.marks import add_lines, draw_reach, draw_rejected
 from workbench.gui.scene.robot import PLANNED, ROBOT, ROBOT_CHECKED, DrawnRobot, place
 from workbench.gui.scene.searches import draw_search

@@ -11,7 +11,7 @@ from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
-from workbench.gui.scene.meets import add_body
+from workbench.gui.scene.contacts import add_body
 from workbench.gui.shared.colours import COMPARED
 from workbench.gui.shared.look import View
 from workbench.gui.shared.tables import clickable, marked

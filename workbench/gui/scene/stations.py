@@ -9,8 +9,8 @@ import viser
 from workbench.app.core.state import Phase
 from workbench.app.picking.facts import stands_on_station
 from workbench.app.picking.pallets import at_rest
+from workbench.gui.scene.contacts import add_body
 from workbench.gui.scene.marks import add_lines
-from workbench.gui.scene.meets import add_body
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import BESIDE_BIN, BRAND, STATION, rgb_of
 from workbench.gui.shared.look import View

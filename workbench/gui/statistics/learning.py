@@ -48,7 +48,7 @@ class LearningControls:
 
     def _find(self, report: Report, cancelled: threading.Event) -> Sequence[str]:
         # Physics, which most sessions spare.
-        from workbench.app.filling.fill_apart import propose_apart
+        from workbench.app.filling.fill_process import propose_apart
         from workbench.app.filling.words import proposal_words
 
         left, cell = self._left, self._visitor.cell

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.app.records.forms import Content, large_arrays, restore_value
 from workbench.formats.clouds.scans import read_scan
-from workbench.formats.files.apart import Answer, Work, apart
+from workbench.formats.files.reader_process import Answer, Work, apart
 from workbench.formats.files.whole_files import write_upload
 from workbench.formats.meshes.cad_look import CadLook, look_at
 from workbench.formats.plans.pose_files import read_poses

@@ -19,8 +19,8 @@ from workbench.planning.collision.bodies import extent, part_label
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import NOTHING
 from workbench.planning.collision.pairing import kept
-from workbench.planning.collision.rolled import Placed, place_pieces
 from workbench.planning.collision.surroundings import Surroundings
+from workbench.planning.collision.unknown_rolls import Placed, place_pieces
 
 STEP = 0.004
 """[m] Parts are checked this far apart on their way."""

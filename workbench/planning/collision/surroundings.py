@@ -18,7 +18,7 @@ from workbench.planning.collision.bodies import (
     part_label,
 )
 from workbench.planning.collision.distances.cores import cores_of
-from workbench.planning.collision.rolled import room_of
+from workbench.planning.collision.unknown_rolls import room_of
 
 
 class Surroundings:

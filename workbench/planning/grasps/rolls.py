@@ -13,7 +13,7 @@ from workbench.planning.collision.bodies import part_label, tool_shapes
 from workbench.planning.collision.hands import NOTHING, cut_of, turns_of
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.tool_check import Fit, ToolCheck
-from workbench.planning.grasps.every_turn import uneven
+from workbench.planning.grasps.roll_symmetry import uneven
 
 
 def at_every_turn(

@@ -30,10 +30,10 @@ from workbench.planning.collision.legs import HOLDING, LEAVING, Run, lead_of, ph
 from workbench.planning.collision.motion import Curves, bound_curves, chain_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
-from workbench.planning.picking.in_step import in_step
 from workbench.planning.picking.order import Cost
 from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, leg_of
 from workbench.planning.picking.search import PathQuery, joint_weights, onward
+from workbench.planning.picking.synchronized_motion import in_step
 
 CARRYING = LEG_NAMES.index("return")
 """From this leg on the first arm's part is out of the bin: in its hand, or where it is put."""

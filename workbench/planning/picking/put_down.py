@@ -18,7 +18,7 @@ from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
-from workbench.planning.collision.rolled import axis_of
+from workbench.planning.collision.unknown_rolls import axis_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations

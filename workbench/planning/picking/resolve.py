@@ -18,7 +18,7 @@ from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.part_ways import Caught
 from workbench.planning.collision.world import World
-from workbench.planning.grasps.every_turn import uneven
+from workbench.planning.grasps.roll_symmetry import uneven
 from workbench.planning.grasps.rolls import with_rolls
 from workbench.planning.kinematics.chain import Chain
 from workbench.planning.kinematics.inverse import Answers, configurations, starts_of

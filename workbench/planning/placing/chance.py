@@ -8,7 +8,7 @@ from workbench.model.geometry import Floats, frozen, put
 from workbench.model.part import Part, PartPlace
 from workbench.model.scan import Detection
 from workbench.model.symmetry import BALL, ROUND, SAME
-from workbench.planning.collision.rolled import axis_of
+from workbench.planning.collision.unknown_rolls import axis_of
 
 DRAWS = 20_000
 """Errors that stand for all."""

@@ -1,7 +1,7 @@
 """Both arms as one: ways of all their joints past a bin, ours beside OMPL over the same checker.
 
 It is what a plan does where two arms can move neither side by side nor one behind the other
-(`planning/picking/in_step.py`).
+(`planning/picking/synchronized_motion.py`).
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from workbench.planning.collision.motion import segment
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
-from workbench.planning.picking.in_step import columns_of, pace_in_step, way_in_step
 from workbench.planning.picking.search import curve_check
+from workbench.planning.picking.synchronized_motion import columns_of, pace_in_step, way_in_step
 from workbench.planning.planners.clock import processor_time
 from workbench.planning.planners.ompl_planners import RRT_CONNECT
 from workbench.plugins.progress import Report

@@ -9,7 +9,7 @@ from workbench.web.api.calls import CALLS, Call
 from workbench.web.api.events import STREAM
 from workbench.web.api.fields import Field
 from workbench.web.api.problems import PROBLEM
-from workbench.web.api.reads import JSON, READS, Read
+from workbench.web.api.resources import JSON, READS, Read
 
 PREFIX = "/api/v1"
 

@@ -27,9 +27,9 @@ from workbench.web.api.events import HEARTBEAT, MOST_LISTENERS, Events
 from workbench.web.api.fields import LARGEST_BODY, body_of
 from workbench.web.api.openapi import PREFIX, openapi
 from workbench.web.api.problems import problem, problem_of
-from workbench.web.api.reads import JSON, READS, AnswerSource, Read
 from workbench.web.api.reference import reference_html
-from workbench.web.http.broken_off import is_broken_off
+from workbench.web.api.resources import JSON, READS, AnswerSource, Read
+from workbench.web.http.broken_connections import is_broken_off
 from workbench.web.http.refusals import log_refusal
 
 log = logging.getLogger(__name__)

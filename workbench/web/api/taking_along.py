@@ -17,8 +17,8 @@ from pathlib import Path
 from aiohttp import hdrs, web
 
 from workbench.app.core.people import Role
+from workbench.app.records.case_folder import case_files
 from workbench.app.records.keeping import KINDS, write_backup
-from workbench.app.records.kept_cases import case_files
 from workbench.app.records.session_archive import export_session, open_journal
 from workbench.model.errors import WorkbenchError
 from workbench.web.access.identity import identify

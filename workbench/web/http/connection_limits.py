@@ -14,7 +14,7 @@ from aiohttp import web
 from aiohttp.typedefs import Handler
 
 from workbench.model.errors import FileError
-from workbench.web.http.broken_off import is_broken_off
+from workbench.web.http.broken_connections import is_broken_off
 from workbench.web.http.origins import network_of
 from workbench.web.http.refusals import log_refusal
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
-from workbench.web.http.broken_off import is_broken_off
+from workbench.web.http.broken_connections import is_broken_off
 
 AT_ONCE = 50
 """Lines of one kind that may be written together."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from judged_times import at_rest_between, curve_at, soonest
+from judge_times import at_rest_between, curve_at, soonest
 
 from workbench.planning.kinematics.execution import compute_times
 from workbench.proof.claims.timing.fastest import (

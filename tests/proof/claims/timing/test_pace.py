@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from bending import with_leg
-from judged_times import at_rest_between, soonest
+from judge_times import at_rest_between, soonest
 from paces import LINKS, resampled, scaled
 
 from workbench.app.picking.pipeline import plan_pick

@@ -11,7 +11,7 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchPage
 from workbench.cli.exits import FAILURE, SUCCESS
-from workbench.cli.measuring.page.served import NAME, serve_page, workplace
+from workbench.cli.measuring.page.page_process import NAME, serve_page, workplace
 from workbench.cli.terminal import (
     check_number,
     check_whole,

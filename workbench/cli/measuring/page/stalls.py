@@ -11,12 +11,12 @@ from typing import Any
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchStalls
 from workbench.cli.exits import SUCCESS
-from workbench.cli.measuring.page.served import NAME, Served, serve_page, workplace
+from workbench.cli.measuring.page.page_process import NAME, Served, serve_page, workplace
 from workbench.cli.terminal import check_whole, milliseconds, print_json, print_table, progress
 from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.model.cell import Cell
 from workbench.plugins.progress import Report
-from workbench.studies.stalls.doings import SETTLES, Files, doings, files_for
+from workbench.studies.stalls.actions import SETTLES, Files, doings, files_for
 from workbench.studies.stalls.visit import visit
 
 FILE = "stalls.jsonl"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.formats.meshes.kept import (
+from workbench.formats.meshes.mesh_cache import (
     Arrays,
     content_of,
     load_or_make,

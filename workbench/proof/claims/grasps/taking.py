@@ -13,7 +13,7 @@ from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.proof.claims.form import HOLDING
 from workbench.proof.claims.grasps.straight import part_reach, straight_violations
-from workbench.proof.claims.places.lying import lying_violations
+from workbench.proof.claims.places.placed_poses import lying_violations
 from workbench.proof.claims.places.standing import standing_violations
 from workbench.proof.claims.stages import in_hand, tcp
 from workbench.proof.claims.tolerances import (

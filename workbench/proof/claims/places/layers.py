@@ -13,7 +13,7 @@ from workbench.model.messages.proofs import ProofText
 from workbench.model.part import Part, PartPlace
 from workbench.model.plan import ArmPlan, Plan, Violation
 from workbench.model.scan import Detection, Obstacle, Scene
-from workbench.proof.claims.places.lying import place_offs
+from workbench.proof.claims.places.placed_poses import place_offs
 from workbench.proof.claims.places.standing import STEADY, centre_of_mass, stands_within
 from workbench.proof.claims.scene import roll_axis, still_of, turned_pieces
 from workbench.proof.claims.stages import put_at

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import trimesh
-from judged_symmetry import about, made, unit
+from judge_symmetry import about, made, unit
 
 
 def turned(rpy_deg) -> np.ndarray:

@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-from judged_files import Files, pose_of, unit
+from judge_files import Files, pose_of, unit
 
 SPARE = 14
 """Boxes that stand for what a scan shows and for fixtures that come later."""

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from workbench.cli.measuring import short as shorts
+from workbench.cli.measuring import short_benchmarks as shorts
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp, Part, make_turn
 from workbench.model.scan import Detection
 from workbench.planning.collision.legs import grips
-from workbench.planning.collision.rolled import axis_of, room_of, turns_about
+from workbench.planning.collision.unknown_rolls import axis_of, room_of, turns_about
 from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspChecker
 from workbench.planning.grasps.pads import Hold
 

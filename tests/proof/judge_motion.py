@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from judged_scene import Scene
+from judge_scene import Scene
 
 FINE, FINE_OF_TWO = 0.0002, 0.002
 """[m] Between two samples no point moves further from the nearer one; of two arms at any speeds."""

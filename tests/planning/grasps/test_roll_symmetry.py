@@ -12,7 +12,7 @@ from workbench.model.geometry import Box, Mesh, Solid, pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, Part, make_turn
 from workbench.model.scan import Detection
 from workbench.model.symmetry import Symmetry
-from workbench.planning.grasps.every_turn import uneven
+from workbench.planning.grasps.roll_symmetry import uneven
 
 Z = np.array([0.0, 0.0, 1.0])
 

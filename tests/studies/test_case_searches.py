@@ -15,8 +15,8 @@ from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.decide import decide
 from workbench.app.core.people import Role
 from workbench.app.core.state import State
+from workbench.app.records.case_folder import FOLDER, keep_case
 from workbench.app.records.cases import Case
-from workbench.app.records.kept_cases import FOLDER, keep_case
 from workbench.app.runtime.work import find_parts
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
@@ -33,8 +33,8 @@ from workbench.model.scan import (
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
 from workbench.plugins.progress import never, silent
-from workbench.studies import kept
-from workbench.studies.kept import Held, Tally, tally
+from workbench.studies import case_searches
+from workbench.studies.case_searches import Held, Tally, tally
 
 HERE = pose_from_rpy((0.4, 0, 0.02), (1.3, 0.2, 0.5))
 FAR = pose_from_rpy((0.4, 0.1, 0.02), (1.3, 0.2, 0.5))
@@ -186,8 +186,8 @@ def test_a_version_that_finds_less_ends_with_three_and_broken_cases_with_two(
     (session / "foreign.zip").write_bytes(b"not at all")
     # What is asked here is what is told of the cases, not what is found.
     found = LocalizationResult(())
-    monkeypatch.setattr(kept, "find_parts", lambda *_: found)
-    monkeypatch.setattr("workbench.cli.measuring.kept.make_ready", lambda *_: None)
+    monkeypatch.setattr(case_searches, "find_parts", lambda *_: found)
+    monkeypatch.setattr("workbench.cli.measuring.case_study.make_ready", lambda *_: None)
     assert main(["study", "localization", "--cases", str(session)]) == 3
     said = capsys.readouterr()
     assert "2 cases with 4 parts: 2 worse, 0 better; 2 could not be used" in said.out
@@ -208,8 +208,8 @@ def test_a_localizer_that_breaks_on_one_case_holds_up_no_other(session, capsys, 
             raise ZeroDivisionError("a scan without anything")
         return LocalizationResult(())
 
-    monkeypatch.setattr(kept, "find_parts", find)
-    monkeypatch.setattr("workbench.cli.measuring.kept.make_ready", lambda *_: None)
+    monkeypatch.setattr(case_searches, "find_parts", find)
+    monkeypatch.setattr("workbench.cli.measuring.case_study.make_ready", lambda *_: None)
     assert main(["study", "localization", "--cases", str(session), "--json"]) == 3
     said = capsys.readouterr()
     told = json.loads(said.out)

@@ -2,8 +2,8 @@
 
 import mujoco
 import numpy as np
-from judged_files import Files, pose_of
-from judged_stations import geom_of, quaternion
+from judge_files import Files, pose_of
+from judge_stations import geom_of, quaternion
 
 MOST, LEAN, ASIDE = 0.0035, np.deg2rad(2.0), 0.004
 """[m, rad, m] How much more than the margin a part may fall, and how far it may tilt and slide."""

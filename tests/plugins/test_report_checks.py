@@ -14,7 +14,7 @@ from workbench.model.motion import MotionModel
 from workbench.model.plan import ArmPlan, Guarantee, Leg, Plan, Step, Strategy
 from workbench.model.release import Approval, LinkStatus, PartReport, Receipt, RobotState
 from workbench.plugins import robot_link
-from workbench.plugins.reported import BEYOND, bounds_of
+from workbench.plugins.report_checks import BEYOND, bounds_of
 from workbench.plugins.robot_link import send, states
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1.0", None, True, 10**5000]

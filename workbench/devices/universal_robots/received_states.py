@@ -8,7 +8,7 @@ from workbench.devices.universal_robots.rtde import RUNNING_MODE, STANDS
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import ProtocolError
 from workbench.model.geometry import Floats
-from workbench.plugins.reported import bounds_of, check_time
+from workbench.plugins.report_checks import bounds_of, check_time
 
 MODES = {
     -1: "has no controller",

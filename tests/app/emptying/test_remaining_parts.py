@@ -1,6 +1,6 @@
 """Why a part stayed."""
 
-from workbench.app.emptying.left import left_in
+from workbench.app.emptying.remaining_parts import left_in
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.geometry import pose_from_rpy

@@ -1,6 +1,6 @@
 """Makers' arms by the numbers of `ssik` (PyPI): poses that are missed, and the time a pose takes.
 
-`python tests/planning/kinematics/judged_arms.py [CELL_FILE ...]` prints the table of
+`python tests/planning/kinematics/ssik_arms.py [CELL_FILE ...]` prints the table of
 `docs/benchmarks/judged.md`, with rows for the arms of further cells.
 """
 

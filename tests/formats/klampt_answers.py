@@ -1,6 +1,6 @@
 """What Klamp't itself makes of a robot or world: run in a process of its own, answers in JSON.
 
-Usage: klampt_says.py FILE < configurations (a JSON list of lists)
+Usage: klampt_answers.py FILE < configurations (a JSON list of lists)
 """
 
 import json

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from waiting import PATIENCE, wait_until
 
-from workbench.formats.files import apart as module
-from workbench.formats.files.apart import Answer, apart
+from workbench.formats.files import reader_process as module
+from workbench.formats.files.reader_process import Answer, apart
 from workbench.formats.files.whole_files import MB
 from workbench.model.errors import FileError, InputError, JobCancelled
 

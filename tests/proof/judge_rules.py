@@ -3,11 +3,11 @@
 from itertools import pairwise
 
 import numpy as np
-from judged_files import Files, pose_of, turned
-from judged_pallets import stacked
-from judged_stations import stood_on
-from judged_symmetry import turns, unit
-from judged_times import COARSE, FINE, at_rest_between, soonest
+from judge_files import Files, pose_of, turned
+from judge_pallets import stacked
+from judge_stations import stood_on
+from judge_symmetry import turns, unit
+from judge_times import COARSE, FINE, at_rest_between, soonest
 
 LEGS = ("reach", "approach", "extract", "return", "place", "home")
 HOLDING = ("extract", "return", "place")

@@ -20,7 +20,7 @@ from workbench.model.geometry import (
 from workbench.model.part import GraspLibrary, Part, make_turn
 from workbench.model.scan import Detection, Obstacle
 from workbench.model.symmetry import Symmetry
-from workbench.planning.collision.rolled import BETWEEN, place_pieces, room_of
+from workbench.planning.collision.unknown_rolls import BETWEEN, place_pieces, room_of
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.pads import outline
 from workbench.proof.claims.scene import room_of as room_of_proof

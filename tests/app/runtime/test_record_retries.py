@@ -6,14 +6,14 @@ import threading
 import pytest
 
 from workbench.app.core.people import WORKER
-from workbench.app.runtime import insisting
-from workbench.app.runtime.insisting import insist
+from workbench.app.runtime import record_retries
+from workbench.app.runtime.record_retries import insist
 from workbench.model.errors import CommandRefused, NotRecorded
 
 
 @pytest.fixture(autouse=True)
 def quick(monkeypatch):
-    monkeypatch.setattr(insisting, "RETRY", 0.01)
+    monkeypatch.setattr(record_retries, "RETRY", 0.01)
 
 
 def test_what_is_out_of_order_is_tried_once(caplog):

@@ -2,7 +2,7 @@
 
 import mujoco
 import numpy as np
-from judged_files import Files, pose_of
+from judge_files import Files, pose_of
 
 STILL, LEAN = 0.004, np.deg2rad(2.0)
 """[m, rad] How far a part may move aside, and be tilted, when it is let go of."""

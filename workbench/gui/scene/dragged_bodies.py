@@ -6,7 +6,7 @@ import pinocchio as pin
 import viser
 
 from workbench.app.core.state import Phase
-from workbench.gui.scene.meets import add_body
+from workbench.gui.scene.contacts import add_body
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import NOT_REPORTED
 from workbench.gui.shared.look import Held, View

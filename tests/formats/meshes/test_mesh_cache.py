@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from workbench.formats.meshes import reading
-from workbench.formats.meshes.kept import cache_folder, load_or_make
+from workbench.formats.meshes.mesh_cache import cache_folder, load_or_make
 from workbench.formats.meshes.pieces.convex_pieces import hull_of
 from workbench.formats.meshes.reading import read_mesh
 from workbench.model.errors import FileError

@@ -8,7 +8,7 @@ from raw_browser import raw_browser
 from waiting import wait_until
 
 from workbench.gui.shared.viser_server import close_viser, language_of, open_viser
-from workbench.gui.words.spoken import speak
+from workbench.gui.words.translation import speak
 from workbench.studies.load.raw_browser import unpacked
 from workbench.words.words import Words
 

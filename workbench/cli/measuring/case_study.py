@@ -11,7 +11,7 @@ from workbench.cli.exits import BAD_INPUT, NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.files.whole_files import is_folder
 from workbench.model.errors import FileError, InputError
-from workbench.studies.kept import Held, Tally, held_cases, in_all
+from workbench.studies.case_searches import Held, Tally, held_cases, in_all
 
 
 def study_cases(typed: StudyLocalization, folder: Path) -> int:
