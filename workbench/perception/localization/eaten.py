@@ -2,8 +2,9 @@
 
 A pose that is right then has a rim all around through which the scan seems to look; one that is
 wrong has it on one side, or is looked through in its middle too.  So the width is measured at the
-poses of the first vote.  Background that lies so close beside something nearer then counts as not
-measured: it is no evidence against a pose.  Free space seen further inside stays evidence.
+parts that the first vote finds, and all of them must show it.  Background that lies so close beside
+something nearer then counts as not measured: it is no evidence against a pose.  Free space seen
+further inside stays evidence.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,7 +23,7 @@ from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import Sighting, look
 
 WIDEST = 4
-"""[pixels] Background that lies further beside a part is never left out."""
+"""[pixels] More is never taken for eaten: it is another part, or another size."""
 
 STRAY = 0.1
 """Share of the pixels at one distance from the outline that the scan may look through anywhere."""
@@ -33,23 +34,17 @@ WHOLE = 0.05
 FEWEST = 40
 """[pixels] Measured along the outline, or a pose says nothing."""
 
-FEWEST_POSES = 2
-"""Poses of the first vote that show an eaten outline: then its width is measured."""
+FEWEST_PARTS = 2
+"""Parts that have to show an eaten outline."""
 
-NOT_EATEN, ROUNDED = 0.6, 0.25
-"""[pixels] Outlines of good scans are off by so much: a width up to it counts as none.  Others are
-rounded up, but where they are larger than a whole number by so little."""
+NOT_EATEN = 0.25
+"""[pixels] A width up to it counts as none; larger ones are rounded up, less so much."""
 
 Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
 """Takes the hypotheses of each kind that hold together."""
 
-Propose = Callable[[PartSearch], list[Hypothesis]]
-"""Where a part may lie in a scan."""
 
-
-def allow_eaten_outlines(
-    found: list[PartSearch], propose: Propose, compete: Compete
-) -> list[PartSearch]:
+def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches in a scan without the background that eats outlines, where it does.
 
     Kept only if more of what lies in the bin is explained; otherwise the searches stay as they are,
@@ -57,63 +52,33 @@ def allow_eaten_outlines(
 
     Args:
         found: the searches of all kinds, after the first vote.
-        propose: see there.
         compete: see there.
     """
-    if any(search.is_loose for search in found) or not any(map(_looks_eaten, found)):
+    if any(search.is_loose for search in found):
         return found
-    # Poses that an eaten outline does not push aside show its width in the scan as it is.
-    proposed = [propose(_without_background(search, WIDEST)) for search in found]
-    width = _measure_width(found, proposed)
-    if width <= NOT_EATEN * max(search.depth_map.pitch for search in found):
+    widths = [width for search in found for width in _widths(search)]
+    if len(widths) < FEWEST_PARTS or min(widths) <= NOT_EATEN:
         return found
-    pixels = [ceil(width / search.depth_map.pitch - ROUNDED) for search in found]
-    grown = [
-        _without_background(search, max(1, wide))
-        for search, wide in zip(found, pixels, strict=True)
-    ]
+    wide = ceil(float(np.median(widths)) - NOT_EATEN)
+    grown = [_without_background(search, min(wide, WIDEST)) for search in found]
     compete(
         grown,
         [
             [
-                Hypothesis(p, look(search.depth_map, search.surface, p, search.tolerance))
-                for p in _poses(before, each)
+                Hypothesis(p.pose, look(search.depth_map, search.surface, p.pose, search.tolerance))
+                for p in (*before.choice.chosen, *before.choice.rejected)
             ]
-            for search, before, each in zip(grown, found, proposed, strict=True)
+            for search, before in zip(grown, found, strict=True)
         ],
     )
     return grown if measure_explained(grown) > measure_explained(found) else found
 
 
-def _poses(before: PartSearch, proposed: Sequence[Hypothesis]) -> list[Floats]:
-    return [each.pose for each in (*before.choice.chosen, *before.choice.rejected, *proposed)]
-
-
-def _looks_eaten(search: PartSearch) -> bool:
-    """Whether poses that were taken or rejected show an eaten outline."""
+def _widths(search: PartSearch) -> list[float]:
+    """By how many pixels [px] the outlines of parts are eaten that were taken."""
     columns = search.depth_map.depth.shape[1]
-    widths = [
-        eaten_width(each.sighting, columns)
-        for each in (*search.choice.chosen, *search.choice.rejected)
-    ]
-    return sum(width is not None and width > NOT_EATEN for width in widths) >= FEWEST_POSES
-
-
-def _measure_width(found: Sequence[PartSearch], proposed: Sequence[list[Hypothesis]]) -> float:
-    """The median width [m] that the outlines of proposed poses are eaten by, in the whole scan."""
-    widths = [
-        search.depth_map.pitch * width
-        for search, poses in zip(found, proposed, strict=True)
-        for each in poses
-        if (
-            width := eaten_width(
-                look(search.depth_map, search.surface, each.pose, search.tolerance),
-                search.depth_map.depth.shape[1],
-            )
-        )
-        is not None
-    ]
-    return float(np.median(widths)) if len(widths) >= FEWEST_POSES else 0.0
+    widths = [eaten_width(part.sighting, columns) for part in search.choice.chosen]
+    return [width for width in widths if width is not None]
 
 
 def _without_background(search: PartSearch, width: int) -> PartSearch:

@@ -109,9 +109,8 @@ def localize_parts(
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1:
-            propose = partial(_propose_afresh, seed=seed, step=step)
             found = relax_tolerance(found, partial(compete, closely=closely))
-            found = allow_eaten_outlines(found, propose, partial(compete, closely=closely))
+            found = allow_eaten_outlines(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break
@@ -132,15 +131,6 @@ def localize_parts(
             scan,
             [next(searches) if isinstance(search, PartSearch) else search for search in brought],
         )
-    )
-
-
-def _propose_afresh(
-    search: PartSearch, *, seed: int, step: Callable[[Message], None]
-) -> list[Hypothesis]:
-    """The first vote once more."""
-    return proposals(
-        search, 0, np.zeros(search.depth_map.depth.size, np.bool_), seed=seed, step=step
     )
 
 
