@@ -41,7 +41,7 @@ class Fronted(Desk):
     """A desk whose screen is the scene within the page of the front."""
 
     def __init__(self, bench: Bench, outer: Page, link: str):
-        """Made by `fronted`."""
+        """Made by `serve_with_front`."""
         frame = outer.locator("#scene").element_handle().content_frame()
         super().__init__(bench, Screen(frame, PICTURES))
         self.outer, self.link = outer, link

@@ -236,12 +236,12 @@ class _Looked:
 def _counting(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
     """Tells how many hands were tried, of how many, until `cancelled` ends that."""
 
-    def looked(count: int, of: int) -> None:
+    def count_hands(count: int, of: int) -> None:
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
         report(TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
 
-    return looked
+    return count_hands
 
 
 def _judge(

@@ -65,7 +65,7 @@ class ApprovalDialog:
                     links = PlanLinks(visitor, self.close, len(row))
                     joints, now = visitor.bench.live.joints, time.time()
                     visitor.gui.add_html(
-                        facts_html(state, joints, now, links.made(state), visitor.words)
+                        facts_html(state, joints, now, links.make_html(state), visitor.words)
                     )
                     self._add_word(state, named)
 

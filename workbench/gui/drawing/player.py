@@ -76,7 +76,7 @@ class Player:
     def drawn(self, view: View) -> None:
         """A view was sent to all browsers."""
         if self._audience is not None and view.look.time == self._at:
-            self._audience.drawn(view.look.time)
+            self._audience.note_drawn(view.look.time)
 
     def unseen(self, row: Row, end: float) -> tuple[Span, ...]:
         """What of a row up to its end [s] the browser that played it last has not seen yet."""

@@ -260,7 +260,7 @@ def first_look(cell: Cell) -> tuple[Floats, Floats]:
     Returns:
         Position of the camera and the point it looks at, each (3,) [m] in the world.
     """
-    return framed(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
+    return frame_camera(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
 
 
 def look_direction(cell: Cell) -> Floats:
@@ -285,7 +285,7 @@ def interesting_points(cell: Cell) -> Floats:
     return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
 
 
-def framed(
+def frame_camera(
     points: Floats, direction: Floats, field_of_view: float, aspect: float
 ) -> tuple[Floats, Floats]:
     """From where a camera holds all points, as near as that goes.
