@@ -22,7 +22,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.gui.cell.panel import GIZMO
 from workbench.gui.page.server import serve
 from workbench.gui.scene.stage import T_WORLD_STAGE, view_of
-from workbench.gui.shared.movable_frames import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, move_frame
 from workbench.gui.shared.playback import OVER, timeline
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
@@ -172,7 +172,7 @@ def bin_moved(chrome: Browser, folder: Path) -> None:
     with desk(chrome, folder, speed=20) as at:
         now = at.bench.state.cell
         T = now.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, math.radians(3)))
-        at.bench.do(UseScan(synthesize(moved(now, BIN, T), (), seed=0)), "Ada")
+        at.bench.do(UseScan(synthesize(move_frame(now, BIN, T), (), seed=0)), "Ada")
         at.screen.wait_for("from where the cell has it")
         at.shoot("bin_moved")
 

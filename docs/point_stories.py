@@ -41,7 +41,7 @@ class Fronted(Desk):
     """A desk whose screen is the scene within the page of the front."""
 
     def __init__(self, bench: Bench, outer: Page, link: str):
-        """Made by `fronted`."""
+        """Made by `serve_with_front`."""
         frame = outer.locator("#scene").element_handle().content_frame()
         super().__init__(bench, Screen(frame, PICTURES))
         self.outer, self.link = outer, link
@@ -206,7 +206,7 @@ def with_the_plan(at: Fronted) -> None:
     at.point(3, "end")
     screen.press("To the start")
     at.key("l")
-    page.get_by_text("Kept clear at least").first.evaluate("one => one.scrollIntoView()")
+    page.get_by_text("Least clearance").first.evaluate("one => one.scrollIntoView()")
     at.point(9, "plots-in-the-dark")
     at.key("l")
 

@@ -68,7 +68,7 @@ def bench(tmp_path):
 def figures(monkeypatch):
     """Of each question when it was asked, and when its answer was drawn."""
     asked, drawn, shown = {}, [], {}
-    ask, answered, draw = LiveVerdicts.ask, LiveVerdicts._answered, DrawnVerdicts.draw
+    ask, answered, draw = LiveVerdicts.ask, LiveVerdicts._take_answer, DrawnVerdicts.draw
 
     def noted_ask(self, *what):
         asked[self, self._asked + 1] = time.monotonic()
@@ -84,7 +84,7 @@ def figures(monkeypatch):
             drawn.append(time.monotonic() - shown[id(dragged.glance)])
 
     monkeypatch.setattr(LiveVerdicts, "ask", noted_ask)
-    monkeypatch.setattr(LiveVerdicts, "_answered", noted_answer)
+    monkeypatch.setattr(LiveVerdicts, "_take_answer", noted_answer)
     monkeypatch.setattr(DrawnVerdicts, "draw", noted_draw)
     return asked, drawn, shown
 

@@ -11,7 +11,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.page.server import serve
-from workbench.gui.shared.movable_frames import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, move_frame
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.simulation.synthesize import synthesize
 
@@ -90,7 +90,7 @@ def moved_scan(bench):
     """A scan of the bin 15 mm from where the cell has it."""
     cell = bench.state.cell
     T = cell.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, np.deg2rad(3)))
-    return synthesize(moved(cell, BIN, T), (), seed=0), T
+    return synthesize(move_frame(cell, BIN, T), (), seed=0), T
 
 
 def test_a_moved_bin_is_told_and_the_cell_follows(screen, bench, wait, moved_scan):

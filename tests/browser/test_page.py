@@ -15,7 +15,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import NOBODY
 from workbench.gui.cycle import threshold
 from workbench.gui.scene.slider_drag import SliderDrag
-from workbench.gui.shared.tables import CandidateOrder, ordered
+from workbench.gui.shared.tables import CandidateOrder, order_candidates
 from workbench.journal.journal import Journal
 
 MARKED = """() => {
@@ -335,7 +335,9 @@ def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):
 
     screen.page.locator(".wb-col-grasp").click()
     screen.page.get_by_text(re.compile("Grasp ▴")).wait_for()
-    expected = ordered(state.candidates, CandidateOrder(column="grasp", is_descending=False))
+    expected = order_candidates(
+        state.candidates, CandidateOrder(column="grasp", is_descending=False)
+    )
     shown = [row.locator("td").nth(1).inner_text() for row in rows.all()]
     assert shown == [state.candidates[number].grasp.name for number in expected[: len(shown)]]
 

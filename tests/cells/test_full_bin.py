@@ -13,7 +13,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.digest import digest_of
 from workbench.model.prediction import PileTask
 from workbench.model.scan import Detection
-from workbench.studies.emptying.piles import emptied
+from workbench.studies.emptying.piles import empty_pile
 
 both = pytest.mark.parametrize("name", ["yumi", "tx2_90"])
 
@@ -57,7 +57,7 @@ def test_the_parts_for_it_are_the_parts_with_spare_grasps(name):
 
 def test_more_of_a_pile_is_taken_with_it():
     full = str(find("robots", "yumi") / "full_bin.toml")
-    usual, more = (emptied(PileTask(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
+    usual, more = (empty_pile(PileTask(cell, "", 6, 4, settles=False)) for cell in ("yumi", full))
     assert more.taken > usual.taken
     assert more.touches == 0 and sum(more.failed) == 0
 

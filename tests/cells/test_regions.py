@@ -16,7 +16,7 @@ from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.scene.stations import edges_of
-from workbench.gui.shared.movable_frames import moved, pose_of, things
+from workbench.gui.shared.movable_frames import move_frame, pose_of, things
 from workbench.model.candidate import Reason
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
@@ -156,7 +156,7 @@ def test_a_region_is_a_thing_that_is_moved_and_saved_and_the_bin_takes_it_along(
     cell = read_cell(folder)
     assert things(cell)[:3] == ("bin", "region left", "region right")
     T = pose_of(cell, "region left") * pose_from_rpy((0.0, 0.01, 0.0), (0, 0, 0.1))
-    other = moved(cell, "region left", T)
+    other = move_frame(cell, "region left", T)
     assert pose_of(other, "region left").isApprox(T, 1e-9)
     assert pose_of(other, "region right") == pose_of(cell, "region right")
     assert str(difference(cell, other)) == "the regions of interest were changed"
@@ -165,7 +165,7 @@ def test_a_region_is_a_thing_that_is_moved_and_saved_and_the_bin_takes_it_along(
     assert pose_of(again, "region left").isApprox(T, 1e-5)
     assert "position_mm = [0, 86, 0]" in (folder / "cell.toml").read_text(encoding="utf-8")
     step = pose_from_rpy((0.02, 0.0, 0.0))
-    further = moved(again, "bin", step * again.bin.T_world_bin)
+    further = move_frame(again, "bin", step * again.bin.T_world_bin)
     assert pose_of(further, "region left").isApprox(step * pose_of(again, "region left"), 1e-9)
 
 

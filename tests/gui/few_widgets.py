@@ -6,7 +6,7 @@ import msgspec
 from waiting import PATIENCE, wait_until
 
 from workbench.gui.words.translation import speak
-from workbench.studies.load.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpack
 from workbench.words.words import Words
 
 GERMAN = Words("de", {"all": "alle", "none": "keine"})
@@ -74,7 +74,7 @@ class Hand:
         """Wait for a message with these fields."""
         async with asyncio.timeout(PATIENCE):
             while True:
-                for message in unpacked(await self.connection.recv()):
+                for message in unpack(await self.connection.recv()):
                     if message["type"] == kind and fields.items() <= message.items():
                         return message
 

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 import websockets
 
-from workbench.studies.load.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpack
 
 PROTOCOL = "viser-v1.1.1"
 
@@ -90,7 +90,7 @@ class Sitting:
             while not self._left.is_set():
                 with contextlib.suppress(TimeoutError):
                     frame = await asyncio.wait_for(connection.recv(), 0.02)
-                    for message in unpacked(frame):
+                    for message in unpack(frame):
                         self._heard(message)
                         if message["type"] == "GetRenderRequestMessage":
                             asked.append(message["render_uuid"])

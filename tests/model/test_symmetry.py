@@ -84,7 +84,7 @@ def test_turns_leave_their_point_where_it_is():
             assert motion.act(np.array(point)) == pytest.approx(point)
         names = [name for name, _ in symmetry.turns]
         assert len(set(names)) == len(names) > 0
-    assert Symmetry(X, 2, point).fixed(np.ones(3)) == pytest.approx([1.0, -0.02, 0.03])
+    assert Symmetry(X, 2, point).invariant_point(np.ones(3)) == pytest.approx([1.0, -0.02, 0.03])
 
 
 def test_a_symmetry_stated_as_before_has_its_digest_of_before():

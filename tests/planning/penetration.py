@@ -46,7 +46,7 @@ def nearest(cell: Cell, plan: Plan, one: ArmPlan, name: str, part, T_world_part)
     for a, b in pairwise(np.asarray(leg.q)):
         for share in np.linspace(0.0, 1.0, STATES):
             whole = world.configuration({one.arm: a + share * (b - a)})
-            bodies = list(world.placed(whole, hand))
+            bodies = list(world.place_shapes(whole, hand))
             T_world_tcp = world.chains[one.arm].pose(a + share * (b - a))
             bodies += [(s.shape, T_world_tcp * one.T_tcp_part * s.T_owner_shape) for s in held]
             for shape, T in bodies:

@@ -166,20 +166,20 @@ def test_a_joint_may_be_a_little_beyond_its_limits_or_a_full_turn_off(cell):
     bounds = bounds_of(cell, cell.arms[0])
     for end, way in ((bounds.lower, -1.0), (bounds.upper, 1.0)):
         for off in (0.9 * BEYOND, 2 * math.pi, -2 * math.pi):
-            bounds.taken(end + way * off)
+            bounds.take(end + way * off)
         with pytest.raises(ProtocolError, match="it goes from"):
-            bounds.taken(end + way * 1.1 * BEYOND)
+            bounds.take(end + way * 1.1 * BEYOND)
         # While nothing moves a person may have jogged it beyond the limits of the cell file.
-        bounds.taken(end + way * 1.1 * BEYOND, in_motion=False)
+        bounds.take(end + way * 1.1 * BEYOND, in_motion=False)
         with pytest.raises(ProtocolError, match="it goes from"):
-            bounds.taken(end + way * (2 * math.pi + 1.1 * BEYOND), in_motion=False)
+            bounds.take(end + way * (2 * math.pi + 1.1 * BEYOND), in_motion=False)
 
 
 def test_a_joint_that_slides_turns_nowhere(cell):
     bounds = replace(bounds_of(cell, cell.arms[0]), turns=(False,) * 7)
-    bounds.taken(bounds.upper + 0.04)
+    bounds.take(bounds.upper + 0.04)
     with pytest.raises(ProtocolError, match=r"mm; it goes from \S+ mm to \S+ mm"):
-        bounds.taken(bounds.upper + 0.06, in_motion=False)
+        bounds.take(bounds.upper + 0.06, in_motion=False)
 
 
 STATE = RobotState({}, {}, "", 0, 0, "")

@@ -13,7 +13,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.message import plain
 from workbench.model.plan import Violation
 from workbench.model.scan import Detection
-from workbench.studies.pairs import Taken, counted, taken_of
+from workbench.studies.pairs import Taken, count_pairs, taken_of
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +91,7 @@ def test_every_pair_is_counted_once_with_its_reason():
         Taken(1, "both parts by the same arm alone", True, ""),
         Taken(0, "neither: out of reach", False, "neither: out of reach"),
     ]
-    said = counted(found)
+    said = count_pairs(found)
     assert (said["pairs"], said["two_arms"], said["one_arm"], said["none"]) == (5, 1, 3, 1)
     assert said["whole"] == 3
     assert list(said["why_one_arm"].items()) == [
@@ -100,13 +100,13 @@ def test_every_pair_is_counted_once_with_its_reason():
     ]
     assert said["why_none"] == {"neither: out of reach": 1}
     assert said["why_not_whole"] == {"neither: out of reach": 1, "one: no place": 1}
-    assert counted(found[::-1]) == said
+    assert count_pairs(found[::-1]) == said
     json.dumps(said)
 
 
 def test_the_table_says_what_was_counted():
     found = [Taken(2, "", True, ""), Taken(1, "no plan of two arms", False, "one: no path")]
-    assert _pairs_words(counted(found)) == [
+    assert _pairs_words(count_pairs(found)) == [
         ("both by one plan of two arms", "1", ""),
         ("one by the first plan", "1", "1 no plan of two arms"),
         ("none", "0", ""),

@@ -12,9 +12,9 @@ from workbench.studies.placing import (
     Case,
     Gripped,
     entry_of,
-    gripped,
+    grip_part,
     measure,
-    measured,
+    measure_offsets,
     summary,
 )
 
@@ -69,7 +69,7 @@ class _Budget:
 def test_the_error_in_the_hand_is_that_of_the_origin_and_the_turn():
     meant = pose_from_rpy((0.1, 0.2, 0.3), (0.3, -0.4, 2.0))
     moved = meant * pin.SE3(pin.exp3(np.array([0.0, 0.03, 0.0])), np.array([0.001, 0.0, 0.002]))
-    shifts, turns = measured([moved, None, meant], meant, _Budget())
+    shifts, turns = measure_offsets([moved, None, meant], meant, _Budget())
     assert shifts == pytest.approx([np.hypot(0.001, 0.002), np.inf, 0.0], abs=1e-9)
     assert turns == pytest.approx([0.03, np.inf, 0.0], abs=1e-9)
 
@@ -83,20 +83,20 @@ def test_the_hand_accelerates_as_the_strongest_joint_has_it():
 
 @pytest.fixture(scope="module")
 def some():
-    return gripped(Case("yumi", "bracket", 1, acceleration=2.0))
+    return grip_part(Case("yumi", "bracket", 1, acceleration=2.0))
 
 
 def test_grips_of_a_part_come_out_as_said_and_the_same_again(some):
     told = summary(some)["all"]
     assert told["grips"] >= 60
     assert abs(told["difference"]) < 0.12
-    again = gripped(Case("yumi", "bracket", 1, acceleration=2.0))
+    again = grip_part(Case("yumi", "bracket", 1, acceleration=2.0))
     assert [one.grasp for one in again] == [one.grasp for one in some]
     assert all(np.array_equal(a.shifts, b.shifts) for a, b in zip(some, again, strict=True))
 
 
 def test_a_search_that_is_less_sure_is_said_and_found_to_be_so(some):
-    wider = summary(gripped(Case("yumi", "bracket", 1, wider=10.0, acceleration=2.0)))["all"]
+    wider = summary(grip_part(Case("yumi", "bracket", 1, wider=10.0, acceleration=2.0)))["all"]
     narrow = summary(some)["all"]
     assert wider["predicted"] < narrow["predicted"] - 0.1
     assert wider["measured"] < narrow["measured"] - 0.1

@@ -133,12 +133,12 @@ def _pieces(
         blends = begin * corners[k].seconds(begin) + end * corners[k + 1].seconds(end)
         return 1.0 - float(full[k]) * blends / 2
 
-    def needed(k: int, begin: float, end: float, peak: float) -> float:
+    def distance_for(k: int, begin: float, end: float, peak: float) -> float:
         into = (begin + peak) * ways[k].seconds(abs(peak - begin))
         return float(full[k]) * (into + (end + peak) * ways[k].seconds(abs(peak - end))) / 2
 
     def fits(k: int, begin: float, end: float, peak: float) -> bool:
-        return needed(k, begin, end, peak) <= straight(k, begin, end)
+        return distance_for(k, begin, end, peak) <= straight(k, begin, end)
 
     shares = [0.0] * (len(steps) + 1)
     for k in range(1, len(steps) if zone > 0.0 else 0):
@@ -158,7 +158,7 @@ def _pieces(
         begin, end = shares[k], shares[k + 1]
         peak = _largest(lambda p, k=k, x=begin, y=end: fits(k, x, y, p), max(begin, end))
         yield from ways[k].pieces(peak - begin, velocities * (peak - begin))
-        steady = max(straight(k, begin, end) - needed(k, begin, end, peak), 0.0)
+        steady = max(straight(k, begin, end) - distance_for(k, begin, end, peak), 0.0)
         yield steady / (float(full[k]) * peak), 0 * velocities
         yield from ways[k].pieces(peak - end, -velocities * (peak - end))
         if k < len(turns):

@@ -111,7 +111,7 @@ class Verdict:
             said = VerdictText.AWAY(reason=said, far=far)
         return said if self.note is None else VerdictText.NOTED(verdict=said, note=self.note)
 
-    def noted(self, note: Message) -> "Verdict":
+    def with_note(self, note: Message) -> "Verdict":
         """The verdict with one more remark."""
         return replace(self, note=all_of((self.note, note)))
 

@@ -135,7 +135,7 @@ def with_part(
 ) -> Cell:
     """The cell with other grasps or another symmetry of one of its parts; None: as it is."""
 
-    def changed(part: Part) -> Part:
+    def change(part: Part) -> Part:
         return replace(
             part,
             library=part.library if library is None else library,
@@ -143,7 +143,7 @@ def with_part(
         )
 
     return replace(
-        cell, parts=tuple(changed(part) if part.name == name else part for part in cell.parts)
+        cell, parts=tuple(change(part) if part.name == name else part for part in cell.parts)
     )
 
 

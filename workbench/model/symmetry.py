@@ -150,7 +150,7 @@ class Symmetry:
         about = [turn_about(main.axis, angle) for angle in _angles(main.fold, steps)]
         return np.array([self._about_point(R @ S).homogeneous for S in group.others for R in about])
 
-    def fixed(self, p: Floats) -> Floats:
+    def invariant_point(self, p: Floats) -> Floats:
         """The point (3,) [m] nearest to another, (3,) [m], that no turn moves."""
         point, axes = np.array(self.point), self.axes
         if not axes:

@@ -44,7 +44,7 @@ class JointBounds:
     upper: Floats
     turns: tuple[bool, ...]
 
-    def taken(self, q: Sequence[Any] | Floats, *, in_motion: bool = True) -> Floats:
+    def take(self, q: Sequence[Any] | Floats, *, in_motion: bool = True) -> Floats:
         """A reported configuration (n,) [rad, m], chain order, once it can be one.
 
         A turning joint may be reported a full turn from where it is.  While nothing moves, a person
@@ -189,7 +189,7 @@ def _is_turned(value: float, low: float, high: float, in_motion: bool) -> bool:
 
 def _check_joints(joints: Mapping[str, Any], cell: Cell, *, in_motion: bool) -> None:
     for name, q in joints.items():
-        bounds_of(cell, _arm(cell, name)).taken(q, in_motion=in_motion)
+        bounds_of(cell, _arm(cell, name)).take(q, in_motion=in_motion)
 
 
 def _arm(cell: Cell, name: str) -> Arm:

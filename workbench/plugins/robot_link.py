@@ -349,13 +349,20 @@ def send(
             raise CommandRefused(DeviceText.NO_STEPS(link=link.motion.link))
         words["let"] = let
 
-    def shown(status: LinkStatus) -> None:
+    def show_status(status: LinkStatus) -> None:
         check_status(status, cell)
         show(status)
 
     receipts = Receipts(plan, link.motion)
     sending = link.send(
-        plan, approval, cell, now=now, cancelled=cancelled, show=shown, patience=patience, **words
+        plan,
+        approval,
+        cell,
+        now=now,
+        cancelled=cancelled,
+        show=show_status,
+        patience=patience,
+        **words,
     )
     with _closing(sending):
         try:

@@ -49,7 +49,7 @@ def taken_of(cell: Cell, detections: Sequence[Detection], first: PlanResult, see
     return Taken(1, _why_one(cell, detections, first), is_whole, left)
 
 
-def counted(taken: Sequence[Taken]) -> dict[str, Any]:
+def count_pairs(taken: Sequence[Taken]) -> dict[str, Any]:
     """How many pairs were taken by two arms, by one, not at all, and whole; and why not more."""
     return {
         "pairs": len(taken),

@@ -116,12 +116,12 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
             break
         cases = [replace(case, seed=seed + k) for k in range(-(-left // (GRASPS * EACH)))]
         seed += len(cases)
-        for some in run_cases(gripped, cases, workers=workers, report=report):
+        for some in run_cases(grip_part, cases, workers=workers, report=report):
             results += some
     return results
 
 
-def gripped(case: Case) -> list[Gripped]:
+def grip_part(case: Case) -> list[Gripped]:
     """Drop a part, look at it, and grip it again and again by some of the grasps that fit.
 
     Nothing comes of a part that is not found, that leans on the bin, or that no grasp fits.
@@ -188,8 +188,8 @@ def _by_one(
         off = pin.SE3(pin.exp3(error[3:]) @ T.rotation, T.translation + error[:3])
         T_world_tcp = T * off.inverse() * candidate.T_world_tcp
         held.append(gripping.grip(T_world_tcp, candidate.grasp.opening, shaking))
-    shifts, turns = measured([grip.T_tcp_part for grip in held], T_tcp_meant, budget)
-    closed = measured([grip.T_tcp_closed for grip in held], T_tcp_meant, budget)
+    shifts, turns = measure_offsets([grip.T_tcp_part for grip in held], T_tcp_meant, budget)
+    closed = measure_offsets([grip.T_tcp_closed for grip in held], T_tcp_meant, budget)
     slips = [grip.slip for grip in held if grip.slip is not None]
     return Gripped(
         candidate.grasp.name,
@@ -213,7 +213,7 @@ def _are_right(off: tuple[Floats, Floats], place: PartPlace) -> tuple[bool, ...]
     return tuple(within((np.array([a]), np.array([b])), place) == 1.0 for a, b in rows)
 
 
-def measured(
+def measure_offsets(
     found: Sequence[pin.SE3 | None], T_tcp_meant: pin.SE3, budget: Budget
 ) -> tuple[Floats, Floats]:
     """How far parts lie from how they were meant to, (n,) [m] and (n,) [rad].

@@ -20,7 +20,7 @@ from workbench.planning.picking.search import TRIES, as_sent, curve_check, edge_
 from workbench.planning.planners.clock import working_time
 from workbench.plugins.planner import planner_named
 from workbench.plugins.progress import Report
-from workbench.studies.targets import Target, drawn_poses, judged
+from workbench.studies.targets import Target, drawn_poses, judge_targets
 
 STEPS = 20
 """Points at which the tool's way is measured, on each segment of a path."""
@@ -62,7 +62,7 @@ class Course:
         self.world.enter(LegPhase(frozenset({self.arm.name})))
         self.start = self.world.motion.rounded(np.asarray(self.arm.home))
         poses = drawn_poses(cell.bin, count, seed)
-        self.targets: list[Target] = judged(self.world, self.arm, poses, seed)
+        self.targets: list[Target] = judge_targets(self.world, self.arm, poses, seed)
 
     @property
     def goals(self) -> list[tuple[int, Floats]]:

@@ -15,7 +15,7 @@ from workbench.planning.collision.legs import grips
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.grasps.put_poses import ways_to_lie
-from workbench.studies.targets import Outcome, Target, judged, looked_at, starts_of
+from workbench.studies.targets import Outcome, Target, judge_targets, looked_at, starts_of
 
 GRID = (5, 5, 3)
 """Tool poses along the bin's length, width and depth."""
@@ -79,8 +79,8 @@ def reach_of(cell: Cell, arm: Arm, *, seed: int = 0) -> Reach:
     world.enter(LegPhase(moving, opened))
     at_home = world.contact(world.configuration({}))
     world.enter(LegPhase(moving, opened, straight=moving))
-    bin_targets = judged(world, arm, down_poses(cell.bin), seed)
-    places = judged(world, arm, list(arm.Ts_world_place), seed)
+    bin_targets = judge_targets(world, arm, down_poses(cell.bin), seed)
+    places = judge_targets(world, arm, list(arm.Ts_world_place), seed)
     placed = tuple(
         _place(cell, arm, number, part, seed)
         for number, place in enumerate(arm.part_places, start=1)

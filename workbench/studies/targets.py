@@ -47,7 +47,7 @@ def drawn_poses(bin: Bin, count: int, seed: int) -> list[pin.SE3]:
     return poses
 
 
-def judged(
+def judge_targets(
     world: World, arm: Arm, poses: Sequence[pin.SE3], seed: int, among: Ints | None = None
 ) -> list[Target]:
     """What an arm can make of each pose; the other arms stand at home.

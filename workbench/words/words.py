@@ -44,7 +44,7 @@ class Words:
             return ""
         if isinstance(message, str):
             return self.say(message)
-        return self._said_within(message).rendered(self._template)
+        return self._said_within(message).render(self._template)
 
     def _template(self, text: Text) -> str:
         return self._by_id.get(text.id, text.template)

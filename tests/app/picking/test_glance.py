@@ -9,7 +9,7 @@ import two_parts
 from workbench.app.picking.glance import apply_change, glance_at
 from workbench.app.picking.pipeline import judge
 from workbench.app.runtime.work import JOBS
-from workbench.gui.shared.movable_frames import moved, moving, pose_of
+from workbench.gui.shared.movable_frames import move_frame, moving, pose_of
 from workbench.model.candidate import Reason, Stage
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
@@ -59,7 +59,7 @@ def test_a_thing_that_is_dragged_is_judged_as_planning_does_once_it_is_there(
     shift, turn = rng.uniform(-most, most, 3), rng.uniform(-0.3, 0.3)
     T = pose_of(cell, thing) * pose_from_rpy(shift, (0.0, 0.0, turn))
     found = glance_at(World(apply_change(cell, moving(cell, thing, T)), detections))
-    check_against_judging(moved(cell, thing, T), detections, found)
+    check_against_judging(move_frame(cell, thing, T), detections, found)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -81,7 +81,7 @@ def test_where_nothing_is_moved_something_works_and_far_away_nothing_is_reached(
     assert Reason.OK in said
     T = cell.T_world_robot * pose_from_rpy((-2.0, 0.0, 0.0))
     found = glance_at(World(apply_change(cell, {"T_world_robot": T}), detections))
-    said = check_against_judging(moved(cell, "robot", T), detections, found)
+    said = check_against_judging(move_frame(cell, "robot", T), detections, found)
     assert Reason.OUT_OF_REACH in said and Reason.OK not in said
 
 
@@ -92,7 +92,7 @@ def test_what_is_changed_is_the_cell_that_would_be_and_the_rest_the_same_objects
     change = moving(cell, "bin", T) | {"libraries": {part.name: library}}
     made, wanted = (
         apply_change(cell, change),
-        with_part(moved(cell, "bin", T), part.name, library=library),
+        with_part(move_frame(cell, "bin", T), part.name, library=library),
     )
     unsaid = frozenset({"controller", "approvers", "digest", "parts"})
     assert digest_of(made, without=unsaid) == digest_of(wanted, without=unsaid)

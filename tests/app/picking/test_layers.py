@@ -18,7 +18,7 @@ from workbench.app.picking.pallets import at_rest, boxes_around, pallet_problems
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.movable_frames import moved, pose_of
+from workbench.gui.shared.movable_frames import move_frame, pose_of
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
@@ -118,7 +118,7 @@ def test_a_plan_that_counts_on_a_pallet_is_stale_when_that_was_emptied(cell, on_
 
 def test_who_moves_one_place_of_a_pallet_moves_it_whole(cell):
     T = pose_from_rpy((0.02, 0.01, 0.0), (0.0, 0.0, 0.1)) * pose_of(cell, "right part-place 3")
-    other = moved(cell, "right part-place 3", T)
+    other = move_frame(cell, "right part-place 3", T)
     assert pose_of(other, "right part-place 3").isApprox(T)
     first, third, last = (f"right part-place {number}" for number in (1, 3, 8))
     for name in (first, last):

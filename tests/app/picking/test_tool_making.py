@@ -25,7 +25,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.formats.cells.drawn_tools import CadDrawing, TwoFingers, made_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.movable_frames import moved, pose_of
+from workbench.gui.shared.movable_frames import move_frame, pose_of
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
@@ -78,7 +78,7 @@ def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, p
     assert str(state.message) == f"the {arm} arm carries tool drawn; check its TCP"
     assert state.cell.arm(arm).tool.name == "drawn"
     T = pose_of(state.cell, "TCP drawn") * pose_from_rpy((0, 0, 0), (0, 0, -np.pi / 2))
-    bench.do(ChangeCell(moved(state.cell, "TCP drawn", T), "its TCP is turned"), "ada")
+    bench.do(ChangeCell(move_frame(state.cell, "TCP drawn", T), "its TCP is turned"), "ada")
 
     bench.do(TakeScan(parts=1), "ada")
     assert done(bench).phase is Phase.SCANNED

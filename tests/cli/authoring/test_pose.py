@@ -22,7 +22,7 @@ def robot():
 
 
 def shown_with(T):
-    return [str(round(number, 4)) for number in convention("staubli").shown(T)]
+    return [str(round(number, 4)) for number in convention("staubli").show(T)]
 
 
 def compared(say, T, *more):

@@ -38,7 +38,7 @@ def test_the_robot_is_stopped_before_places_of_anchors_are_waited_for(monkeypatc
     monkeypatch.setattr(serve, "_answers", lambda controller: True)
     monkeypatch.setattr(serve, "EffectRunner", Noted)
     monkeypatch.setattr(serve, "Anchors", Slow)
-    monkeypatch.setattr(serve, "fronted", page)
+    monkeypatch.setattr(serve, "serve_with_front", page)
     monkeypatch.setattr(serve, "wait_for_the_end", lambda *lines: None)
     assert main(["serve", "--port", "0", "--users", str(tmp_path / "users.sqlite")]) == 0
     assert ended == ["StopSending", "page", "anchors"]

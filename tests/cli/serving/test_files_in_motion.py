@@ -7,7 +7,7 @@ import pytest
 from waiting import PATIENCE
 
 from workbench.cli.measuring.page.page_process import NAME, serve_page
-from workbench.studies.stalls.actions import chosen, has_ended, let_out, opened, planned
+from workbench.studies.stalls.actions import choose_file, has_ended, let_out, open_page, plan_two
 from workbench.studies.stalls.large_files import CAD, cad_file
 from workbench.studies.stalls.visit import visit
 
@@ -42,7 +42,7 @@ def at(page, use):
             asyncio.timeout(TRIES * PATIENCE),
             visit(page.url, NAME, PASSWORD, page.token) as one,
         ):
-            await opened(one)
+            await open_page(one)
             return await use(one)
 
     return asyncio.run(bounded())
@@ -50,8 +50,8 @@ def at(page, use):
 
 def test_a_motion_comes_to_its_end_whatever_is_read_meanwhile(page, files):
     async def ends_well(one, name, content):
-        await planned(one)
-        await chosen(one, name, content)
+        await plan_two(one)
+        await choose_file(one, name, content)
         await let_out(one)
         state = await one.until(has_ended, "the end")
         await one.wait_for_text(name, "closed")
@@ -73,8 +73,8 @@ def test_a_motion_comes_to_its_end_whatever_is_read_meanwhile(page, files):
 
 def test_a_stop_waits_for_no_file(page, files):
     async def use(one):
-        await planned(one)
-        await chosen(one, "ring.stl", files[".stl"])
+        await plan_two(one)
+        await choose_file(one, "ring.stl", files[".stl"])
         await let_out(one)
         await one.post("/stop")
         texts = list(one.browser.texts.values())

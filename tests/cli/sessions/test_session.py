@@ -15,7 +15,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.sessions import new_session
 from workbench.app.runtime.bench import Bench
 from workbench.formats.cells.reading import read_cell
-from workbench.gui.shared.movable_frames import moved
+from workbench.gui.shared.movable_frames import move_frame
 from workbench.model.geometry import pose_from_rpy
 
 
@@ -39,7 +39,7 @@ def folder(tmp_path_factory):
         bench.do(WatchPlan(bench.state.plan.digest), "Ada")
         step(Approve(bench.state.plan.digest), "approved")
         away = pose_from_rpy(bench.state.cell.bin.T_world_bin.translation + [0.005, 0, 0])
-        bench.do(ChangeCell(moved(bench.state.cell, "bin", away), "the bin is moved"), "Ada")
+        bench.do(ChangeCell(move_frame(bench.state.cell, "bin", away), "the bin is moved"), "Ada")
     bench.close()
     return folder
 

@@ -16,7 +16,7 @@ from workbench.formats.cells.calibrations import (
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.gui.shared.movable_frames import SCANNER, moved
+from workbench.gui.shared.movable_frames import SCANNER, move_frame
 from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, InputError
@@ -76,7 +76,7 @@ def test_a_record_without_them_has_the_digest_that_it_always_had():
 def test_a_scanner_moved_by_hand_is_not_calibrated_any_more(path):
     save_cell(path, calibrated(read_cell(path)))
     cell = read_cell(path)
-    save_cell(path, moved(cell, SCANNER, pose_from_rpy((0.4, 0, 0.9), (3.1, 0, 1.5))))
+    save_cell(path, move_frame(cell, SCANNER, pose_from_rpy((0.4, 0, 0.9), (3.1, 0, 1.5))))
     assert read_cell(path).scanner.calibration is None
     assert "calibration]" not in path.read_text()
 

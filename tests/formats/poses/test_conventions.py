@@ -30,7 +30,7 @@ def random_poses(count, seed):
 def test_what_is_shown_is_read_as_the_same_pose(name):
     written = convention(name)
     for T in random_poses(200, seed=5):
-        numbers = written.shown(T)
+        numbers = written.show(T)
         assert len(numbers) == len(written.names)
         assert np.allclose(written.pose(numbers).homogeneous, T.homogeneous, atol=1e-9)
 
@@ -58,7 +58,7 @@ def test_quaternions_begin_with_the_real_part_and_rotation_vectors_are_in_radian
 def test_poles_lose_no_turn(name, degrees, sequence):
     R = Rotation.from_euler(sequence, degrees, degrees=True).as_matrix()
     written = convention(name)
-    T = written.pose(written.shown(pin.SE3(R, np.zeros(3))))
+    T = written.pose(written.show(pin.SE3(R, np.zeros(3))))
     assert np.allclose(T.rotation, R, atol=1e-7)
 
 

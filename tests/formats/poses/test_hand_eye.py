@@ -70,8 +70,8 @@ def test_flange_poses_are_read_as_the_pendant_shows_them(tmp_path, pairs, both):
     kuka = convention("kuka")
     rows: list[str] = []
     for flange, target in pairs:
-        seen = kuka.shown(target) if both else pin.SE3ToXYZQUAT(target)
-        rows.append(" ".join(map(str, [*kuka.shown(flange), *seen])))
+        seen = kuka.show(target) if both else pin.SE3ToXYZQUAT(target)
+        rows.append(" ".join(map(str, [*kuka.show(flange), *seen])))
     path = tmp_path / "pairs.txt"
     path.write_text("\n".join(rows))
     same(read_pairs(path, written=kuka), pairs)

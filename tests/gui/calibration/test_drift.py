@@ -22,12 +22,12 @@ def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch)
     )
     group = DriftGroup(visitor, lambda: "Ada")
     with pytest.raises(InputError, match="first"):
-        group._taken()
-    group._looked(Event())
+        group._take_drift()
+    group._look_for_drift(Event())
     assert "20 scans of 3 sessions" in group._says.content
     assert "monday: is not whole" in group._says.content
     assert (group._look.disabled, group._look.label) == (False, LOOK)
-    command = group._taken()
+    command = group._take_drift()
     assert command.cell == (visitor.cell, "Ada")
     assert str(command.says).startswith("Ada moved the scanner")
 
@@ -36,7 +36,7 @@ def test_a_scanner_that_was_never_calibrated_is_said(visitor):
     told = []
     visitor.notify = lambda *said: told.append(said)
     group = DriftGroup(visitor, lambda: "Ada")
-    group._looked(Event())
+    group._look_for_drift(Event())
     assert "was never calibrated" in told[0][1]
     assert not group._look.disabled
 
@@ -45,7 +45,7 @@ def test_a_look_can_be_given_up(visitor):
     given_up = Event()
     given_up.set()
     group = DriftGroup(visitor, lambda: "Ada")
-    group._looked(given_up)
+    group._look_for_drift(given_up)
     assert "The look was cancelled" in group._says.content
     assert (group._take.visible, group._cancel.visible) == (True, False)
 

@@ -9,7 +9,7 @@ from workbench.app.core.people import Role
 from workbench.app.runtime.live import Live
 from workbench.gui.cell.panel import CellPanel
 from workbench.gui.shared.look import View
-from workbench.gui.shared.movable_frames import moved
+from workbench.gui.shared.movable_frames import move_frame
 from workbench.model.geometry import pose_from_rpy
 
 
@@ -54,10 +54,10 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
     panel = CellPanel(visitor)
     cell = bench.state.cell
     there = pose_from_rpy((0.0, 0.0, 0.01)) * cell.bin.T_world_bin
-    changed = bench.do(ChangeCell(moved(cell, "bin", there), "the bin is moved"), "Ada")
+    changed = bench.do(ChangeCell(move_frame(cell, "bin", there), "the bin is moved"), "Ada")
     panel.show(None, shown(changed))
     panel._remark.value = "the bin was moved"
-    panel._saved()
+    panel._save_cell()
     told = replace(changed, message="saving")
     panel.show(shown(changed), shown(told))
     assert panel._remark.value == "the bin was moved", "it is not in the file yet"
@@ -68,7 +68,7 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
 def test_a_remark_that_was_not_saved_stays(bench, visitor):
     panel = CellPanel(visitor)
     panel._remark.value = "nothing has changed"
-    panel._saved()
+    panel._save_cell()
     assert visitor.client.told
     panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
     assert panel._remark.value == "nothing has changed"

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 from shipped import shipped
 
 from workbench.app.core.state import State
-from workbench.gui.cell.jog import JogFinder, led
+from workbench.gui.cell.jog import JogFinder, lead_to
 from workbench.gui.cell.views import cell_line, contacts_html, tree_html
 from workbench.gui.shared.movable_frames import (
     frame_of,
-    moved,
+    move_frame,
     pose_of,
     shown_pose,
     things,
@@ -34,7 +34,7 @@ CHAIN = chain_of(CELL, ARM)
 
 
 def test_at_home_the_robot_is_clear_and_the_nearest_pair_is_named():
-    jogged = JogFinder().jogged(State(CELL), {ARM.name: np.asarray(ARM.home)})
+    jogged = JogFinder().check_jog(State(CELL), {ARM.name: np.asarray(ARM.home)})
     assert jogged.contacts == () and jogged.meets == ()
     assert 0 < jogged.clearance < 0.1 and jogged.pair is not None
     assert "Clear; nearest: " in contacts_html(jogged)
@@ -42,10 +42,10 @@ def test_at_home_the_robot_is_clear_and_the_nearest_pair_is_named():
 
 def test_everything_that_is_too_close_is_told_nearest_first():
     finder, rng = JogFinder(), np.random.default_rng(0)
-    jogged = finder.jogged(State(CELL), {})
+    jogged = finder.check_jog(State(CELL), {})
     while len(jogged.contacts) < 3:
         q = rng.uniform(CHAIN.lower, CHAIN.upper)
-        jogged = finder.jogged(State(CELL), {ARM.name: q})
+        jogged = finder.check_jog(State(CELL), {ARM.name: q})
     distances = [contact.distance for contact in jogged.contacts]
     assert distances == sorted(distances)
     assert len({contact.pair for contact in jogged.contacts}) == len(jogged.contacts)
@@ -59,21 +59,21 @@ def test_the_tool_is_led_along_without_a_jump():
     T = CHAIN.pose(q)
     for _ in range(20):
         T = T * pose_from_rpy((0, 0, -0.002), (0, 0, 0.01))
-        onward = led(CHAIN, q, T)
+        onward = lead_to(CHAIN, q, T)
         assert onward is not None and np.abs(onward - q).max() < 0.1
         q = onward
     assert CHAIN.pose(q).isApprox(T, 1e-5)
 
 
 def test_out_of_reach_nobody_is_led():
-    assert led(CHAIN, np.asarray(ARM.home), pose_from_rpy((3, 0, 0))) is None
+    assert lead_to(CHAIN, np.asarray(ARM.home), pose_from_rpy((3, 0, 0))) is None
 
 
 @settings(deadline=None)
 @given(st.sampled_from(things(CELL)), st.tuples(*[st.floats(-0.5, 0.5)] * 3))
 def test_every_thing_can_be_moved_and_nothing_else_moves(thing, xyz):
     T = pose_from_rpy(xyz, (0.1, 0.2, 0.3))
-    cell = moved(CELL, thing, T)
+    cell = move_frame(CELL, thing, T)
     for other in things(CELL):
         if other == thing:
             assert np.allclose(pose_of(cell, other).homogeneous, T.homogeneous, atol=1e-12)
@@ -135,7 +135,7 @@ def test_no_jog_is_explained():
 
 @pytest.mark.parametrize("thing", ["bin", "scanner", "robot"])
 def test_a_moved_thing_makes_another_cell(thing):
-    assert moved(CELL, thing, pose_from_rpy((0.4, 0.1, 0.2))).digest != CELL.digest
+    assert move_frame(CELL, thing, pose_from_rpy((0.4, 0.1, 0.2))).digest != CELL.digest
 
 
 def test_the_tree_names_everything_and_escapes_it():
@@ -151,7 +151,7 @@ def test_a_place_of_parts_is_moved_and_stays_what_it_is():
     thing = "left part-place 1"
     assert thing in things(nests) and "left place 1" not in things(nests)
     T = pose_from_rpy((0.3, 0.3, 0.2), (0.1, 0.2, 0.3))
-    other = moved(nests, thing, T)
+    other = move_frame(nests, thing, T)
     assert pose_of(other, thing).isApprox(T, 1e-12)
     (place,) = other.arm("left").part_places
     assert (place.part, place.free_rotation) == ("keyed_cylinder", 0.5)

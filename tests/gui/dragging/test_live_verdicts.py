@@ -24,7 +24,7 @@ from workbench.gui.cell.panel import CellPanel
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.page.server import serve
-from workbench.gui.scene.drag_overlay import _covered, live_message, right_of
+from workbench.gui.scene.drag_overlay import _corners_around, live_message, right_of
 from workbench.gui.scene.surroundings import FIELD_OF_VIEW, first_look, nodes_with
 from workbench.gui.shared.movable_frames import moving
 from workbench.gui.shared.own import Dragged
@@ -226,7 +226,7 @@ def test_the_words_stand_beside_bin_and_parts_as_they_are_seen(states, cell):
         seen = p - position
         return (seen @ right) / (seen @ away)
 
-    covered = _covered(dragged)
+    covered = _corners_around(dragged)
     parts = [one.T_world_part.translation for one in states.localized.detections]
     camera = SimpleNamespace(position=position, up_direction=(0.0, 0.0, 1.0))
     words = right_of(camera, covered)

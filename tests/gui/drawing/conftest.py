@@ -12,8 +12,8 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.gui.cell.panel import CellPanel
+from workbench.gui.page.header import Header
 from workbench.gui.page.server import serve
-from workbench.gui.plan.panel import PlanPanel
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ class Hands:
         return next(one for one in self.renderer._panels[self.number] if isinstance(one, kind))
 
     def play(self):
-        self.panel(PlanPanel)._play.press()
+        self.panel(Header).transport._play.press()
 
     def jog(self):
         self.panel(CellPanel)._jog._turn()

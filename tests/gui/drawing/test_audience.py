@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 from waiting import wait_until
 
-from workbench.gui.drawing.audience import Audience, joined, without
+from workbench.gui.drawing.audience import Audience, join_spans, without
 
 END = 3.0
 
@@ -23,7 +23,7 @@ def played(audience, begin, end):
     at = audience.begin(begin)
     while at < end:
         at = min(end, audience.limit)
-        audience.drawn(at)
+        audience.note_drawn(at)
         wait_until(lambda at=at: audience._seen == at, "the browser to draw")
     audience.stop()
 
@@ -42,7 +42,7 @@ def test_what_was_not_confirmed_before_a_stretch_ended_was_not_seen(audience):
     played(audience, 0.0, 1.0)
     audience.begin(2.5)
     audience.stop()
-    audience.drawn(END)
+    audience.note_drawn(END)
     assert audience.unseen(END) == ((1.0, END),)
 
 
@@ -61,7 +61,7 @@ def test_a_stretch_that_begins_a_little_behind_what_was_seen_begins_there(audien
     ],
 )
 def test_stretches_that_meet_are_one(spans, expected):
-    assert joined(*spans) == expected
+    assert join_spans(*spans) == expected
 
 
 def test_what_was_drawn_without_the_hands_is_missing_until_it_was_played_with_them(audience):
@@ -70,7 +70,7 @@ def test_what_was_drawn_without_the_hands_is_missing_until_it_was_played_with_th
         if 0.8 < time < 2.0:
             audience.out(at, time)
         at = time
-        audience.drawn(time)
+        audience.note_drawn(time)
         wait_until(lambda time=time: audience._seen == time, "the browser to draw")
     audience.stop()
     assert audience.unseen(END) == audience.hidden(END) == ((0.8, 1.6),)

@@ -19,7 +19,7 @@ from workbench.app.core.state import Phase
 from workbench.app.runtime.live import Live
 from workbench.gui.drawing.film_scene import REAL, FilmScene
 from workbench.gui.emptying.panel import EmptyingPanel
-from workbench.gui.shared.movable_frames import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, move_frame
 from workbench.model.geometry import pose_from_rpy
 
 
@@ -130,7 +130,7 @@ def test_it_ends_when_something_real_begins_or_other_piles_come(emptied, sit_dow
             bench.do(JobEnded(number, replace(scan, at=scan.at + 2.0)), "worker")
         case "cell":
             T = bench.state.cell.bin.T_world_bin * pose_from_rpy((0.01, 0, 0), (0, 0, 0))
-            bench.do(ChangeCell(moved(bench.state.cell, BIN, T), "the bin is moved"), "Anna")
+            bench.do(ChangeCell(move_frame(bench.state.cell, BIN, T), "the bin is moved"), "Anna")
         case "jog":
             ada.jog()
         case "piles":
@@ -157,7 +157,7 @@ def test_without_a_film_of_this_cell_none_is_shown_and_it_is_said_why(emptied, s
         bench._effects.live = Live()
     else:
         T = bench.state.cell.bin.T_world_bin * pose_from_rpy((0.01, 0, 0), (0, 0, 0))
-        bench.do(ChangeCell(moved(bench.state.cell, BIN, T), "the bin is moved"), "Anna")
+        bench.do(ChangeCell(move_frame(bench.state.cell, BIN, T), "the bin is moved"), "Anna")
     ada = sit_down()
     assert film(ada)._play.disabled
     said = {"restart": "the same seed empties the same piles again", "cell": "has changed since"}

@@ -67,6 +67,30 @@ def test_a_plan_that_was_skipped_through_was_not_watched(page, planned, sit_down
     assert hands.browser.drawn > end / STEP and STEP <= 1.0
 
 
+def test_what_plays_faster_than_the_robot_moves_was_not_watched(page, planned, sit_down):
+    hands, look = sit_down(), page._renderer._look
+    look.change(speed=4.0)
+    hands.play()
+    wait_until(lambda: look.now.time >= planned.state.plan.cycle_seconds, "the end of the plan")
+    time.sleep(0.5)
+    assert planned.state.watched == ()
+    look.change(speed=1.0)
+    hands.play()
+    planned.wait(lambda state: state.watched != (), PATIENCE)
+
+
+def test_a_loop_begins_again_until_somebody_pauses(page, planned, sit_down):
+    hands, look = sit_down(), page._renderer._look
+    look.change(loops=True, speed=4.0)
+    hands.play()
+    for _ in range(2):
+        wait_until(lambda: look.now.time > planned.state.plan.cycle_seconds / 2, "the second half")
+        wait_until(lambda: look.now.time < planned.state.plan.cycle_seconds / 2, "the first half")
+    assert look.now.is_playing
+    hands.play()
+    assert not look.now.is_playing
+
+
 def test_what_plays_before_nobody_was_not_watched(page, planned):
     look = page._renderer._look
     wait_until(lambda: page._renderer._drawn is not None, "the first drawing")
@@ -118,7 +142,7 @@ def test_playing_ends_every_jog_and_the_robot_follows_the_plan_in_all_browsers(
     # As somebody does who has a pose suggested, and logs out.
     bob.panel(CalibrationPanel)._suggest_next()
     wait_until(lambda: ada.link is not None and bob.link is not None, "the jogged robots")
-    assert not np.allclose(bob.link, shared_link(page))
+    wait_until(lambda: not np.allclose(bob.link, shared_link(page)), "the pose suggested to Bob")
     ada.play()
     wait_until(lambda: look.now.time > STEP, "the plan to play")
     wait_until(lambda: ada.link is None and bob.link is None, "the end of the jogs")

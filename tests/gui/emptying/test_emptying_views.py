@@ -13,7 +13,7 @@ from workbench.gui.emptying.views import (
     PileOrder,
     changes_html,
     left_html,
-    ordered,
+    order_piles,
     piles_html,
     summary_html,
 )
@@ -87,7 +87,7 @@ def test_whatever_a_part_is_called_it_is_text():
     ],
 )
 def test_the_table_sorts_by_each_column(order, seeds):
-    shown = ordered(PILES, order)
+    shown = order_piles(PILES, order)
     assert [PILES[number].task.seed for number in shown] == seeds
     html = piles_html(PILES, shown, order, None, headings=HEADINGS, rows=ROWS)
     places = [html.index(f">{seed}</td>") for seed in seeds]

@@ -7,7 +7,7 @@ import pytest
 from made_films import film_of
 
 from workbench.app.emptying.film import Film
-from workbench.gui.emptying.reel import LOOK, Projector, advanced, end_of, reel_of
+from workbench.gui.emptying.reel import LOOK, Projector, advance, end_of, reel_of
 from workbench.gui.shared.own import Showing
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -101,8 +101,8 @@ def test_a_pick_that_misses_moves_no_part_and_says_so(cell, film):
 
 def test_it_plays_as_fast_as_wanted_and_stops_at_its_end(film):
     showing = Showing(film, 10.0, {}, 2.0, is_playing=True, speed=4.0)
-    assert advanced(showing, 0.5).time == pytest.approx(4.0)
-    over = advanced(showing, 5.0)
+    assert advance(showing, 0.5).time == pytest.approx(4.0)
+    over = advance(showing, 5.0)
     assert (over.time, over.is_playing) == (10.0, False)
     paused = replace(showing, is_playing=False)
-    assert advanced(paused, 5.0) is paused
+    assert advance(paused, 5.0) is paused

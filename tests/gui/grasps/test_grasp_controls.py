@@ -210,7 +210,7 @@ def test_a_grasp_that_cannot_be_looked_at_is_logged(visitor, monkeypatch, caplog
     def broken(self, grasp):
         raise ValueError("no hull")
 
-    monkeypatch.setattr(Editing, "checked", broken)
+    monkeypatch.setattr(Editing, "check", broken)
     with caplog.at_level(logging.ERROR):
         panel._look_at_all(panel._editing.part)
         panel._looker.shutdown()
@@ -288,9 +288,9 @@ def test_every_grasp_is_tried_with_the_tool_that_it_is_for(bench, visitor):
     panel = GraspsPanel(visitor)
     editing = panel._editing
     assert editing.entry is not None and editing.entry.name == HAND.name
-    assert editing.checked(HAND).tool == arm.tool.name
-    assert editing.checked(for_wide).tool == "wide"
-    assert not any("opens" in str(finding.text) for finding in editing.checked(for_wide).findings)
+    assert editing.check(HAND).tool == arm.tool.name
+    assert editing.check(for_wide).tool == "wide"
+    assert not any("opens" in str(finding.text) for finding in editing.check(for_wide).findings)
     check = GraspCheck("side", "wide", (GraspFinding("cut", "the jaws touch", 0.001),), None, 0.0)
     assert "with the wide: the jaws touch" in check_line("side", check)
 
@@ -320,7 +320,7 @@ def test_a_remark_goes_once_it_is_saved(bench, visitor):
     with_grasps(bench, HAND)
     changed = bench.state
     library._remark.value = "deeper"
-    library._saved()
+    library._save_library()
     library.show(changed, editing.part, problem="")
     assert library._remark.value == "deeper", "it is not in the files yet"
     saved = replace(changed, saved=changed.cell.digest)

@@ -10,7 +10,7 @@ from workbench.app.core.people import Role
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.grasps.offset import NONE, GraspOffset
 from workbench.gui.grasps.panel import GraspsPanel
-from workbench.gui.grasps.stepping import CopySteps, copies_of, judged, way_to
+from workbench.gui.grasps.stepping import CopySteps, copies_of, judgement_of, way_to
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Grasp, GraspLibrary, GraspPattern
 from workbench.model.symmetry import Symmetry
@@ -80,11 +80,11 @@ def test_what_became_of_a_copy_in_the_bin_is_said(states, cell):
     part, planned = cell.part(PART), states.planned
     name = planned.candidates[0].grasp.name
     same = [one for one in planned.candidates if one.grasp.name == name]
-    said = str(judged(planned.candidates[0].grasp, part, planned))
+    said = str(judgement_of(planned.candidates[0].grasp, part, planned))
     assert said.startswith("In the bin: ")
     assert sum(int(word.rstrip(",")) for word in said.split() if word[0].isdigit()) == len(same)
-    assert judged(planned.candidates[0].grasp, part, states.localized) is None
-    assert judged(planned.candidates[0].grasp, replace(part, name="other"), planned) is None
+    assert judgement_of(planned.candidates[0].grasp, part, states.localized) is None
+    assert judgement_of(planned.candidates[0].grasp, replace(part, name="other"), planned) is None
 
 
 def test_steps_go_around_and_begin_anew_with_another_grasp(put, visitor, bench):

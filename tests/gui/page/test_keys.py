@@ -18,7 +18,7 @@ from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.people import WORKER
 from workbench.app.core.state import Phase
 from workbench.gui.page.server import serve
-from workbench.studies.load.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpack
 
 ANNA = {"X-WB-Key": "secret", "X-WB-User": "Anna", "X-WB-Role": "engineer"}
 LAST = "New scan"
@@ -53,12 +53,12 @@ async def press_all(port, asked):
     keys = {}
     async with raw_browser(port, ANNA) as browser:
         while LAST not in keys or len(keys) < 12:
-            for message in unpacked(await browser.recv()):
+            for message in unpack(await browser.recv()):
                 if message["type"] == "RegisterCommandMessage":
                     keys[message["props"]["label"]] = message["uuid"]
         with contextlib.suppress(TimeoutError):
             while True:
-                for message in unpacked(await asyncio.wait_for(browser.recv(), 1.0)):
+                for message in unpack(await asyncio.wait_for(browser.recv(), 1.0)):
                     if message["type"] == "RegisterCommandMessage":
                         keys[message["props"]["label"]] = message["uuid"]
         for label in sorted(keys, key=lambda label: label == LAST):

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.gui.page.looks import BLEND_HALVINGS, KEYS, Looks, camera_of, centred
+from workbench.gui.page.looks import BLEND_HALVINGS, KEYS, Looks, camera_of, centre_camera
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, interesting_points
 from workbench.gui.shared.look import Look
@@ -75,22 +75,22 @@ def test_what_is_clicked_twice_comes_into_the_middle_as_it_was_seen(visitor, sta
     floor = cell.bin.T_world_bin.translation
     above, down = floor + np.array([0.02, 0.0, 0.5]), np.array([0.0, 0.0, -1.0])
 
-    looks._clicked(above, down, 1.0)
-    looks._clicked(above, down, 1.0 + 2 * BLEND_HALVINGS)
-    looks._clicked(above, np.array([0.1, 0.0, -1.0]), 1.0 + 2.5 * BLEND_HALVINGS)
+    looks._take_click(above, down, 1.0)
+    looks._take_click(above, down, 1.0 + 2 * BLEND_HALVINGS)
+    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 2.5 * BLEND_HALVINGS)
     assert np.array_equal(camera.position, position), "three single clicks"
-    looks._clicked(above, np.array([0.1, 0.0, -1.0]), 1.0 + 3 * BLEND_HALVINGS)
+    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 3 * BLEND_HALVINGS)
     assert abs(camera.look_at[2] - floor[2]) < 0.01
     np.testing.assert_allclose(camera.position - camera.look_at, position - centre)
     before = camera.look_at
     for at in (9.0, 9.1):
-        looks._clicked(above, -down, at)
+        looks._take_click(above, -down, at)
     assert camera.look_at is before, "nothing lies there"
 
 
 def test_a_centred_camera_is_moved_and_not_turned():
     camera = np.array([1.0, 2.0, 3.0]), np.array([0.0, 0.0, 0.5])
-    position, centre = centred(camera, np.array([0.2, 0.0, 0.0]))
+    position, centre = centre_camera(camera, np.array([0.2, 0.0, 0.0]))
     assert np.array_equal(centre, [0.2, 0.0, 0.0]) and np.allclose(position, [1.2, 2.0, 2.5])
 
 
@@ -100,10 +100,10 @@ def test_keys_leave_the_camera_alone_while_the_part_stands_alone(visitor, cell):
     visitor.client.camera, visitor.client.atomic = camera, nullcontext
     looks = Looks(visitor)
     visitor.client.scene.add_frame(STAGE)
-    looks._typed("Top")
+    looks._type("Top")
     assert camera.position is position
     visitor.client.scene.remove_by_name(STAGE)
-    looks._typed("Top")
+    looks._type("Top")
     assert camera.position is not position
 
 

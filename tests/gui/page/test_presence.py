@@ -18,51 +18,51 @@ def presence(bench):
 
 
 def test_the_first_who_may_act_is_in_control_and_keeps_it(bench, presence):
-    presence.arrived(1, VIC)
+    presence.enter(1, VIC)
     assert bench.state.control == ""
-    presence.arrived(2, BOB)
-    presence.arrived(3, ADA)
+    presence.enter(2, BOB)
+    presence.enter(3, ADA)
     assert bench.state.control == "Bob"
 
 
 def test_without_a_login_nobody_needs_control(bench, presence):
-    presence.arrived(1, Person(NOBODY, Role.ENGINEER))
+    presence.enter(1, Person(NOBODY, Role.ENGINEER))
     presence.look(0.0)
-    presence.left(1, 0.0)
+    presence.leave(1, 0.0)
     presence.look(2 * GRACE)
     assert bench.state.control == ""
     assert bench.state.number == 1
 
 
 def test_control_is_kept_while_a_browser_is_left_or_comes_back_in_time(bench, presence):
-    presence.arrived(1, BOB)
-    presence.arrived(2, BOB)
-    presence.left(1, 10.0)
+    presence.enter(1, BOB)
+    presence.enter(2, BOB)
+    presence.leave(1, 10.0)
     presence.look(10.0 + 2 * GRACE)
     assert bench.state.control == "Bob", "another browser of the same person is there"
-    presence.left(2, 200.0)
+    presence.leave(2, 200.0)
     presence.look(200.0 + GRACE - 1)
-    presence.arrived(3, BOB)
+    presence.enter(3, BOB)
     presence.look(200.0 + 2 * GRACE)
     assert bench.state.control == "Bob"
 
 
 def test_control_ends_when_its_person_has_been_gone_for_too_long(bench, presence):
-    presence.arrived(1, BOB)
-    presence.left(1, 10.0)
+    presence.enter(1, BOB)
+    presence.leave(1, 10.0)
     presence.look(10.0 + GRACE - 1)
     assert bench.state.control == "Bob"
     presence.look(10.0 + GRACE)
     assert bench.state.control == ""
     presence.look(10.0 + 3 * GRACE)
-    presence.arrived(2, BOB)
+    presence.enter(2, BOB)
     assert bench.state.control == "Bob"
 
 
 def test_who_has_gone_gives_back_nothing_that_is_somebody_elses_by_now(bench, presence):
-    presence.arrived(1, BOB)
-    presence.arrived(2, ADA)
-    presence.left(1, 10.0)
+    presence.enter(1, BOB)
+    presence.enter(2, ADA)
+    presence.leave(1, 10.0)
     bench.do(TakeControl(), "Ada", Role.ENGINEER)
     presence.look(10.0 + 2 * GRACE)
     assert bench.state.control == "Ada"

@@ -40,7 +40,7 @@ def test_what_cannot_be_pressed_says_why(visitor, bench, states, monkeypatch, wh
     elif who == "not in control":
         state = replace(state, control="Bob")
     monkeypatch.setattr(type(bench), "state", property(lambda _: state))
-    panels = tabs_of(visitor, lambda: None)
+    panels = tabs_of(visitor, lambda: None, "slider")
     made = {button._impl.uuid: button.hint for button in buttons_of(visitor.gui)}
     view = View(state, Live(), visitor.look.now, (), 0.0)
     for panel in panels:

@@ -48,7 +48,7 @@ def test_a_corrected_part_is_kept_with_what_was_found(panel, visitor, bench, det
     keeping._comment.value = "it lies the other way round"
     keeping._there.value = "These parts and no others"
     before = bench.state
-    keeping._pressed()
+    keeping._press()
     (file,) = case_files(bench.folder)
     assert visitor.client.told == [f"stored as {file}"]
     # Nothing of the cycle has changed by it.
@@ -68,7 +68,7 @@ def test_a_part_that_was_missed_in_a_scan_without_any_is_kept(panel, visitor, be
     find(bench)
     panel._add_one()
     draw()
-    panel._keeping._pressed()
+    panel._keeping._press()
     (file,) = case_files(bench.folder)
     case = read_case(file)
     assert case.search.detections == () and len(case.truth) == 1 and not case.is_complete
@@ -84,7 +84,7 @@ def test_before_a_search_and_without_control_the_button_says_why(panel, visitor,
     draw()
     assert keeping._keep.disabled and "Ada is in control" in keeping._keep.hint
     # A browser may press it all the same.
-    keeping._pressed()
+    keeping._press()
     assert visitor.client.told == ["Ada is in control; ask for control first"]
     assert case_files(bench.folder) == ()
 
@@ -94,7 +94,7 @@ def test_what_is_typed_is_looked_at(panel, visitor, bench, detections, draw):
     bench.do(UseDetections(detections[:1], "part-2 was vetoed"), "Ada")
     keeping = panel._keeping
     keeping._comment.value = "x" * 300
-    keeping._pressed()
+    keeping._press()
     assert "comment must be a text of up to 200" in visitor.client.told[-1]
     assert case_files(bench.folder) == () and keeping._comment.value == "x" * 300
 

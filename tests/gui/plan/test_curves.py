@@ -25,7 +25,8 @@ def runs(result):
 
 def test_each_leg_has_a_block_and_each_arm_a_lane(cell, result, runs):
     html = lanes_html(cell, runs, result.plan.cycle_seconds)
-    assert html.count('class="wb-block"') == len(runs)
+    assert html.count('class="wb-block') == len(runs)
+    assert html.count("wb-holds") == sum(run.leg.holding for run in runs)
     assert html.count('class="wb-lane"') == len(cell.arms)
 
 

@@ -48,7 +48,7 @@ def test_a_row_asks_for_the_plan_as_it_was_made(visitor, monkeypatch):
         seed=7,
         overrides=PlanOverrides("sbl"),
     )
-    panel = PlanPanel(visitor)
+    panel = PlanPanel(visitor, "slider")
     state = visitor.bench.state
     monkeypatch.setattr(type(visitor.bench), "state", property(lambda _: state))
     panel._again(0)

@@ -79,7 +79,7 @@ def test_one_press_applies_what_was_tried_and_one_takes_it_back(stuck, visitor, 
     help_ = Help(fix_words(fix), fix)
     controls.show(None, view_of(stuck.state), help_)
     assert controls._apply.visible and not controls._undo.visible
-    controls._pressed()
+    controls._press()
     state = stuck.state
     assert visitor.client.told == []
     assert state.candidates is None and state.detections is not None

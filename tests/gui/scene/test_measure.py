@@ -14,7 +14,7 @@ from workbench.gui.cell.panel import CellPanel
 from workbench.gui.cell.views import measured_line, reach_line
 from workbench.gui.drawing.reach import Reaches
 from workbench.gui.scene.marks import measured_text
-from workbench.gui.scene.measure import met
+from workbench.gui.scene.measure import pick_point
 from workbench.gui.shared.look import NO_REACH, Look
 from workbench.gui.shared.playback import moments
 from workbench.planning.kinematics.chain import chain_of
@@ -26,30 +26,30 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 
 def test_a_ray_into_the_bin_meets_its_floor():
-    p = met(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, NONE)
+    p = pick_point(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, NONE)
     np.testing.assert_allclose(p, CELL.bin.T_world_bin.translation, atol=1e-9)
 
 
 def test_a_scanned_point_in_front_is_what_was_meant():
     points = np.array([[0.41, 0.001, 0.02], [0.41, 0.1, 0.03]])
-    p = met(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, points)
+    p = pick_point(np.array([0.41, 0.0, 1.0]), DOWN, CELL, {}, points)
     np.testing.assert_allclose(p, [0.41, 0.0, 0.02], atol=1e-9)
 
 
 def test_a_ray_into_the_sky_meets_nothing():
-    assert met(np.array([0.41, 0.0, 1.0]), -DOWN, CELL, {}, NONE) is None
+    assert pick_point(np.array([0.41, 0.0, 1.0]), -DOWN, CELL, {}, NONE) is None
 
 
 def test_the_robot_is_met_where_it_is_jogged_to():
     arm = CELL.arms[0]
-    home = met(np.array([0.0, 0.0, 3.0]), DOWN, CELL, {}, NONE)
+    home = pick_point(np.array([0.0, 0.0, 3.0]), DOWN, CELL, {}, NONE)
     assert home[2] > 0.3, "the body of the robot"
     q = np.asarray(arm.home) + [1.2, 0.6, 0, 0, 0, 0, 0]
     tip = chain_of(CELL, arm).pose(q)
     palm, across = tip.translation - 0.1 * tip.rotation[:, 2], tip.rotation[:, 0]
-    there = met(palm + 0.15 * across, -across, CELL, {arm.name: q}, NONE)
+    there = pick_point(palm + 0.15 * across, -across, CELL, {arm.name: q}, NONE)
     assert there is not None and np.linalg.norm(there - palm) < 0.06
-    at_home = met(palm + 0.15 * across, -across, CELL, {}, NONE)
+    at_home = pick_point(palm + 0.15 * across, -across, CELL, {}, NONE)
     assert at_home is None or np.linalg.norm(at_home - there) > 0.05
 
 

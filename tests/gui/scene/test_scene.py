@@ -19,7 +19,7 @@ from workbench.model.geometry import Box, pose_from_rpy
 from workbench.model.part import Region
 from workbench.model.scan import LocalizationResult, Objection, RejectedHypothesis
 from workbench.planning.kinematics.robot import Kinematics
-from workbench.studies.load.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpack
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ def test_no_browser_has_to_draw_shadows_not_even_at_first(server, scene):
         async with raw_browser(server.get_port()) as browser:
             kinds = []
             while "MeshMessage" not in kinds:
-                for message in unpacked(await browser.recv()):
+                for message in unpack(await browser.recv()):
                     kinds.append(message["type"])
                     if message["type"] == "EnableLightsMessage":
                         assert message["cast_shadow"] is False

@@ -18,7 +18,7 @@ def inputs(visitor, bench, scan, detections):
 
 
 def test_a_search_that_is_clicked_is_looked_at(inputs, visitor, bench):
-    inputs._chosen(0)
+    inputs._choose(0)
     assert visitor.look.now.search == bench.state.searches[0].number
     assert visitor.look.now.searcher == visitor.number
 
@@ -26,6 +26,6 @@ def test_a_search_that_is_clicked_is_looked_at(inputs, visitor, bench):
 def test_who_may_not_choose_is_told_why(inputs, visitor, bench):
     bench.do(TakeControl(), "Ada")
     visitor.person = Person("Bob", Role.OPERATOR)
-    inputs._chosen(0)
+    inputs._choose(0)
     assert visitor.look.now.search is None
     assert visitor.client.told == ["Ada is in control; ask for control first"]

@@ -30,7 +30,7 @@ def test_many_values_are_one_question_after_the_last(hand):
     others = set(threading.enumerate())
     drag = SliderDrag(hand.ask, rest=NEVER)
     for _ in range(50):
-        drag.moved()
+        drag.note_move()
     waiting = [
         thread
         for thread in threading.enumerate()
@@ -46,7 +46,7 @@ def test_many_values_are_one_question_after_the_last(hand):
 def test_a_hand_that_rests_has_chosen_each_time(hand):
     drag = SliderDrag(hand.ask, rest=0.05)
     for asked in (1, 2):
-        drag.moved()
+        drag.note_move()
         assert hand.has_asked.wait(PATIENCE)
         drag.finish()
         assert hand.asked == asked
@@ -57,8 +57,8 @@ def test_who_cannot_wait_ends_the_drag(hand):
     drag = SliderDrag(hand.ask, rest=NEVER)
     drag.finish()
     assert hand.asked == 0
-    drag.moved()
-    drag.moved()
+    drag.note_move()
+    drag.note_move()
     drag.finish()
     drag.finish()
     assert hand.asked == 1
@@ -66,7 +66,7 @@ def test_who_cannot_wait_ends_the_drag(hand):
 
 def test_a_drag_that_nobody_ended_asks_for_nothing(hand):
     drag = SliderDrag(hand.ask, rest=NEVER)
-    drag.moved()
+    drag.note_move()
     drag.drop()
     drag.finish()
     assert hand.asked == 0
@@ -81,7 +81,7 @@ def test_what_depends_on_the_value_waits_for_a_question_under_way(hand):
         hand.ask()
 
     drag = SliderDrag(ask, rest=0.0)
-    drag.moved()
+    drag.note_move()
     assert asking.wait(PATIENCE)
     seen = []
     waiting = threading.Thread(target=lambda: (drag.finish(), seen.append(hand.asked)))

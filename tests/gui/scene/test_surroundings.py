@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from workbench.gui.scene.surroundings import framed, interesting_points, show_frames
+from workbench.gui.scene.surroundings import frame_camera, interesting_points, show_frames
 from workbench.planning.kinematics.robot import Kinematics
 
 coordinates = st.floats(-2, 2)
@@ -25,7 +25,7 @@ def test_the_camera_holds_all_points_and_is_no_further_away_than_needed(points, 
     direction = np.array([math.cos(azimuth), math.sin(azimuth), 0.6])
     direction /= np.linalg.norm(direction)
     field_of_view = math.radians(40)
-    position, _ = framed(points, direction, field_of_view, aspect)
+    position, _ = frame_camera(points, direction, field_of_view, aspect)
     right = np.cross([0, 0, 1], direction)
     right /= np.linalg.norm(right)
     up = np.cross(direction, right)

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from workbench.gui.shared.playback import (
     Run,
     arm_path,
-    followed,
-    interpolated,
+    follow_plan,
+    interpolate,
     joint_values,
     moments,
     part_poses,
@@ -95,7 +95,7 @@ def test_every_waypoint_is_passed_at_its_time(cell, runs):
 
 def test_between_two_waypoints_joints_move_in_proportion_to_the_time(runs):
     leg = runs[0].leg
-    halfway = interpolated(leg.q, leg.t, (leg.t[1] + leg.t[2]) / 2)
+    halfway = interpolate(leg.q, leg.t, (leg.t[1] + leg.t[2]) / 2)
     np.testing.assert_allclose(halfway, (leg.q[1] + leg.q[2]) / 2)
 
 
@@ -135,7 +135,7 @@ def test_a_robot_on_the_path_is_followed_whatever_its_pace(cell, plan, runs, pac
     found = 0.0
     for time in np.arange(0.0, plan.cycle_seconds, 0.05 * pace):
         joints = joint_values(cell, moments(cell, runs, time))
-        found = followed(cell, runs, joints, found)
+        found = follow_plan(cell, runs, joints, found)
         shown = joint_values(cell, moments(cell, runs, found))
         assert max(abs(shown[joint] - joints[joint]) for joint in joints) < 0.06
     assert found == pytest.approx(plan.cycle_seconds, abs=0.2)
@@ -143,9 +143,9 @@ def test_a_robot_on_the_path_is_followed_whatever_its_pace(cell, plan, runs, pac
 
 def test_a_robot_that_stands_elsewhere_is_not_followed(cell, runs):
     joints = {joint: 1.5 for arm in cell.arms for joint in arm.joints}
-    assert followed(cell, runs, joints, 1.25) == 1.25
-    assert followed(cell, runs, {}, 1.25) == 1.25
-    assert followed(cell, (), joints, 1.25) == 1.25
+    assert follow_plan(cell, runs, joints, 1.25) == 1.25
+    assert follow_plan(cell, runs, {}, 1.25) == 1.25
+    assert follow_plan(cell, (), joints, 1.25) == 1.25
 
 
 def test_joint_values_name_every_joint_of_every_arm(cell, runs):

@@ -17,7 +17,7 @@ from workbench.gui.shared.tables import (
     funnel_html,
     holds,
     on_page,
-    ordered,
+    order_candidates,
     pages,
     sort_key,
     stages_html,
@@ -56,7 +56,7 @@ orders = st.builds(
 
 @given(candidates_drawn, orders)
 def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
-    indices = ordered(candidates, order)
+    indices = order_candidates(candidates, order)
     shown = [number for page in range(pages(len(indices))) for number in on_page(indices, page)]
     wanted = [
         number
@@ -68,7 +68,9 @@ def test_all_pages_together_show_each_wanted_candidate_once(candidates, order):
 
 @given(candidates_drawn, orders)
 def test_rows_are_sorted_by_the_chosen_column(candidates, order):
-    keys = [sort_key(candidates[number], order.column) for number in ordered(candidates, order)]
+    keys = [
+        sort_key(candidates[number], order.column) for number in order_candidates(candidates, order)
+    ]
     assert keys == sorted(keys, reverse=order.is_descending)
 
 
@@ -94,12 +96,12 @@ def test_a_margin_that_is_not_kept_is_no_collision(reason):
 
 
 def test_by_default_what_works_stands_first(result):
-    first = result.candidates[ordered(result.candidates, CandidateOrder())[0]]
+    first = result.candidates[order_candidates(result.candidates, CandidateOrder())[0]]
     assert first.verdict.is_ok
 
 
 def test_no_page_is_longer_than_the_buttons_behind_its_rows(result):
-    indices = ordered(result.candidates, CandidateOrder())
+    indices = order_candidates(result.candidates, CandidateOrder())
     assert all(len(on_page(indices, page)) <= PAGE for page in range(pages(len(indices))))
 
 
@@ -109,7 +111,7 @@ def test_an_empty_table_has_one_page(count, expected):
 
 
 def test_each_row_presses_its_own_button(result):
-    shown = on_page(ordered(result.candidates, CandidateOrder()), 0)
+    shown = on_page(order_candidates(result.candidates, CandidateOrder()), 0)
     rows = [f"row-{place}" for place in range(PAGE)]
     html = candidates_html(
         result.candidates,
@@ -129,7 +131,9 @@ def test_the_chosen_row_is_marked_without_writing_the_table_anew():
 
 @given(candidates_drawn, st.sampled_from(["", "part-1", "LEFT b", "grasp right", "nothing-of-it"]))
 def test_typed_words_keep_the_rows_that_have_all_of_them(candidates, words):
-    shown = [candidates[number] for number in ordered(candidates, CandidateOrder(words=words))]
+    shown = [
+        candidates[number] for number in order_candidates(candidates, CandidateOrder(words=words))
+    ]
     for one in candidates:
         text = f"part-{one.detection + 1} {one.grasp.name} {one.arm} {one.verdict.kind.message}"
         text = f"{text} {one.verdict.stage.message}".casefold()

@@ -26,7 +26,7 @@ from workbench.model.messages.states import StateText, task_message
     ],
 )
 def test_tasks_are_told_by_the_words_that_people_have_for_them(states, view_of, recorded, shown):
-    assert views.said(recorded) == shown
+    assert views.message_text(recorded) == shown
     assert shown.replace("'", "&#x27;") in views.status_html(
         view_of(replace(states.scanned, message=recorded))
     )

@@ -81,7 +81,7 @@ def refusals(panel):
 def test_what_a_cad_file_holds_is_told(pick, kind, nothing_is_read_here):
     content = cad_file(kind, 2000)
     nothing_is_read_here()
-    pick._chosen(sent(pick._pick, f"ring{kind}", content))
+    pick._choose(sent(pick._pick, f"ring{kind}", content))
     wait_until(lambda: pick.look is not None or "wb-bad" in pick._line.content)
     assert pick.look is not None, pick._line.content
     assert pick.look.surface.is_watertight
@@ -94,7 +94,7 @@ def test_a_scan_becomes_one(panel, bench, scan, tmp_path, nothing_is_read_here):
     write_cloud(tmp_path / "big.ply", scan)
     nothing_is_read_here()
     event = sent(panel._scan, "big.ply", (tmp_path / "big.ply").read_bytes())
-    panel._uploaded(event, panel._scan_of)
+    panel._upload(event, panel._scan_of)
     assert bench.state.phase is Phase.SCANNED, panel._visitor.client.told
     assert bench.state.scan.digest == scan.digest
     assert bench.state.scan.source == "big.ply"
@@ -104,7 +104,7 @@ def test_poses_become_parts_found(panel, bench, detections, tmp_path, nothing_is
     write_poses(tmp_path / "poses.json", detections)
     nothing_is_read_here()
     event = sent(panel._poses, "poses.json", (tmp_path / "poses.json").read_bytes())
-    panel._uploaded(event, panel._poses_of)
+    panel._upload(event, panel._poses_of)
     found = bench.state.detections
     assert found is not None, panel._visitor.client.told
     assert [one.score for one in found] == [one.score for one in detections]
@@ -118,34 +118,34 @@ def test_what_a_backup_would_change_is_told(restoring, tmp_path, monkeypatch, no
     write_backup(tmp_path, tmp_path / "kept.zip", ("parts",), {})
     content = (tmp_path / "kept.zip").read_bytes()
     nothing_is_read_here()
-    restoring._uploaded(sent(restoring._pick, "kept.zip", content))
+    restoring._upload(sent(restoring._pick, "kept.zip", content))
     wait_until(lambda: "reading" not in restoring._told.content)
     assert "stays the same" in restoring._told.content
 
 
 def test_what_cannot_be_read_is_told_in_a_sentence(panel, bench):
-    panel._uploaded(sent(panel._scan, "a.ply", b"no scan"), panel._scan_of)
+    panel._upload(sent(panel._scan, "a.ply", b"no scan"), panel._scan_of)
     assert bench.state.scan is None
     assert refusals(panel) == ["a.ply: is neither a PLY nor a PCD file"]
 
 
 def test_poses_in_more_bytes_than_poses_have_are_refused(panel):
     content = json.dumps({"format": "workbench-poses/1", "detections": [0] * 2_000_000}).encode()
-    panel._uploaded(sent(panel._poses, "a.json", content), panel._poses_of)
+    panel._upload(sent(panel._poses, "a.json", content), panel._poses_of)
     (told,) = refusals(panel)
     assert told.startswith("a.json: is longer than 4 MB")
 
 
 @pytest.mark.parametrize("name", ODD_NAMES)
 def test_a_name_that_no_file_has_is_refused_in_a_sentence(pick, panel, restoring, name, caplog):
-    pick._chosen(sent(pick._pick, name, b"x"))
+    pick._choose(sent(pick._pick, name, b"x"))
     assert "is not the name of a file" in pick._line.content
     assert pick.drawing is None
     for button, made in ((panel._scan, panel._scan_of), (panel._poses, panel._poses_of)):
-        panel._uploaded(sent(button, name, b"x"), made)
+        panel._upload(sent(button, name, b"x"), made)
     told = refusals(panel)
     assert len(told) == 2 and all("is not the name of a file" in one for one in told)
-    restoring._uploaded(sent(restoring._pick, name, b"x"))
+    restoring._upload(sent(restoring._pick, name, b"x"))
     assert "is not the name of a file" in restoring._told.content
     assert "Traceback" not in caplog.text
 
@@ -163,9 +163,9 @@ def test_another_file_ends_the_reading_of_the_one_before(pick, monkeypatch):
 
     monkeypatch.setattr(cad_pick, "cad_look", read)
     monkeypatch.setattr(cad_pick, "look_message", str)
-    pick._chosen(sent(pick._pick, "first.stl", b"1"))
+    pick._choose(sent(pick._pick, "first.stl", b"1"))
     wait_until(began.is_set)
-    pick._chosen(sent(pick._pick, "second.stl", b"2"))
+    pick._choose(sent(pick._pick, "second.stl", b"2"))
     wait_until(ended.is_set)
     wait_until(lambda: pick.look == "second")
     assert "second.stl: second" in pick._line.content
@@ -180,6 +180,6 @@ def test_who_leaves_waits_for_no_file_any_more(pick, visitor, monkeypatch):
         raise JobCancelled(name)
 
     monkeypatch.setattr(cad_pick, "cad_look", read)
-    pick._chosen(sent(pick._pick, "first.stl", b"1"))
+    pick._choose(sent(pick._pick, "first.stl", b"1"))
     visitor.end(is_gone=True)
     wait_until(ended.is_set)

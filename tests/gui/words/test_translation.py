@@ -9,7 +9,7 @@ from waiting import wait_until
 
 from workbench.gui.shared.viser_server import close_viser, language_of, open_viser
 from workbench.gui.words.translation import speak
-from workbench.studies.load.raw_browser import unpacked
+from workbench.studies.load.raw_browser import unpack
 from workbench.words.words import Words
 
 WORDS = Words(
@@ -59,7 +59,7 @@ async def read(browser, kinds):
     """The first message of each kind."""
     found = {}
     while set(kinds) - set(found):
-        for message in unpacked(await browser.recv()):
+        for message in unpack(await browser.recv()):
             found.setdefault(message["type"], message)
     return found
 
@@ -115,7 +115,7 @@ def test_what_is_chosen_comes_back_in_english_and_widgets_hold_english(server, m
         button.label = "some parts"
         told = {}
         while not {"options", "label"} <= set(told):
-            for one in unpacked(await browser.recv()):
+            for one in unpack(await browser.recv()):
                 if one["type"] == "GuiUpdateMessage":
                     told |= one["updates"]
         assert (tuple(told["options"]), told["label"]) == (("beide", "alle"), "einige Teile")

@@ -69,7 +69,7 @@ def test_messages_within_messages_end_somewhere():
 
 
 def test_parts_get_other_numbers_and_names_that_look_alike_stay():
-    told = BOTH.renumbered(lambda index: index + 1)
+    told = BOTH.renumber(lambda index: index + 1)
     assert str(told) == (
         "spare grasp: part-1 works and has priority; part-2 and part-5 with the space of all "
         "turns: the scan shows no roll"

@@ -28,7 +28,7 @@ def lying(cell, y: float, z: float = 0.019) -> Detection:
 
 def test_a_part_with_nothing_on_it_goes_up_but_not_through_the_wall(cell):
     ways = World(cell, (lying(cell, 0.0),)).part_ways
-    up, through = ways.blocked(0, [UP, np.array([0.0, 0.2, 0.02])])
+    up, through = ways.find_blocks(0, [UP, np.array([0.0, 0.2, 0.02])])
     assert up is None
     assert through is not None
     label, far = through
@@ -37,9 +37,9 @@ def test_a_part_with_nothing_on_it_goes_up_but_not_through_the_wall(cell):
 
 def test_what_lies_on_a_part_blocks_the_way_up(cell):
     ways = World(cell, (lying(cell, 0.0), lying(cell, 0.0, 0.058))).part_ways
-    (below,) = ways.blocked(0, [UP])
+    (below,) = ways.find_blocks(0, [UP])
     assert below is not None and below[0] == "part-2"
-    assert ways.blocked(1, [UP]) == [None]
+    assert ways.find_blocks(1, [UP]) == [None]
 
 
 def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
@@ -50,7 +50,7 @@ def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
     blocked = 0
     for number, one in enumerate(pile):
         others = [other for other in range(len(pile)) if other != number]
-        for way, met in zip(ways, found.blocked(number, ways), strict=True):
+        for way, met in zip(ways, found.find_blocks(number, ways), strict=True):
             touches = False
             most = float(np.linalg.norm(way))
             for far in [*np.arange(cell.policy.release, most, 0.004), most]:
@@ -88,7 +88,7 @@ def test_a_way_that_ends_before_the_part_has_come_off_meets_nothing(cell, length
     assert length < cell.policy.release
     ways = World(cell, (lying(cell, 0.0), lying(cell, 0.0, 0.057))).part_ways
     with np.errstate(all="raise"):
-        assert ways.blocked(0, [length * UP / 0.1]) == [None]
+        assert ways.find_blocks(0, [length * UP / 0.1]) == [None]
 
 
 def test_a_part_that_lies_against_a_wall_gains_by_leaning_away_and_only_rubs_straight_up(cell):
@@ -127,7 +127,7 @@ def test_ways_off_lead_a_part_out_from_under_what_reaches_over_it(cell):
     both = (one, Detection(one.part, T))
     ways = World(cell, both).part_ways
     off = ways.ways_off(0)
-    assert ways.blocked(0, [UP])[0] is not None and 0 < len(off) <= MOST_OFF
+    assert ways.find_blocks(0, [UP])[0] is not None and 0 < len(off) <= MOST_OFF
     for way in off:
         assert np.linalg.norm(way) == pytest.approx(cell.policy.lift_length)
         assert way[2] >= 0.5 * cell.policy.lift_length - 1e-9

@@ -93,23 +93,23 @@ def post(cell, height: float) -> Obstacle:
 def test_a_key_that_may_be_below_a_neighbour_holds_the_part_back():
     cell = read_cell("yumi")
     one = lying(cell, 0.0)
-    assert World(cell, (one,)).part_ways.caught(0, UP) is None
+    assert World(cell, (one,)).part_ways.find_snag(0, UP) is None
     above = World(cell, (one,), (post(cell, 0.003),)).part_ways
-    caught = above.caught(0, UP)
+    caught = above.find_snag(0, UP)
     assert caught is not None and not caught.is_sunk
     assert (caught.part, caught.bed) == ("part-1", "seen-1") and caught.distance < 0.002
     # Over it nothing is: at no turn can the key be there, and all others get past.
     low = World(cell, (one,), (post(cell, -0.0295),)).part_ways
-    assert low.caught(0, UP) is None
+    assert low.find_snag(0, UP) is None
     known = World(cell, (replace(one, roll_known=True),), (post(cell, 0.003),)).part_ways
-    assert known.caught(0, UP) is None
+    assert known.find_snag(0, UP) is None
 
 
 def test_a_part_that_is_too_deep_at_every_turn_has_a_wrong_pose():
     cell = read_cell("yumi")
     one = lying(cell, 0.0)
     down = pose_from_rpy((0, 0, -0.005)) * one.T_world_part
-    caught = World(cell, (replace(one, T_world_part=down),)).part_ways.caught(0, UP)
+    caught = World(cell, (replace(one, T_world_part=down),)).part_ways.find_snag(0, UP)
     assert caught is not None and caught.is_sunk and caught.bed == "bin_floor"
 
 

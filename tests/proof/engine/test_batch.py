@@ -58,7 +58,7 @@ def test_halves_hold_what_was_halved(arms):
     one = draw.integers(0, 5, 20)
     other = one if arms == 1 else draw.integers(5, 9, 20)
     items = np.column_stack([one, other, np.arange(20)])
-    halves, asked = batch.halved(items, np.ones(4))
+    halves, asked = batch.halve(items, np.ones(4))
     assert len(asked) == 40
     assert sorted(asked[:, 2]) == sorted([*range(20), *range(20)])
     assert set(asked[:, :2].ravel()) == set(range(len(halves))), "no set is kept for nothing"
@@ -77,13 +77,13 @@ def test_halves_hold_what_was_halved(arms):
 
 def test_a_plan_is_proven_alike_whatever_is_looked_at_together(cell, result, monkeypatch):
     usual = prove(cell, result.plan)
-    sizes, left = [], search._Search._left
+    sizes, left = [], search._Search._open_pairs
 
     def noted(self, batch, items):
         sizes.append(len(batch))
         return left(self, batch, items)
 
-    monkeypatch.setattr(search._Search, "_left", noted)
+    monkeypatch.setattr(search._Search, "_open_pairs", noted)
     prove(cell, result.plan)
     assert max(sizes) > 4
     sizes.clear()

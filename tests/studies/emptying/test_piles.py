@@ -11,7 +11,7 @@ from workbench.model.part import GraspLibrary, Part
 from workbench.model.prediction import PileTask
 from workbench.studies.cases import run_cases
 from workbench.studies.emptying import piles
-from workbench.studies.emptying.piles import check_task, emptied
+from workbench.studies.emptying.piles import check_task, empty_pile
 
 PILE = PileTask("yumi", "", 4, 13)
 
@@ -22,7 +22,7 @@ def without_times(scene):
 
 @pytest.fixture(scope="module")
 def scene():
-    return emptied(PILE)
+    return empty_pile(PILE)
 
 
 def test_every_part_is_taken_or_told_why_not(scene):
@@ -34,12 +34,12 @@ def test_every_part_is_taken_or_told_why_not(scene):
 
 
 def test_the_same_seed_empties_the_same_wherever_it_runs(scene):
-    again = run_cases(emptied, [PILE, replace(PILE, seed=14)], workers=2)
+    again = run_cases(empty_pile, [PILE, replace(PILE, seed=14)], workers=2)
     assert without_times(again[0]) == without_times(scene)
 
 
 def test_parts_found_in_scans_are_taken_too():
-    scene = emptied(replace(PILE, count=2, seen="scan"))
+    scene = empty_pile(replace(PILE, count=2, seen="scan"))
     assert scene.taken + sum(scene.failed) + scene.knocked_out + len(scene.left) == 2
     assert scene.finding > 0
 
@@ -95,6 +95,6 @@ def test_a_pile_that_failed_picks_have_ended_says_so(monkeypatch):
 
     monkeypatch.setattr(empty, "_carry_out", missed)
     monkeypatch.setattr(empty, "_left_alone", lambda detections, failed: {})
-    scene = emptied(PILE)
+    scene = empty_pile(PILE)
     assert {left.kind for left in scene.left} >= {"stopped"}
     assert not {left.kind for left in scene.left} & {"not found", "no path"}

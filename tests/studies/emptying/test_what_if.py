@@ -17,7 +17,7 @@ from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.studies.cases import run_cases
 from workbench.studies.emptying import pile_results
 from workbench.studies.emptying.pile_results import emptied_all
-from workbench.studies.emptying.piles import emptied
+from workbench.studies.emptying.piles import empty_pile
 
 PILE = PileTask("yumi", "", 2, 3, settles=False)
 
@@ -86,7 +86,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
         return made(task)
 
     def run(function, folder):
-        monkeypatch.setattr(pile_results, "emptied", function)
+        monkeypatch.setattr(pile_results, "empty_pile", function)
         return emptied_all(tasks, folder=folder, workers=1, scheduler=None, report=nothing)
 
     with pytest.raises(KeyboardInterrupt):
@@ -104,7 +104,7 @@ def test_a_study_that_was_stopped_goes_on_and_finds_the_same(tmp_path, monkeypat
 
 
 def test_a_file_that_is_no_pile_is_refused_in_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr(pile_results, "emptied", made)
+    monkeypatch.setattr(pile_results, "empty_pile", made)
 
     def run():
         return emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
@@ -121,14 +121,14 @@ def test_what_is_kept_is_the_pile_as_it_was_emptied(tmp_path):
     first = emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
     again = emptied_all([PILE], folder=tmp_path, workers=1, scheduler=None, report=nothing)
     assert again == first
-    (other,) = run_cases(emptied, [PILE])
+    (other,) = run_cases(empty_pile, [PILE])
     assert replace(other, planning=(), stages=(), finding=0.0) == replace(
         first[0], planning=(), stages=(), finding=0.0
     )
 
 
 def test_a_change_of_the_cell_empties_the_same_pile():
-    scene = emptied(replace(PILE, change=ChangeText.UP_ALONE()))
+    scene = empty_pile(replace(PILE, change=ChangeText.UP_ALONE()))
     assert scene.parts == 2 and scene.taken + len(scene.left) == 2
 
 
@@ -142,7 +142,7 @@ def test_piles_that_another_state_of_the_program_has_emptied_are_emptied_again(
         emptied_now.append(task.seed)
         return made(task)
 
-    monkeypatch.setattr(pile_results, "emptied", noted)
+    monkeypatch.setattr(pile_results, "empty_pile", noted)
     for program in ("one", "one", "other", "one"):
         pile_results._program.cache_clear()
         monkeypatch.setattr(pile_results, "files_digest", lambda program=program: program)

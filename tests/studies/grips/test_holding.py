@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from workbench.studies.grips.holding import Case, Pulled, pulled, summary
+from workbench.studies.grips.holding import Case, Pulled, pull_all, summary
 
 
 def one(share: float, stayed: bool) -> Pulled:
@@ -27,25 +27,25 @@ def test_disagreements_are_counted_each_by_its_kind():
 
 @pytest.fixture(scope="module")
 def some():
-    return [pulled(Case("yumi", "bracket", seed)) for seed in range(8)]
+    return [pull_all(Case("yumi", "bracket", seed)) for seed in range(8)]
 
 
 def test_most_grips_do_as_said_and_the_same_again(some):
     told = summary([one for one in some if one is not None])["all"]
     assert told["grips"] >= 6 and 0 < told["stayed"] < told["grips"]
     assert told["agreement"] >= 0.7
-    assert pulled(Case("yumi", "bracket", 3)) == some[3]
+    assert pull_all(Case("yumi", "bracket", 3)) == some[3]
 
 
 def test_what_pulls_harder_takes_the_part_along(some):
     """The mass goes with what friction holds, so that a weak hand is given a light part."""
     stayed = next(one for one in some if one is not None and one.stayed)
-    weak = pulled(replace(Case("yumi", "bracket", stayed.seed), force=2.0))
+    weak = pull_all(replace(Case("yumi", "bracket", stayed.seed), force=2.0))
     assert weak is not None and weak.share == pytest.approx(stayed.share, rel=1e-6)
 
 
 def test_a_cup_lets_go_of_what_is_too_heavy():
-    found = [pulled(Case("tx2_90", "puck", seed)) for seed in range(6)]
+    found = [pull_all(Case("tx2_90", "puck", seed)) for seed in range(6)]
     told = summary([one for one in found if one is not None])["all"]
     assert told["grips"] >= 4 and 0 < told["stayed"] < told["grips"]
     assert told["false_holds"] == 0

@@ -23,7 +23,7 @@ def cell():
 def asked(cell, x=0.03, y=-0.05, z=0.0191):
     at = cell.bin.T_world_bin.translation + np.array([x, y, z])
     pile = (Detection("keyed_cylinder", pose_from_rpy(at, LYING), 0.9),)
-    return Exchanges(cell, pile, 0).asked(0)
+    return Exchanges(cell, pile, 0).try_exchange(0)
 
 
 def with_some_grasps(cell, names):

@@ -9,7 +9,7 @@ import pytest
 from waiting import wait_until
 
 from workbench.model.errors import FileError
-from workbench.studies.stalls.watchdog import Watchdog, stack_of, watched
+from workbench.studies.stalls.watchdog import Watchdog, stack_of, watch_stalls
 
 
 @pytest.fixture
@@ -77,11 +77,11 @@ def test_afterwards_all_is_as_it_was(stalls):
 
 def test_stalls_of_a_process_go_into_a_file(tmp_path):
     file = tmp_path / "stalls.jsonl"
-    with watched(file):
+    with watch_stalls(file):
         asyncio.run(_kept())
     told = [json.loads(line) for line in file.read_text().splitlines()]
     assert {"kind", "seconds", "lasted", "at", "thread", "where"} == set(told[0])
-    with pytest.raises(FileError), watched(tmp_path / "missing" / "stalls.jsonl"):
+    with pytest.raises(FileError), watch_stalls(tmp_path / "missing" / "stalls.jsonl"):
         pass
 
 

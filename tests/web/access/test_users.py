@@ -283,7 +283,7 @@ def test_too_many_failures_lock_out_an_address_and_a_name(tmp_path, store, clock
 def test_only_failures_count(store, clock):
     lockout = Lockout(store, clock)
     for _ in range(3 * MOST):
-        lockout.succeeded(lockout.begin("10.0.0.1", "Anna"))
+        lockout.note_success(lockout.begin("10.0.0.1", "Anna"))
     assert not isinstance(lockout.begin("10.0.0.1", "Anna"), LockedOut)
 
 

@@ -169,7 +169,7 @@ def test_who_is_served_goes_last_unless_the_rest_of_the_request_is_waited_for():
 def test_whose_request_has_come_is_not_dropped_for_those_who_say_nothing():
     door = Door()
     read, unread = door.come(Connection(), Connection())
-    door.limits.heard(read)
+    door.limits.note_bytes(read)
     unread.unread = b"GET"
     door.come(*(Connection() for _ in range(9)))
     assert these_are_there([read, unread]) == [True, True]
@@ -188,9 +188,9 @@ def test_who_comes_is_not_dropped_for_those_who_ask_all_the_time():
 def test_who_sends_a_request_bit_by_bit_has_no_claim_to_a_place():
     door = Door()
     (trickling,) = door.come(Connection())
-    door.limits.heard(trickling)
+    door.limits.note_bytes(trickling)
     door.now += 2 * GRACE_SECONDS
-    door.limits.heard(trickling)
+    door.limits.note_bytes(trickling)
     others = door.come(Connection(), Connection(), Connection())
     assert these_are_there([trickling, *others]) == [False, True, True, True]
 

@@ -32,10 +32,10 @@ def calibrated_by_pairs(
         InputError: they are too few, too much alike, or do not agree.
     """
     try:
-        return _solved(pairs, T_world_base, in_hand=in_hand)
+        return _solve(pairs, T_world_base, in_hand=in_hand)
     except InputError as error:
         try:
-            _solved(pairs, T_world_base, in_hand=not in_hand)
+            _solve(pairs, T_world_base, in_hand=not in_hand)
         except InputError:
             raise error from None
         holds, hint = "holds", "state --in-hand"
@@ -44,7 +44,7 @@ def calibrated_by_pairs(
         raise InputError(f"the robot {holds} the scanner in these pairs: {hint}") from None
 
 
-def _solved(pairs: Sequence[PosePair], T_world_base: pin.SE3, *, in_hand: bool) -> Calibration:
+def _solve(pairs: Sequence[PosePair], T_world_base: pin.SE3, *, in_hand: bool) -> Calibration:
     centres = BallPlate().centres
     poses = [
         PlatePose(

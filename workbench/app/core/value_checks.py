@@ -77,10 +77,15 @@ def check_number(
     """
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if not is_number or not lowest <= value <= highest:
-        given = {"name": _named(name), "lowest": lowest, "highest": highest, "value": repr(value)}
+        given = {
+            "name": _name_text(name),
+            "lowest": lowest,
+            "highest": highest,
+            "value": repr(value),
+        }
         if not unit:
             raise CommandRefused(ValueRefusal.RATIO(**given))
-        raise CommandRefused(ValueRefusal.NUMBER(**given, unit=_named(unit)))
+        raise CommandRefused(ValueRefusal.NUMBER(**given, unit=_name_text(unit)))
 
 
 def check_text(name: str, value: Any) -> None:
@@ -111,7 +116,9 @@ def check_among(name: NameText | str, value: Any, known: tuple[str, ...]) -> Non
         CommandRefused: it is not.
     """
     if value not in known:
-        raise CommandRefused(ValueRefusal.AMONG(name=_named(name), value=repr(value), known=known))
+        raise CommandRefused(
+            ValueRefusal.AMONG(name=_name_text(name), value=repr(value), known=known)
+        )
 
 
 def check_overrides(cell: Cell, overrides: PlanOverrides) -> None:
@@ -206,7 +213,7 @@ def check_cell(cell: Cell) -> None:
             raise CommandRefused(ChangeRefusal.WAITS_AT_VIEW(arm=arm.name, view=carrier.view.name))
 
 
-def _named(name: NameText | str) -> Message | str:
+def _name_text(name: NameText | str) -> Message | str:
     return name() if isinstance(name, NameText) else name
 
 

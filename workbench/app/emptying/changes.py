@@ -125,13 +125,13 @@ def _thinner(cell: Cell, by: float) -> Cell | None:
 def _longer(cell: Cell, by: float) -> Cell | None:
     """Fingers that are boxes, longer at their tips, and the TCP with them."""
 
-    def made(tool: Tool) -> Tool | None:
+    def edit(tool: Tool) -> Tool | None:
         T, out = tool.T_flange_tcp, tool.T_flange_tcp.rotation[:, 2]
         longer = _with_fingers(tool, lambda finger: out, by)
         tcp = pin.SE3(T.rotation, T.translation + by * out)
         return None if longer is None else replace(longer, T_flange_tcp=tcp)
 
-    return _with_tools(cell, made)
+    return _with_tools(cell, edit)
 
 
 def _with_fingers(tool: Tool, way: Callable[[Finger], np.ndarray], by: float) -> Tool | None:
@@ -193,7 +193,7 @@ def _open(cell: Cell, by: float) -> Cell | None:
     """As far as all fingers can go that open for a grasp as it is."""
     strokes = [arm.tool.stroke for arm in cell.arms if arm.tool.fingers]
 
-    def made(grasp: Grasp) -> Grasp:
+    def edit(grasp: Grasp) -> Grasp:
         able = [(low, high) for low, high in strokes if low <= grasp.opening <= high]
         if not able:
             return grasp
@@ -202,21 +202,21 @@ def _open(cell: Cell, by: float) -> Cell | None:
         is_changed = (wide - grasp.opening) * by > 0.0
         return replace(grasp, opening=wide) if is_changed else grasp
 
-    return _with_grasps(cell, lambda part: _each(part, made))
+    return _with_grasps(cell, lambda part: _each(part, edit))
 
 
 def _tilt(cell: Cell, by: float) -> Cell | None:
-    def made(grasp: Grasp) -> Grasp:
+    def edit(grasp: Grasp) -> Grasp:
         tilt = max(grasp.tilt, min(grasp.tilt + by, MOST_TILT))
         return grasp if tilt == grasp.tilt else replace(grasp, tilt=tilt)
 
-    return _with_grasps(cell, lambda part: _each(part, made))
+    return _with_grasps(cell, lambda part: _each(part, edit))
 
 
 def _add_turns(cell: Cell) -> Cell | None:
     """Between every two turns of a pattern one more."""
 
-    def made(part: Part) -> tuple[Entry, ...] | None:
+    def edit(part: Part) -> tuple[Entry, ...] | None:
         entries = tuple(
             replace(entry, angles=(*entry.angles, *more))
             if isinstance(entry, GraspPattern) and (more := _between(entry.angles))
@@ -226,7 +226,7 @@ def _add_turns(cell: Cell) -> Cell | None:
         same = all(a is b for a, b in zip(entries, part.library.entries, strict=True))
         return None if same else entries
 
-    return _with_grasps(cell, made)
+    return _with_grasps(cell, edit)
 
 
 def _between(angles: tuple[float, ...]) -> list[float]:
@@ -241,7 +241,7 @@ def _between(angles: tuple[float, ...]) -> list[float]:
 def _shallow(cell: Cell, by: int) -> Cell | None:
     """Copies of all grasps that reach less deep, as spares behind their own."""
 
-    def made(part: Part) -> tuple[Entry, ...]:
+    def edit(part: Part) -> tuple[Entry, ...]:
         def copy(grasp: Grasp) -> Grasp:
             T = grasp.T_part_tcp
             back = pin.SE3(T.rotation, T.act(np.array([0.0, 0.0, -by / 1000])))
@@ -251,11 +251,11 @@ def _shallow(cell: Cell, by: int) -> Cell | None:
         more = _each(part, copy) or ()
         return (*part.library.entries, *more)
 
-    return _with_grasps(cell, made)
+    return _with_grasps(cell, edit)
 
 
 def _suggest(cell: Cell) -> Cell | None:
-    def made(part: Part) -> tuple[Entry, ...]:
+    def edit(part: Part) -> tuple[Entry, ...]:
         tool = cell.arms[0].tool
         found = suggest(
             part,
@@ -268,7 +268,7 @@ def _suggest(cell: Cell) -> Cell | None:
         more = tuple(replace(suggestion.grasp, priority=SPARE) for suggestion in found)
         return (*part.library.entries, *more)
 
-    return _with_grasps(cell, made)
+    return _with_grasps(cell, edit)
 
 
 def _lower(cell: Cell, by: float) -> Cell | None:
@@ -321,7 +321,7 @@ def _risen(cell: Cell, arm: Arm, by: float) -> np.ndarray | None:
 
 
 def _places(cell: Cell, rise: float, turn: float) -> Cell | None:
-    def made(arm: Arm) -> Arm:
+    def edit(arm: Arm) -> Arm:
         more = tuple(
             pin.SE3(T.rotation, T.translation + np.array([0.0, 0.0, rise]))
             * pose_from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, turn))
@@ -331,7 +331,7 @@ def _places(cell: Cell, rise: float, turn: float) -> Cell | None:
 
     if not any(arm.Ts_world_place for arm in cell.arms):
         return None
-    return replace(cell, arms=tuple(map(made, cell.arms)))
+    return replace(cell, arms=tuple(map(edit, cell.arms)))
 
 
 def _with_tool(cell: Cell, arm: str, tool: str) -> Cell:

@@ -62,7 +62,7 @@ def left_in(
             continue
         best = max((candidate.verdict for candidate in mine), key=lambda verdict: verdict.progress)
         fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
-        why = _none_works(mine, best).renumbered(lambda index: lying[index][0])
+        why = _none_works(mine, best).renumber(lambda index: lying[index][0])
         found.append(LeftPart(label, str(best.reason), why, "" if fix is None else fix.change))
     return tuple(found)
 
@@ -80,7 +80,7 @@ def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, Message
 
     for found, verdict in looked:
         if is_same(found, lying[index][1]):
-            said = verdict.message.renumbered(as_fallen)
+            said = verdict.message.renumber(as_fallen)
             return str(verdict.reason), LeftText.AS_SCANNED(verdict=said)
     return NOT_FOUND, LeftText.WAS_NOT_FOUND()
 

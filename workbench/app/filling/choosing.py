@@ -115,7 +115,7 @@ def _best(
     best: tuple[float, Family, Bools] | None = None
     for _, k in sorted(looked, reverse=True)[:GROWN]:
         part = hand.grower.part
-        family = family_of(part, hand.arm, hand.grower.grown(grips[k]), hand.least_air)
+        family = family_of(part, hand.arm, hand.grower.extend(grips[k]), hand.least_air)
         fits = np.array([hand.fits(family, case.tools, case.number) for case in cases])
         if best is None or float(worth @ fits) > best[0]:
             best = float(worth @ fits), family, fits

@@ -50,7 +50,7 @@ class Stays:
     reason: Message
 
 
-def cleared(
+def clear_collisions(
     cell: Cell,
     hands: Sequence[Hand],
     pile: Sequence[Detection],
@@ -177,7 +177,7 @@ def _add(hand: Hand, world: World, number: int, grasp: Grasp) -> None:
     if len(hand.families) >= MOST:
         return
     part = hand.grower.part
-    family = family_of(part, hand.arm, hand.grower.grown(grasp), hand.least_air)
+    family = family_of(part, hand.arm, hand.grower.extend(grasp), hand.least_air)
     family.took.append((world.detections, number))
     hand.families.append(family)
 

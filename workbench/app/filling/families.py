@@ -145,7 +145,7 @@ class Grower:
         check = self._check(grasp)
         return (grasp, check) if check.is_ok else None
 
-    def grown(self, grasp: Grasp) -> Entry:
+    def extend(self, grasp: Grasp) -> Entry:
         """The entry that a grip is the first of: tilted, in a row, and around a round body."""
         axes = np.array([*(round_body.axis for round_body in self._bodies), *np.eye(3)])
         nice = _nice(grasp.T_part_tcp, axes)
@@ -201,7 +201,7 @@ class Grower:
         return tuple(
             float(angle)
             for angle in np.arange(round(body.period / TURN)) * TURN
-            if angle == 0.0 or self._holds(grasp, body.turned(angle))
+            if angle == 0.0 or self._holds(grasp, body.turn_by(angle))
         )
 
     def _whole(self, pattern: GraspPattern) -> GraspPattern:

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 from workbench.app.filling.advice import advice
 from workbench.app.filling.choosing import choose
-from workbench.app.filling.clearing import Stays, cleared
+from workbench.app.filling.clearing import Stays, clear_collisions
 from workbench.app.filling.hand import hands_for
-from workbench.app.filling.keeping import Kept, kept
-from workbench.app.filling.naming import named
+from workbench.app.filling.keeping import Kept, select_families
+from workbench.app.filling.naming import make_name
 from workbench.app.filling.work import FALL, WORK, Work
 from workbench.formats.meshes.repair import examine_surface
 from workbench.model.cell import Cell
@@ -116,7 +116,7 @@ def filled(
     for pile in _on(first[::-1], piles):
         if work.is_over(CLEARING):
             break
-        out, why = cleared(cell, hands, pile, seed, lambda: work.is_over(CLEARING))
+        out, why = clear_collisions(cell, hands, pile, seed, lambda: work.is_over(CLEARING))
         taken, parts = taken + out, parts + out + len(why)
         work.note = ProgressText.FILLED(taken=taken, parts=parts)
         stays.update(left_part.reason for left_part in why)
@@ -124,9 +124,9 @@ def filled(
             left_part for left_part in why if left_part.reason.text is ReasonText.TOOL_COLLISION
         ]
     helps, looked = advice(cell, stuck, seed, work)
-    worth = kept(cell, hands, known, seed)
+    worth = select_families(cell, hands, known, seed)
     return Filled(
-        tuple(ranked(part, worth)),
+        tuple(rank_entries(part, worth)),
         tuple(family.adds for family in worth),
         parts,
         taken,
@@ -191,7 +191,7 @@ def _piles(cell: Cell, part: Part, seed: int, work: Work) -> Iterator[tuple[Dete
     raise problem
 
 
-def ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
+def rank_entries(part: Part, families: Sequence[Kept]) -> list[Entry]:
     """The entries of families with priorities and new names, in their order."""
     whole, so_far = sum(family.adds for family in families), 0.0
     taken = {entry.name for entry in part.library.entries}
@@ -199,7 +199,7 @@ def ranked(part: Part, families: Sequence[Kept]) -> list[Entry]:
     for family in families:
         priority = FIRST_PRIORITY if so_far <= USUAL * whole else FIRST_PRIORITY - 1
         so_far += family.adds
-        name = named(part, family.family.entry, taken)
+        name = make_name(part, family.family.entry, taken)
         taken.add(name)
         found.append(_as(family.family.entry, name, priority))
     return found

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.app.filling.clearing import add_family, takes
-from workbench.app.filling.fill import check_mesh, ranked
+from workbench.app.filling.fill import check_mesh, rank_entries
 from workbench.app.filling.hand import hands_for
-from workbench.app.filling.keeping import kept
+from workbench.app.filling.keeping import select_families
 from workbench.app.filling.work import WORK, WORLD, Work
 from workbench.app.statistics.remaining import RemainingPart
 from workbench.model.cell import Cell
@@ -88,5 +88,5 @@ def families_for(
             count += not taken_anew
         added += taken_anew
         work.note = ProgressText.ADDED(added=added, looked=looked)
-    worth = kept(cell, hands, known, 0) if hands else []
-    return Proposal(tuple(ranked(part, worth)), looked, count, added)
+    worth = select_families(cell, hands, known, 0) if hands else []
+    return Proposal(tuple(rank_entries(part, worth)), looked, count, added)

@@ -38,7 +38,7 @@ class Kept:
     adds: float
 
 
-def kept(cell: Cell, hands: Sequence[Hand], known: set[int], seed: int) -> list[Kept]:
+def select_families(cell: Cell, hands: Sequence[Hand], known: set[int], seed: int) -> list[Kept]:
     """Those of the new families that are worth their grasps, what adds most for them first.
 
     Args:

@@ -14,7 +14,7 @@ PARTLY = 0.6
 """Share of the part's extent below which fingers close on a part of it."""
 
 
-def named(part: Part, entry: Entry, taken: Collection[str]) -> str:
+def make_name(part: Part, entry: Entry, taken: Collection[str]) -> str:
     """A name that is new among those taken, such as `across` or `end-2`."""
     kind = _kind(part, entry)
     number = 1

@@ -32,7 +32,7 @@ class RoundBody:
     point: Floats
     period: float
 
-    def turned(self, angle: float) -> pin.SE3:
+    def turn_by(self, angle: float) -> pin.SE3:
         """The motion by an angle [rad] about it."""
         return make_turn(self.axis, angle, self.point)
 

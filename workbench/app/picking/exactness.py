@@ -38,7 +38,7 @@ def _note_excess(cell: Cell, detections: Sequence[Detection], verdict: Verdict) 
         needed = cell.policy.margin
     if verdict.distance + excess < needed or excess == 0:
         return verdict
-    return verdict.noted(VerdictNote.INEXACT(excess=excess))
+    return verdict.with_note(VerdictNote.INEXACT(excess=excess))
 
 
 def _parts(verdict: Verdict, detections: Sequence[Detection]) -> Iterator[int]:

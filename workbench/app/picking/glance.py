@@ -122,7 +122,9 @@ def glance_at(world: World, *, avoided: Mapping[int, Message] = NOTHING, seed: i
             elif not is_taken_there(world, number):
                 said += [(Reason.OUTSIDE_REGIONS, False)] * len(every)
             elif world.detections[number].roll_known:
-                said += [reach[arm.name].said(hands, n, number, k, g) for k, g in enumerate(every)]
+                said += [
+                    reach[arm.name].describe(hands, n, number, k, g) for k, g in enumerate(every)
+                ]
             else:
                 said += [reach[arm.name].said_at_every_turn(number, grasp) for grasp in every]
         ways = np.array([grasp.approach for grasp in every])
@@ -157,7 +159,7 @@ class _Reach:
         turned = (T * turn for T in arm.Ts_world_place for turn in hand_turns(arm.tool))
         self._has_place = any(map(self._reaches, turned))
 
-    def said(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
+    def describe(self, hands: Tried, n: int, number: int, k: int, grasp: Grasp) -> _Said:
         """Of the detection with that number, the n-th of those tried, and the k-th grasp."""
         refusal = hands.refusals[k]
         if refusal is not None:

@@ -9,7 +9,7 @@ from workbench.model.scan import Detection
 
 def renumber(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
     """A message about a later plan, of its own `detections`, by the numbers of the row's first."""
-    return message.renumbered(lambda index: _index_in(first, detections, index))
+    return message.renumber(lambda index: _index_in(first, detections, index))
 
 
 def label_in(label: str, first: Plan, detections: Sequence[Detection]) -> str:

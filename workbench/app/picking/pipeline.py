@@ -232,7 +232,15 @@ def judge(
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
     world, looked = World(cell, detections, obstacles), _Looked()
     found = propose(world, looked=_counting(report, cancelled))
-    _judge(world, found, looked, seed, report, cancelled, world.deadline)
+    _judge(
+        world,
+        found,
+        looked,
+        seed=seed,
+        report=report,
+        cancelled=cancelled,
+        until=world.deadline,
+    )
     return tuple(looked.candidates)
 
 
@@ -250,12 +258,12 @@ class _Looked:
 def _counting(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
     """Tells how many hands were tried, of how many, until `cancelled` ends that."""
 
-    def looked(count: int, of: int) -> None:
+    def count_hands(count: int, of: int) -> None:
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
         report(TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
 
-    return looked
+    return count_hands
 
 
 def _judge(

@@ -98,7 +98,7 @@ def plan_regrasp(  # noqa: PLR0913 - all that a request for a plan can say, by k
                     seconds=took,
                     row=(second,),
                 )
-    return replace(refused, verdict=refused.verdict.noted(StationNote.NOT_OVER(why=why)))
+    return replace(refused, verdict=refused.verdict.with_note(StationNote.NOT_OVER(why=why)))
 
 
 def _that_have_no_place(

@@ -212,7 +212,7 @@ def _next(
     Where no part can be put to its place, two plans that bring one there over a station.
     """
 
-    def planned(left: Mapping[int, Message], begin: float, end: float) -> PlanResult:
+    def plan_once(left: Mapping[int, Message], begin: float, end: float) -> PlanResult:
         return plan_pick(
             cell,
             scene.detections,
@@ -229,9 +229,9 @@ def _next(
     result: PlanResult | None = None
     if not is_last and heaped and len(heaped | set(avoided)) < len(heaps):
         lonely = {**dict.fromkeys(heaped, VerdictNote.TAKEN_LAST()), **avoided}
-        result = planned(lonely, 0.0, USUALLY * whole)
+        result = plan_once(lonely, 0.0, USUALLY * whole)
     if result is None or not _holds(result):
-        result = planned(avoided, 0.0 if result is None else USUALLY * whole, whole)
+        result = plan_once(avoided, 0.0 if result is None else USUALLY * whole, whole)
     if _holds(result) or not cell.stations:
         return result
     report_rest = within(report, whole, 1.0)

@@ -30,7 +30,7 @@ class VoteAges:
         now = self._steady()
         self._given = {vote: self._given.get(vote, now) for vote in state.votes}
 
-    def lapsed(self, state: State) -> str:
+    def find_lapse(self, state: State) -> str:
         """Why the votes of a state no longer let its plan out; empty while they do."""
         valid, now = state.cell.policy.approval_minutes * 60.0, self._steady()
         for vote in state.votes:

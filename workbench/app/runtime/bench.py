@@ -158,9 +158,9 @@ class Bench:
                 raise CommandRefused(JobText.CLOSING())
             before, now = self._state, self._now()
             check_allowed(before, command, actor, now, joints, role)
-            if isinstance(command, SendPlan) and (problem := self._ages.lapsed(before)):
+            if isinstance(command, SendPlan) and (problem := self._ages.find_lapse(before)):
                 raise CommandRefused(problem)
-            if isinstance(command, LinkEnded) and (problem := self._ages.lapsed(before)):
+            if isinstance(command, LinkEnded) and (problem := self._ages.find_lapse(before)):
                 # No plan of a row goes out by votes that have lapsed.
                 command = replace(command, row_ends=problem)
                 form = command_form(command)

@@ -153,13 +153,13 @@ class EffectRunner:
     def _to_files(self, work: Callable[[], None]) -> None:
         """Have files changed; whatever fails is in the log, since nobody looks at the result."""
 
-        def logged() -> None:
+        def work_and_log() -> None:
             try:
                 work()
             except Exception:
                 log.exception("files of the cell could not be changed")
 
-        self._files.submit(logged)
+        self._files.submit(work_and_log)
 
     def _write_cell(self, effect: WriteCell) -> None:
         try:

@@ -67,7 +67,7 @@ def _axis_units(cell: Cell, arm: Arm) -> Floats:
 
 
 def _round_pose(written: PoseConvention, T: pin.SE3) -> list[float]:
-    return [round(number, 6) + 0.0 for number in written.shown(T)]
+    return [round(number, 6) + 0.0 for number in written.show(T)]
 
 
 def _digits(written: PoseConvention, T: pin.SE3) -> list[str]:
@@ -75,7 +75,7 @@ def _digits(written: PoseConvention, T: pin.SE3) -> list[str]:
     places = {"mm]": 2, "deg]": 3}
     return [
         f"{number + 0.0:.{places.get(name.partition('[')[2], 6)}f}"
-        for name, number in zip(written.names, written.shown(T), strict=True)
+        for name, number in zip(written.names, written.show(T), strict=True)
     ]
 
 

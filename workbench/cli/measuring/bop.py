@@ -27,7 +27,7 @@ def study_bop(typed: StudyBop) -> int:
     if typed.results is None:
         with progress("bop") as report:
             make_ready(report, ("seeing",))
-            found = data.searched(cell, typed.seed, report, is_own_bin=typed.own_bin)
+            found = data.search(cell, typed.seed, report, is_own_bin=typed.own_bin)
     else:
         found = read_results(typed.results)
     if typed.out is not None:

@@ -8,7 +8,7 @@ from workbench.cli.arguments.studies import StudyPallets
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.studies.cases import run_cases
-from workbench.studies.picking.pallets import SEEDS, Case, filled, summary
+from workbench.studies.picking.pallets import SEEDS, Case, fill_pallets, summary
 
 MOST = 10_000
 
@@ -26,7 +26,7 @@ def pallets(typed: StudyPallets) -> int:
     ]
     with progress("pallets") as report:
         make_ready(report, ("planning",))
-        results = run_cases(filled, cases, workers=typed.workers, report=report)
+        results = run_cases(fill_pallets, cases, workers=typed.workers, report=report)
     found = summary(results)
     if typed.json:
         print_json(found)

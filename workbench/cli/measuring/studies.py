@@ -245,7 +245,7 @@ def study_threshold(typed: StudyThreshold) -> int:
             report=report,
         )
     rows = threshold.summary(cases, typed.thresholds)
-    taken = pairs.counted([case.taken for case in cases])
+    taken = pairs.count_pairs([case.taken for case in cases])
     if typed.plot is not None:
         plots.draw_threshold(typed.plot, cases, rows)
     if typed.keep:

@@ -81,17 +81,17 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
 def proof_words(proof: Proof, plan: Plan | None = None, first: Plan | None = None) -> str:
     """A proof in a sentence, or a line for each place; see `plan_words`."""
 
-    def numbered(violation: Violation) -> Message:
+    def renumber_parts(violation: Violation) -> Message:
         said = violation.message
         return said if plan is None or first is None else renumber(said, first, plan.detections)
 
     if not proof.holds:
-        problems = map(str, map(numbered, proof.violations))
+        problems = map(str, map(renumber_parts, proof.violations))
         return "\n  ".join(["the proof does not hold:", *problems])
     holds = f"the proof holds, {proof.checks} states checked"
     if proof.nearest is None or proof.nearest.pair is None:
         return holds
-    return f"{holds}; {numbered(proof.nearest)}"
+    return f"{holds}; {renumber_parts(proof.nearest)}"
 
 
 def print_candidates(title: str, candidates: Sequence[Candidate]) -> None:

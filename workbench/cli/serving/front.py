@@ -36,7 +36,7 @@ def front_options(typed: Serve | SessionOpen) -> ServerOptions:
 
 
 @contextmanager
-def fronted(
+def serve_with_front(
     bench: Bench | History,
     users: Path,
     options: ServerOptions,

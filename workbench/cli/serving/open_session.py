@@ -8,7 +8,7 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.session import SessionOpen
 from workbench.cli.arguments.top import Serve
 from workbench.cli.exits import SUCCESS
-from workbench.cli.serving.front import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.front import front_options, serve_with_front, wait_for_the_end
 from workbench.cli.terminal import progress
 from workbench.journal.journal import Journal
 
@@ -26,7 +26,7 @@ def look_at(journal: Journal, typed: SessionOpen | Serve) -> int:
         make_ready(report, ("planning",))
     try:
         history = History(journal)
-        with fronted(history, typed.users, options) as front:
+        with serve_with_front(history, typed.users, options) as front:
             entries = f"{history.count} entries, to look at only"
             wait_for_the_end(f"{journal.folder}, {entries}: {front.link}")
     finally:

@@ -18,7 +18,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
 from workbench.cli.arguments import top as arguments
-from workbench.cli.serving.front import front_options, fronted, wait_for_the_end
+from workbench.cli.serving.front import front_options, serve_with_front, wait_for_the_end
 from workbench.cli.serving.logs import begin_log
 from workbench.cli.serving.open_session import look_at
 from workbench.cli.serving.people import roles
@@ -30,7 +30,7 @@ from workbench.formats.cells.reading import cell_path, part_folders, read_cell
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import InputError, JournalError
-from workbench.studies.stalls.watchdog import watched
+from workbench.studies.stalls.watchdog import watch_stalls
 from workbench.web.access.identity import identify
 from workbench.web.api.routes import api_routes
 from workbench.web.api.taking_along import taking_along
@@ -60,7 +60,7 @@ def serve(typed: arguments.Serve) -> int:
         cell = _begun_with(goes_on, cell.name)
     predictions = read_predictions(predictions_path(typed.cell))
     with ExitStack() as stack:
-        stack.enter_context(watched(typed.stalls))
+        stack.enter_context(watch_stalls(typed.stalls))
         robot = f"robot controller: {_address(cell.controller)}"
         if is_loopback(cell.controller.host) and not _answers(cell.controller):
             simulated = simulated_controller(typed.cell, cell.controller)
@@ -82,7 +82,7 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(Anchors(bench, places, time.time).close)
         stack.enter_context(plc(bench, typed))
         stack.enter_context(robot_jobs(bench))
-        page = fronted(
+        page = serve_with_front(
             bench,
             typed.users,
             options,

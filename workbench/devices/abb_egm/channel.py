@@ -166,7 +166,7 @@ class Channel:
             if later > self._silence * 1000:
                 raise LinkError(DeviceText.LOST(where=self._where))
             self._at += later / 1000
-        self._bounds.taken(self.q_of(feedback), in_motion=self._is_paced)
+        self._bounds.take(self.q_of(feedback), in_motion=self._is_paced)
         self.last = feedback
         self.came.append(feedback)
 

@@ -87,10 +87,10 @@ class AbbEgm:
         from workbench.devices.abb_egm.orders import score_of
         from workbench.devices.abb_egm.sending import EgmSending
 
-        def released() -> None:
+        def check_release() -> None:
             check_approval(plan, approval, cell, now())
 
-        released()
+        check_release()
         self.check(cell)
         silence = options_of(self.Options, cell.controller.options).silence_ms / 1000
         score, host = score_of(cell, plan, approval), address_of(cell.controller.host)
@@ -105,7 +105,7 @@ class AbbEgm:
             talk = EgmSending(
                 channels, score, share, silence, now=now, show=show, patience=patience
             )
-            yield from talk.run(released, cancelled)
+            yield from talk.run(check_release, cancelled)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What EGM streams to the ports for states, whenever it has changed."""

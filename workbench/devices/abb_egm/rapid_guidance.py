@@ -97,12 +97,12 @@ class Guidance:
             "egmstreamstart": self._stream,
             "egmactjoint": self._act,
             "egmrunjoint": self._run,
-            "egmstop": lambda ident, mode: self._stop(self._known(ident)),
+            "egmstop": lambda ident, mode: self._stop(self._find(ident)),
         }
 
     # -- instructions
 
-    def _known(self, place: Place) -> int:
+    def _find(self, place: Place) -> int:
         number = int(place[0][place[1]])
         if number not in self._used:
             raise RapidStop("this egmident has no identity: EGMGetId comes first")
@@ -125,7 +125,7 @@ class Guidance:
     def _set_up(
         self, unit: float, place: Place, config: str, device: str, joint: Any, timeout: float | None
     ) -> None:
-        number = self._known(place)
+        number = self._find(place)
         if UNITS[int(unit)] != self._task.name.replace("_", "").removeprefix("T").upper():
             raise RapidStop(f"{self._task.name} does not move {UNITS[int(unit)]}")
         if device not in self._ports:
@@ -135,7 +135,7 @@ class Guidance:
         self._devices[number] = (*self._ports[device], timeout or USUAL_TIMEOUT)
 
     def _device(self, place: Place, kind: str) -> int:
-        number = self._known(place)
+        number = self._find(place)
         if number not in self._devices:
             raise RapidStop("EGMSetupUC comes first")
         if self._devices[number][0] != kind:
@@ -167,7 +167,7 @@ class Guidance:
 
     def _run(self, place: Place, mode: float, *more: Any) -> None:
         *axes, seconds = more
-        number = self._known(place)
+        number = self._find(place)
         if number not in self._active:
             raise RapidStop("EGMActJoint comes first")
         if not all(axes[: len(self._arm.here)]):

@@ -64,7 +64,7 @@ class SimulatedBody:
         with self._lock:
             return dict(self._q)
 
-    def arrived(self) -> None:
+    def count_message(self) -> None:
         """Count a message."""
         with self._lock:
             self._received += 1
@@ -75,7 +75,7 @@ class SimulatedBody:
             rows = np.atleast_2d(path).tolist()
             _append(self._record, ({"arm": arm, "kind": kind, "q": q} for q in rows))
 
-    def passed(self, states: Iterable[Mapping[str, Any]]) -> None:
+    def trace(self, states: Iterable[Mapping[str, Any]]) -> None:
         """Write states that the arms went through to the trace."""
         if self._trace is not None:
             _append(self._trace, states)

@@ -92,7 +92,7 @@ class Motion:
         states: list[dict[str, Any]] = []
         while self._time <= self._due:
             if self._step == 0 or self._has_ended(steps[self._step - 1]):
-                self._body.passed(states)
+                self._body.trace(states)
                 states = []
                 if self._step == len(steps):
                     self._body.put({}, "")
@@ -111,7 +111,7 @@ class Motion:
             self._move(steps[self._step - 1])
             if self._body.is_traced:
                 states.append(self._state())
-        self._body.passed(states)
+        self._body.trace(states)
 
     def _begin(self) -> Iterator[str]:
         self._step += 1
@@ -132,7 +132,7 @@ class Motion:
         is_alone = len(step.legs) == 1 and len(others) > 0
         self._wrong = others[0] if is_alone and faults.is_due("wrong-arm", self._step) else ""
 
-    def _passed(self, step: ProgramStep, leg: ProgramLeg) -> float:
+    def _elapsed_time(self, step: ProgramStep, leg: ProgramLeg) -> float:
         """How long [s] a leg has run on the arm's own clock."""
         arms = [program_leg.arm for program_leg in step.legs] if step.mode == "sync" else [leg.arm]
         pace = min(self._paces.get(arm, 1.0) for arm in arms)
@@ -140,12 +140,12 @@ class Motion:
 
     def _has_ended(self, step: ProgramStep) -> bool:
         """All arms wait for each other at the end of a step."""
-        return all(self._passed(step, leg) >= float(leg.seconds.sum()) for leg in step.legs)
+        return all(self._elapsed_time(step, leg) >= float(leg.seconds.sum()) for leg in step.legs)
 
     def _move(self, step: ProgramStep) -> None:
         where: dict[str, Floats] = {}
         for leg in step.legs:
-            q, point = configuration_at(leg, self._passed(step, leg))
+            q, point = configuration_at(leg, self._elapsed_time(step, leg))
             arm = self._wrong or leg.arm
             if self._time > self._began:
                 self._points[arm] = point

@@ -107,7 +107,7 @@ class ProgramClient:
         self._heard_at = self._clock()
         for frame, answer in self._serving.hear(data):
             self._messages += 1
-            self._body.arrived()
+            self._body.count_message()
             if not self._answer(frame, answer):
                 return False
         return True

@@ -87,7 +87,7 @@ class RequestClient:
 
     def _execute(self, message: SocketMessage, last: SocketMessage | None) -> None:
         arm, body = self._body.cell.arm(message.arm), self._body
-        body.arrived()
+        body.count_message()
         body.record(message.arm, message.kind, message.q)
         match message.kind:
             case "start":
@@ -122,7 +122,7 @@ class RequestClient:
         while (passed := time.monotonic() - began) < seconds and not self._station.is_over():
             q = start + (goal - start) * (passed / seconds)
             body.put({arm.name: q}, arm.name)
-            body.passed([self._trace(arm, q)] if body.is_traced else [])
+            body.trace([self._trace(arm, q)] if body.is_traced else [])
             # A client that has gone must not be obeyed to the end of its last word.
             if select.select([self._client], [], [], min(TICK, seconds - passed))[0]:
                 if not self._client.recv(1, socket.MSG_PEEK):

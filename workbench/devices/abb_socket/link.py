@@ -112,7 +112,7 @@ def _converse(
             if talk.status is not before:
                 show(talk.status)
     except WorkbenchError:
-        yield from talk.unanswered()
+        yield from talk.open_receipts()
         raise
     finally:
         if talk.is_begun and not talk.is_over and not talk.has_stopped:
@@ -134,7 +134,7 @@ def _stop(
     """
     if not talk.is_begun:
         raise JobCancelled(StopText.NOT_SPOKEN())
-    yield from talk.unanswered()
+    yield from talk.open_receipts()
     missing = StopText.NOT_ACKNOWLEDGED()
     try:
         _say(link, talk.abort(patience.clock()), talk.where)

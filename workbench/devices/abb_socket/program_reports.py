@@ -107,7 +107,7 @@ class ProgramReports:
         arm = self._letters.get(letter)
         if arm is None:
             raise ProtocolError(f"{frame.text!r} is about no arm of cell {self._cell.name}")
-        return arm.name, self._bounds[arm.name].taken(angles_of(arm, words))
+        return arm.name, self._bounds[arm.name].take(angles_of(arm, words))
 
     def part(self, frame: MessageFrame) -> PartReport:
         """What became of a part.

@@ -221,7 +221,7 @@ class SocketSending:
             if not self._is_done:
                 yield from self._take(frame, at)
 
-    def unanswered(self) -> list[Receipt]:
+    def open_receipts(self) -> list[Receipt]:
         """The receipt of a message that went out and was not acknowledged."""
         if self._waiting is None:
             return []

@@ -64,7 +64,7 @@ class AxisWords:
         """
         if len(words) != len(self.slides):
             raise BadLine("count")
-        return self.bounds.taken(self._read(words), in_motion=in_motion)
+        return self.bounds.take(self._read(words), in_motion=in_motion)
 
     def _read(self, words: tuple[str, ...] | list[str]) -> Floats:
         shown = np.array([read_number(word) for word in words]) * self._units

@@ -86,14 +86,14 @@ class PickServer:
     ) -> Iterator[Receipt]:
         """Offer the plan, and hand it out as it is asked for; a receipt for each answer."""
 
-        def released() -> None:
+        def check_release() -> None:
             check_approval(plan, approval, cell, now())
 
-        released()
+        check_release()
         self.check(cell)
         axes = axis_words(cell, self.form(cell))
         program = program_of(cell, plan, approval, axes)
-        carrying = Carrying(program, axes, now=now, released=released)
+        carrying = Carrying(program, axes, now=now, released=check_release)
         options = options_of(self.Options, cell.controller.options)
         with self.server_of(cell) as server:
             talk, clock = server.conversation, patience.clock

@@ -222,7 +222,7 @@ class Network:
     ) -> Any:
         """Do something as soon as it can be done; what came of it."""
 
-        def tried() -> Any:
+        def attempt() -> Any:
             try:
                 if found := act():
                     return found
@@ -234,7 +234,7 @@ class Network:
             return None
 
         try:
-            found = task.wait(tried, USUAL_TIME if time is None else time)
+            found = task.wait(attempt, USUAL_TIME if time is None else time)
         except TimedOut:
             raise RapidError("ERR_SOCK_TIMEOUT") from None
         if isinstance(found, OSError):

@@ -74,7 +74,7 @@ class MergedScanner:
             try:
                 scan = view.scanner.scan(request, share, cancelled)
             except (FileError, LinkError) as error:
-                raise _failed(view, error.message) from None
+                raise _make_error(view, error.message) from None
             if cancelled():
                 raise JobCancelled(CancelText.SCAN())
             T = self._mount.T_world_scanner.actInv(scan.T_world_scanner)
@@ -131,12 +131,14 @@ def _check_calibration(view: ScannerView, now: float) -> None:
     if view.mount.source == SIMULATED:
         return
     if record is None:
-        raise _failed(view, ScannerText.NOT_CALIBRATED())
+        raise _make_error(view, ScannerText.NOT_CALIBRATED())
     days = (now - record.at) / DAY
     if days > view.mount.calibration_days:
         allowed = view.mount.calibration_days
-        raise _failed(view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=f"{allowed:g}"))
+        raise _make_error(
+            view, ScannerText.CALIBRATION_OLD(days=round(days), allowed=f"{allowed:g}")
+        )
 
 
-def _failed(view: ScannerView, problem: Message) -> LinkError:
+def _make_error(view: ScannerView, problem: Message) -> LinkError:
     return LinkError(ScannerText.VIEW(name=view.file.name, problem=problem))

@@ -72,10 +72,10 @@ class UrRtde:
     ) -> Iterator[Receipt]:
         """Load the program and follow it to its end; one receipt for it, and one for each leg."""
 
-        def released() -> None:
+        def check_release() -> None:
             check_approval(plan, approval, cell, now())
 
-        released()
+        check_release()
         self.check(cell)
         program = self._program(cell, plan, approval, patience.silence)
         ports = (cell.controller.port, RTDE_PORT)
@@ -89,7 +89,7 @@ class UrRtde:
                 patience=patience,
                 link=self.motion.link,
             )
-            yield from talk.run(released, cancelled)
+            yield from talk.run(check_release, cancelled)
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         """What goes out for a plan."""
@@ -108,7 +108,7 @@ class UrRtde:
         with Client(cell.controller.host, (RTDE_PORT,), sends=False) as client:
             while not cancelled():
                 # The library goes on telling the last that it heard when a cable is cut.
-                news = states.taken(client.hear(POLL), in_motion=False)
+                news = states.take(client.hear(POLL), in_motion=False)
                 if news is None:
                     if time.monotonic() - fresh > silence:
                         raise LinkError(DeviceText.NOTHING_NEW(seconds=silence))

@@ -77,7 +77,7 @@ class States:
         self._arm, self._bounds = arm, bounds_of(cell, arm)
         self._at = -math.inf
 
-    def taken(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> UrState | None:
+    def take(self, message: dict[str, Any] | None, *, in_motion: bool = True) -> UrState | None:
         """A state that is news; None where this is none: the client reports the last one again.
 
         Args:
@@ -99,7 +99,7 @@ class States:
         self._at = at
         if len(message["q"]) != len(self._arm.joints):
             raise ProtocolError(f"the controller reports {len(message['q'])} axes, 6 are expected")
-        q = self._bounds.taken(self._arm.from_axes(message["q"]), in_motion=in_motion)
+        q = self._bounds.take(self._arm.from_axes(message["q"]), in_motion=in_motion)
         mode, safety, runtime, leg = (
             message[name] for name in ("mode", "safety", "runtime", "leg")
         )

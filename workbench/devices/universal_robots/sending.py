@@ -158,7 +158,7 @@ class RtdeSending:
             message = self._client.hear(POLL)
             if message is not None and message.get("remote") is False:
                 raise LinkError(DeviceText.LOCAL_CONTROL())
-            state = self._states.taken(message)
+            state = self._states.take(message)
             if state is not None:
                 # How long the client took to connect is not the controller's silence.
                 self._fresh = self._patience.clock()
@@ -199,7 +199,7 @@ class RtdeSending:
         message = self._client.hear(POLL)
         if message is not None and message.get("sent") is False:
             raise LinkError(DeviceText.NOT_TAKEN())
-        state = self._states.taken(message)
+        state = self._states.take(message)
         if state is not None:
             self._fresh = self._patience.clock()
             self._alive += 1
@@ -223,7 +223,7 @@ class RtdeSending:
             while clock() - began < self._patience.stop:
                 message = self._client.hear(POLL)
                 is_heard = is_heard or (message is not None and "stopping" in message)
-                state = self._states.taken(message)
+                state = self._states.take(message)
                 if state is None or not is_heard:
                     continue
                 # What was on its way when the stop was heard says nothing: two that agree do.

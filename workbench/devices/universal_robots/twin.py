@@ -85,7 +85,7 @@ class SimulatedUr:
         self._listening: list[tuple[socket.socket, Callable[[socket.socket], None]]] = []
         for port, serve in (
             (simulation.port, self._take_programs),
-            (rtde.RTDE_PORT, RtdePort(self._state, self._written, self._heard).serve),
+            (rtde.RTDE_PORT, RtdePort(self._state, self._take_registers, self._receive).serve),
             (DASHBOARD_PORT, self._dashboard),
         ):
             try:
@@ -172,7 +172,7 @@ class SimulatedUr:
         with client, suppress(OSError, struct.error, ValueError, LookupError, ArithmeticError):
             serve(client)
 
-    def _heard(self, client: socket.socket, most: int) -> bytes | None:
+    def _receive(self, client: socket.socket, most: int) -> bytes | None:
         """What a client says; nothing within a moment is empty, None when it is over."""
         if self._over.is_set() or self._cut.is_set():
             return None
@@ -185,7 +185,7 @@ class SimulatedUr:
 
     def _take_programs(self, client: socket.socket) -> None:
         heard = b""
-        while (data := self._heard(client, 1 << 16)) is not None:
+        while (data := self._receive(client, 1 << 16)) is not None:
             heard += data
             while b"\nend\n" in heard:
                 text, _, heard = heard.partition(b"\nend\n")
@@ -327,7 +327,7 @@ class SimulatedUr:
             **registers,
         }
 
-    def _written(self, values: dict[str, object]) -> None:
+    def _take_registers(self, values: dict[str, object]) -> None:
         if f"input_int_register_{rtde.ALIVE}" in values:
             with self._lock:
                 self._alive_at = time.monotonic()
@@ -337,7 +337,7 @@ class SimulatedUr:
     def _dashboard(self, client: socket.socket) -> None:
         client.sendall(b"Connected: Universal Robots Dashboard Server\n")
         heard = b""
-        while (data := self._heard(client, rtde.LONGEST)) is not None:
+        while (data := self._receive(client, rtde.LONGEST)) is not None:
             *lines, heard = (heard + data).split(b"\n")
             for line in lines:
                 client.sendall(self._answer(line.decode("ascii", "replace").strip()) + b"\n")

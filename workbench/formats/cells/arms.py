@@ -83,7 +83,7 @@ def _arm(table: Table, robot: Robot, tools: dict[str, Tool]) -> Arm:
     home[axis_order] = np.deg2rad(table.numbers("home_deg", count, low=-720, high=720)) * signs
     _check_home(table, robot, joints, home)
     of_tool, of_part, place_names = read_places(table)
-    id_key = table.renamed("controller_id", "letter")
+    id_key = table.current_name("controller_id", "letter")
     arm = Arm(
         name=name,
         controller_id=table.text(id_key, name[0].upper()),

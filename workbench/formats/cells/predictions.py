@@ -52,16 +52,16 @@ def write_predictions(path: Path, predictions: Predictions) -> None:
 
 
 def _forecast(row: Table) -> Forecast:
-    def known(key: str, high: float) -> float | None:
+    def read_number(key: str, high: float) -> float | None:
         return None if row.is_null(key) else row.number(key, low=0, high=high)
 
     forecast = Forecast(
         row.number("threshold", low=0, high=10),
-        known("coordinated", 1),
-        known("success", 1),
-        known("planning", 1e6),
-        known("cycle", 1e6),
-        known("parts_per_hour", 1e9),
+        read_number("coordinated", 1),
+        read_number("success", 1),
+        read_number("planning", 1e6),
+        read_number("cycle", 1e6),
+        read_number("parts_per_hour", 1e9),
     )
     row.finish()
     return forecast

@@ -35,7 +35,7 @@ class PhotoneoCamera:
     R: Floats
     resolution: tuple[int, int] | None
 
-    def seen(self, points: Floats) -> Floats:
+    def move_to_camera(self, points: Floats) -> Floats:
         """Points (n, 3) from the camera, in the file's unit; (0, 0, 0), not measured, stays."""
         measured = np.isfinite(points).all(axis=1, keepdims=True)
         measured &= points.any(axis=1, keepdims=True)

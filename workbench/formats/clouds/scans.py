@@ -230,7 +230,7 @@ def _ply(path: Path, content: bytes) -> Rows:
     points = values[:, :3]
     camera = camera_of(path, content, header)
     if camera is not None:
-        points = camera.seen(points)
+        points = camera.move_to_camera(points)
         resolution = resolution or camera.resolution
     return Rows(
         points,

@@ -103,7 +103,7 @@ def apart(
         JobCancelled: it was cancelled.
     """
     if not _place(cancelled):
-        raise JobCancelled(_cancelled(path))
+        raise JobCancelled(_cancellation(path))
     try:
         with tempfile.TemporaryDirectory(prefix="workbench-") as name:
             folder = Path(name)
@@ -153,7 +153,7 @@ def _run(
                 return process.wait(POLL)
             except subprocess.TimeoutExpired:
                 if cancelled():
-                    raise JobCancelled(_cancelled(path)) from None
+                    raise JobCancelled(_cancellation(path)) from None
                 if time.monotonic() > until:
                     slow = FileProblem.TIME(seconds=WAITS * longest)
                     raise FileError(path, slow) from None
@@ -183,7 +183,7 @@ def _answer(path: Path, folder: Path, code: int, longest: float) -> Answer:
             raise FileError(path, FileProblem.INTERNAL())
 
 
-def _cancelled(path: Path) -> Message:
+def _cancellation(path: Path) -> Message:
     return FileText.PROBLEM(path=path.name, problem=FileProblem.CANCELLED())
 
 

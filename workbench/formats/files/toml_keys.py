@@ -69,7 +69,7 @@ class Table:
         self._asked.add(key)
         return key in self._values
 
-    def renamed(self, key: str, old: str) -> str:
+    def current_name(self, key: str, old: str) -> str:
         """The name to read a text by: `old`, its former one, where a file still has that.
 
         Raises:

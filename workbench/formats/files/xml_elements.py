@@ -48,7 +48,7 @@ class Element:
         """An error that names the file and the element."""
         return FileError(self.path, f"{self.place}: {problem}")
 
-    def named(self, name: str) -> "Element":
+    def with_name(self, name: str) -> "Element":
         """The same element, called by its name in messages."""
         return Element(self.path, self._element, f"{self.tag} {quote(name)}")
 

@@ -321,27 +321,32 @@ def _mount(path: Path, robot: Robot, names: list[str], line: list[str], depth: i
     if any(prefix + sub_link.name in known for sub_link in sub.links):
         raise FileError(path, f"mount: {line[1]} is mounted twice under the same names")
 
-    def called(name: str) -> str:
+    def add_prefix(name: str) -> str:
         return prefix + name
 
-    mount = Joint(called(sub.root), "fixed", link, called(sub.root), T, np.array([0.0, 0.0, 1.0]))
+    mount = Joint(
+        add_prefix(sub.root), "fixed", link, add_prefix(sub.root), T, np.array([0.0, 0.0, 1.0])
+    )
     return Robot(
         robot.name,
-        (*robot.links, *(replace(sub_link, name=called(sub_link.name)) for sub_link in sub.links)),
+        (
+            *robot.links,
+            *(replace(sub_link, name=add_prefix(sub_link.name)) for sub_link in sub.links),
+        ),
         (
             *robot.joints,
             mount,
             *(
                 replace(
                     joint,
-                    name=called(joint.name),
-                    parent=called(joint.parent),
-                    child=called(joint.child),
+                    name=add_prefix(joint.name),
+                    parent=add_prefix(joint.parent),
+                    child=add_prefix(joint.child),
                 )
                 for joint in sub.joints
             ),
         ),
         robot.disabled_pairs
-        | frozenset((called(a), called(b)) for a, b in sub.disabled_pairs)
-        | {(min(link, called(sub.root)), max(link, called(sub.root)))},
+        | frozenset((add_prefix(a), add_prefix(b)) for a, b in sub.disabled_pairs)
+        | {(min(link, add_prefix(sub.root)), max(link, add_prefix(sub.root)))},
     )

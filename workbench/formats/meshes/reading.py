@@ -72,7 +72,7 @@ def read_mesh(
         raise FileError(path, FileProblem.NO_MESH(kinds=KINDS))
     content = read_whole(path, LARGEST_MESH)
 
-    def made() -> Mesh:
+    def make() -> Mesh:
         is_taught = kind == ".pcd"
         mesh = (
             _read_taught(path, content, scale)
@@ -83,11 +83,11 @@ def read_mesh(
 
     # What reads points of a scanner is code of another folder, which a recipe does not know of.
     if len(content) > LARGEST_KEPT or kind == ".pcd":
-        return made()
+        return make()
     axes = np.broadcast_to(np.asarray(scale, np.float64), 3).tobytes()
     how = f"mesh {recipe('trimesh', 'scipy', 'pycollada')} {kind} {is_piece}"
-    found = load_or_make(how, [axes, content], lambda: pack_meshes([made()]))
-    return unpack_meshes(found)[0] if found else made()
+    found = load_or_make(how, [axes, content], lambda: pack_meshes([make()]))
+    return unpack_meshes(found)[0] if found else make()
 
 
 def _load_mesh(path: Path, content: bytes, scale: Floats | float, most: int) -> Mesh:

@@ -55,7 +55,7 @@ class PoseConvention:
         values = np.asarray(numbers, np.float64)
         return pin.SE3(self.matrix(values[3:]), values[:3] / 1000)
 
-    def shown(self, T: pin.SE3) -> tuple[float, ...]:
+    def show(self, T: pin.SE3) -> tuple[float, ...]:
         """The numbers of a pose, as the pendant shows them."""
         return tuple(float(x) for x in (*(T.translation * 1000), *self.numbers(T.rotation)))
 

@@ -21,7 +21,7 @@ class Calls(Expressions):
             return self.unknown(name, "a function")
         if type(routine) is not Routine or (routine.kind is None and not routine.is_loose):
             return self.wrong(name, f"{name} is no function")
-        run = self.bound(routine, args, node)
+        run = self.bind(routine, args, node)
         return Ex(routine.kind or UNKNOWN, run)
 
     def _of_argument(self, node: Node, name: str, args: Node) -> Ex:
@@ -57,14 +57,14 @@ class Calls(Expressions):
             elif item.data != "passed_on":
                 self.expression(item, UNKNOWN)
 
-    def bound(self, routine: Routine, args: Node | None, node: Node) -> Run:
+    def bind(self, routine: Routine, args: Node | None, node: Node) -> Run:
         """A call with its arguments, checked against the parameters."""
         if not routine.is_executed:
             self.left_out(node, routine.name)
         if routine.is_loose:
             self.loose(args)
             return NOTHING.run
-        given = self._given(routine, args, node)
+        given = self._bind_arguments(routine, args, node)
         groups = [
             parameter.group
             for parameter in routine.parameters
@@ -77,7 +77,7 @@ class Calls(Expressions):
             return lambda frame: routine.call([make(frame) if make else None for make in makers])
         return _native(routine, given)
 
-    def _given(self, routine: Routine, args: Node | None, node: Node) -> dict[str, Run]:
+    def _bind_arguments(self, routine: Routine, args: Node | None, node: Node) -> dict[str, Run]:
         by_name = {parameter.name: parameter for parameter in routine.parameters}
         given: dict[str, Run] = {}
         required = [parameter for parameter in routine.parameters if not parameter.is_optional]
@@ -90,7 +90,7 @@ class Calls(Expressions):
                     continue
                 if routine.takes and parameter.name not in routine.takes:
                     self.left_out(item.children[0], f"{routine.name} \\{item.children[0]}")
-                given[parameter.name] = self._named(routine, item, parameter)
+                given[parameter.name] = self._bind_named(routine, item, parameter)
             elif not required:
                 self.wrong(item, f"{routine.name} has no more arguments")
             elif item.data == "by_name":
@@ -110,7 +110,7 @@ class Calls(Expressions):
             )
         return given
 
-    def _named(self, routine: Routine, item: Node, parameter: Parameter) -> Run:
+    def _bind_named(self, routine: Routine, item: Node, parameter: Parameter) -> Run:
         if item.data == "passed_on":
             name = item.children[1]
             found = self.symbol(str(name))

@@ -275,14 +275,14 @@ class Declarations:
         if not found.is_constant:
             scope.wrong(value, "this is not known before the program runs")
             return content
-        known = scope.known(value, found)
+        known = scope.evaluate_constant(value, found)
         return content if known is None else known
 
     def _sizes(self, scope: Scope, dims: Node | None) -> tuple[int, ...]:
         sizes: list[int] = []
         for child in dims.children if dims is not None else ():
             found = scope.value(child, NUM)
-            size = scope.known(child, found) if found.is_constant else 0.0
+            size = scope.evaluate_constant(child, found) if found.is_constant else 0.0
             if found is NOTHING:
                 size = None
             if size is not None and (size < 1 or size != int(size)):

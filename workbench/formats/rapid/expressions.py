@@ -118,7 +118,7 @@ class Expressions:
         """An expression of any type; `wanted` is the one that would fit."""
         return getattr(self, f"_{node.data}")(node, wanted)
 
-    def known(self, node: Any, found: Ex) -> Any:
+    def evaluate_constant(self, node: Any, found: Ex) -> Any:
         """The value of a constant expression; None where it has none, which is noted."""
         try:
             return found.run(Frame())
@@ -268,7 +268,7 @@ class Expressions:
         if len(found) != ex.kind.dims:
             return self.wrong(node, f"{ex.kind} is indexed with {len(found)} numbers")
         for subscript, size in zip(found, ex.sizes, strict=False):
-            value = self.known(index, subscript) if subscript.is_constant else 1.0
+            value = self.evaluate_constant(index, subscript) if subscript.is_constant else 1.0
             if value is None:
                 return NOTHING
             if not 1 <= value <= size:
@@ -343,10 +343,10 @@ def _read(place: Callable[[Frame], Place]) -> Run:
 
 
 def _in_range(run: Run, low: float, high: float, name: str) -> Run:
-    def checked(frame: Frame) -> float:
+    def run_checked(frame: Frame) -> float:
         value = run(frame)
         if not low <= value <= high or value != int(value):
             raise RapidStop(f"{value:g} is no {name}: whole numbers from {low:g} to {high:g}")
         return value
 
-    return checked
+    return run_checked

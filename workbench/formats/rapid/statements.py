@@ -148,7 +148,7 @@ class Statements(Calls):
         if type(routine) is not Routine or (routine.word != "proc" and not routine.is_loose):
             self.wrong(name, f"{name} is no procedure")
             return NOTHING.run
-        run = self.bound(routine, args, node)
+        run = self.bind(routine, args, node)
 
         def act(frame: Frame) -> None:
             run(frame)

@@ -70,9 +70,9 @@ def robot_of(
     for element in root.all("link"):
         name = element.text("name")
         if name in links:
-            raise element.named(name).error("is there twice")
+            raise element.with_name(name).error("is there twice")
         is_hull = hull_except is not None and name not in hull_except
-        links[name] = shapes.link(element.named(name), name, hull=is_hull)
+        links[name] = shapes.link(element.with_name(name), name, hull=is_hull)
     if not links:
         raise FileError(path, "has no links")
     for name in hull_except or ():
@@ -80,7 +80,7 @@ def robot_of(
             raise FileError(path, f"has no link {quote(name)} whose meshes could stay as they are")
     followers: list[Follower] = []
     joints = [
-        read_joint(element.named(element.text("name")), links, remarks, followers)
+        read_joint(element.with_name(element.text("name")), links, remarks, followers)
         for element in root.all("joint")
     ]
     ordered = as_tree(path, links, joints)

@@ -58,7 +58,7 @@ class DriftGroup:
             self._cancel.visible = False
         self._look.on_click(lambda _: self._began())
         self._cancel.on_click(lambda _: self._gave_up())
-        visitor.on_press(self._take, self._taken)
+        visitor.on_press(self._take, self._take_drift)
 
     def show(self, new: View) -> None:
         """Let be used what can be used of a cell as it is now."""
@@ -72,7 +72,7 @@ class DriftGroup:
         if self._given_up is None and isinstance(self._visitor.bench, Bench):
             self._given_up = threading.Event()
             looked = threading.Thread(
-                target=self._looked, args=(self._given_up,), name="drift", daemon=True
+                target=self._look_for_drift, args=(self._given_up,), name="drift", daemon=True
             )
             looked.start()
 
@@ -80,7 +80,7 @@ class DriftGroup:
         if self._given_up is not None:
             self._given_up.set()
 
-    def _looked(self, given_up: threading.Event) -> None:
+    def _look_for_drift(self, given_up: threading.Event) -> None:
         """Look through the sessions; that takes some seconds for each week."""
         bench = self._visitor.bench
         if not isinstance(bench, Bench):
@@ -131,7 +131,7 @@ class DriftGroup:
     def _report(self, done: float, note: Message | str) -> None:
         self._look.label = self._visitor.words.render(CalibrationText.READING(done=done))
 
-    def _taken(self) -> Command:
+    def _take_drift(self) -> Command:
         cell = self._visitor.bench.state.cell
         if self._found is None or self._found[0] != cell.digest:
             raise InputError(NOTHING)

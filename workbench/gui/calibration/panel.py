@@ -13,7 +13,7 @@ from workbench.app.core.cycle.scanning import SightPlate, UseObservations
 from workbench.app.core.value_checks import MOST_OBSERVATIONS
 from workbench.gui.calibration.drift import DriftGroup
 from workbench.gui.help.groups import group
-from workbench.gui.shared.calibrating import solved
+from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.calibration_views import (
     answer_html,
     next_html,
@@ -155,8 +155,8 @@ class CalibrationPanel:
         visitor, own = self._visitor, self._visitor.own
         visitor.on_press(self._take, self._wanted_scan)
         visitor.on_press(self._leave, self._left_out)
-        visitor.on_press(self._remove, self._removed)
-        visitor.on_press(self._apply, self._applied)
+        visitor.on_press(self._remove, self._remove_pose)
+        visitor.on_press(self._apply, self._apply_calibration)
         visitor.on_press(self._save, lambda: SaveCell("calibrated"))
         self._suggest.on_click(lambda _: self._suggest_next())
         visitor.by_hand(self._after, lambda after: own.change(is_calibrated=bool(after)))
@@ -199,7 +199,7 @@ class CalibrationPanel:
         try:
             cell, arm = visitor.cell, visitor.cell.arm(self._arm.value)
             state = visitor.bench.state
-            observations, found = state.observations, solved(state)
+            observations, found = state.observations, solve(state)
             is_solved = isinstance(found, Calibration) and observations[-1].arm == arm.name
             known, left = self._suggested
             key = (cell.digest, arm.name, self._ball.value, self._sides.value)
@@ -256,7 +256,7 @@ class CalibrationPanel:
         after = (*observations[:number], changed, *observations[number + 1 :])
         return UseObservations(after, says(pose=observation.name))
 
-    def _removed(self) -> Command:
+    def _remove_pose(self) -> Command:
         number, observations = self._chosen
         self._visitor.own.change(observation=None)
         rest = observations[:number] + observations[number + 1 :]
@@ -269,7 +269,7 @@ class CalibrationPanel:
             raise InputError("type your name: it is kept with the calibration")
         return by
 
-    def _applied(self) -> Command:
+    def _apply_calibration(self) -> Command:
         by = self._who()
         state = self._visitor.bench.state
         found = compute_calibration(state.cell, state.observations)

@@ -20,7 +20,7 @@ from workbench.gui.shared.tables import (
     funnel_html,
     holds,
     on_page,
-    ordered,
+    order_candidates,
     pages,
     stages_html,
 )
@@ -142,7 +142,7 @@ class CandidatesPanel:
             self._order = replace(self._order, only=None, page=0)
         order, words = self._order, self._visitor.words
         self._drawn = order
-        indices = ordered(candidates, order, words)
+        indices = order_candidates(candidates, order, words)
         count = pages(len(indices))
         page = min(order.page, count - 1)
         self._shown = on_page(indices, page)

@@ -32,7 +32,7 @@ class JogFinder:
         self._key: tuple[object, ...] = ()
         self._world: World | None = None
 
-    def jogged(self, state: State, q: Mapping[str, Floats]) -> Jogged:
+    def check_jog(self, state: State, q: Mapping[str, Floats]) -> Jogged:
         """What meets when the named arms stand at `q` (n,) [rad], fingers open, others at home."""
         key = (state.cell, state.detections, state.obstacles)
         if self._world is None or any(a is not b for a, b in zip(key, self._key, strict=True)):
@@ -43,12 +43,14 @@ class JogFinder:
         world.enter(LegPhase(frozenset(openings), openings))
         whole = world.configuration(q)
         contacts = world.contacts(whole)
-        meets = tuple(touch for contact in contacts for touch in world.placed(whole, contact.pair))
+        meets = tuple(
+            touch for contact in contacts for touch in world.place_shapes(whole, contact.pair)
+        )
         clearance, pair = world.clearance(whole, SHOWN)
         return Jogged(dict(q), contacts, clearance, pair, meets)
 
 
-def led(chain: Chain, q: Floats, T_world_tcp: pin.SE3) -> Floats | None:
+def lead_to(chain: Chain, q: Floats, T_world_tcp: pin.SE3) -> Floats | None:
     """The configuration (n,) [rad] nearest to `q` with the tool at a pose; None out of reach."""
     rng = np.random.default_rng(0)
     near = q + rng.uniform(-AROUND, AROUND, (TRIES, len(q)))

@@ -12,7 +12,7 @@ from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.state import Phase
-from workbench.gui.cell.jog import led
+from workbench.gui.cell.jog import lead_to
 from workbench.gui.cell.views import contacts_html
 from workbench.gui.dragging.gizmo_drag import add_gizmo
 from workbench.gui.scene.robot import place, pose_of_node
@@ -222,7 +222,7 @@ class JogControls:
         if jog is None or gizmo is None:
             return
         position, angles = shown_pose(pose_of_node(gizmo))
-        q = led(self._chain(arm), jog[arm.name], typed_pose(position, angles))
+        q = lead_to(self._chain(arm), jog[arm.name], typed_pose(position, angles))
         if q is not None:
             self._move(q)
         if not self._is_dragged:

@@ -21,7 +21,7 @@ from workbench.gui.shared.movable_frames import (
     SCANNER,
     TCP,
     frame_of,
-    moved,
+    move_frame,
     moving,
     pose_of,
     things,
@@ -141,7 +141,7 @@ class CellPanel:
             self._line.content = cell_line(state, self._visitor.words)
             self._show_tools(cell, cannot)
             self._upload.show(state)
-            if tool := self._upload.arrived(state):
+            if tool := self._upload.take_arrival(state):
                 # Its TCP is what comes next: the gizmo is there.
                 self._thing.value = f"{TCP} {tool}"
                 self._visitor.own.change(thing=self._thing.value)
@@ -171,7 +171,7 @@ class CellPanel:
         self._thing.on_update(self._on_chosen)
         visitor.on_press(self._undo, UndoCell)
         visitor.on_press(self._redo, RedoCell)
-        self._save.on_click(lambda _: self._saved())
+        self._save.on_click(lambda _: self._save_cell())
         for name, dropdown in self._tools.items():
             dropdown.on_update(lambda event, name=name: self._on_mount(event, name))
         self._measure.on_click(lambda _: self._turn_measuring())
@@ -191,7 +191,7 @@ class CellPanel:
         frame = frame_of(cell, thing)
         self._inputs.show(pose_of(cell, thing), problem=problem, T_world_frame=frame)
 
-    def _saved(self) -> None:
+    def _save_cell(self) -> None:
         """Save with the remark, which goes once it is in the files."""
         self._is_saving = True
         self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))
@@ -205,10 +205,10 @@ class CellPanel:
         self._measure.label = "Click on two points"
 
         @self._visitor.client.scene.on_click()
-        def clicked(event: Any) -> None:
+        def click(event: Any) -> None:
             self._measure_to(np.array(event.ray_origin), np.array(event.ray_direction))
 
-        self._clicked = clicked
+        self._clicked = click
 
     def _end_measuring(self) -> None:
         clicked, self._clicked = self._clicked, None
@@ -252,5 +252,7 @@ class CellPanel:
     def _move(self, T: pin.SE3) -> bool:
         thing = self._thing.value
         return self._visitor.ask(
-            lambda: ChangeCell(moved(self._visitor.cell, thing, T), EditText.MOVED(thing=thing))
+            lambda: ChangeCell(
+                move_frame(self._visitor.cell, thing, T), EditText.MOVED(thing=thing)
+            )
         )

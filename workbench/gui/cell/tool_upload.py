@@ -77,7 +77,7 @@ class ToolUpload:
         for pick in (self._body, self._finger):
             pick.admit(state, AddTool)
 
-    def arrived(self, state: State) -> str:
+    def take_arrival(self, state: State) -> str:
         """The name of the tool that this browser has asked for, once it is in the cell."""
         tools = {tool.name for arm in state.cell.arms for tool in arm.tools}
         if self._asked not in tools:

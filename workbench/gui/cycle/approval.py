@@ -11,7 +11,7 @@ import viser
 from workbench.app.core.cycle.approval import Approve, standing_votes
 from workbench.app.core.state import State
 from workbench.gui.cycle.approval_views import facts_html
-from workbench.gui.scene.nearest import PlanLinks
+from workbench.gui.drawing.nearest import PlanLinks
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.approval import ApprovalText
@@ -65,7 +65,7 @@ class ApprovalDialog:
                     links = PlanLinks(visitor, self.close, len(row))
                     joints, now = visitor.bench.live.joints, time.time()
                     visitor.gui.add_html(
-                        facts_html(state, joints, now, links.made(state), visitor.words)
+                        facts_html(state, joints, now, links.make_html(state), visitor.words)
                     )
                     self._add_word(state, named)
 

@@ -6,7 +6,7 @@ from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.numbers import renumber
-from workbench.gui.scene.nearest import certificates_of, free_message, straight_message
+from workbench.gui.drawing.nearest import certificates_of, free_message, straight_message
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText

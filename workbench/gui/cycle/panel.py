@@ -36,7 +36,7 @@ from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.calibration_views import bin_html
 from workbench.gui.shared.link_views import NO_SAFETY
 from workbench.gui.shared.look import View
-from workbench.gui.shared.movable_frames import BIN, moved
+from workbench.gui.shared.movable_frames import BIN, move_frame
 from workbench.gui.shared.views import (
     line,
     parts_line,
@@ -262,7 +262,7 @@ class CyclePanel:
         if check is None or check.T_world_bin is None:
             raise InputError("the bin is not seen anywhere")
         says = EditText.BIN_MOVED(shift=check.shift)
-        return ChangeCell(moved(state.cell, BIN, check.T_world_bin), says)
+        return ChangeCell(move_frame(state.cell, BIN, check.T_world_bin), says)
 
     def _wanted_parts(self) -> FindParts:
         return FindParts(whole(self._seed.value))

@@ -4,7 +4,7 @@ from html import escape
 
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.state import State
-from workbench.gui.shared.views import hint, line, mm, said, sentence
+from workbench.gui.shared.views import hint, line, message_text, mm, sentence
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
@@ -30,7 +30,7 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     result = strategy_message(plan.strategy)
     if unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
-    text = said(all_of((result, *plan.remarks)) or result, words)
+    text = message_text(all_of((result, *plan.remarks)) or result, words)
     kind = "warn" if plan.goes_unseen else "result"
     return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
 

@@ -2,7 +2,7 @@
 
 from workbench.app.core.cycle.sending import step_reported
 from workbench.app.core.state import Phase, State
-from workbench.gui.shared.views import line, said
+from workbench.gui.shared.views import line, message_text
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.model.messages.message import Message
 from workbench.words.words import IN_ENGLISH, Words
@@ -37,7 +37,7 @@ def send_line(state: State, words: Words = IN_ENGLISH) -> str:
     if len(state.plans) > 1:
         # They are counted anew for each plan of a row.
         sent = CyclePageText.SENT_OF_PLAN(sent=sent, number=len(state.sent_before) + 1)
-    return line(said(sent, words), span=1, tip=purpose)
+    return line(message_text(sent, words), span=1, tip=purpose)
 
 
 def _step_message(state: State, step: int, steps: int) -> Message:

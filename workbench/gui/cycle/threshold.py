@@ -57,7 +57,7 @@ class ThresholdInput:
             # The renderer sets the slider too; only a person's hand comes with a browser.
             if event.client is not None:
                 self.draw(visitor.bench.state, time.time())
-                self._drag.moved()
+                self._drag.note_move()
 
     def add_forecast(self) -> None:
         """Add the line that says what a study knows, where it is to stand."""

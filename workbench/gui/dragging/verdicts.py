@@ -90,10 +90,10 @@ class LiveVerdicts:
             if arguments["obstacles"] is None:
                 arguments["around"] = state.scan, state.detections, state.placed
 
-        def answered(result: Any) -> None:
-            self._answered(drag, number, state, result, T_world_words)
+        def take_answer(result: Any) -> None:
+            self._take_answer(drag, number, state, result, T_world_words)
 
-        bench.ask(Question(self._visitor.number, "glance", arguments, answered))
+        bench.ask(Question(self._visitor.number, "glance", arguments, take_answer))
 
     def end(self) -> None:
         """The drag is over: what is shows again, and late answers are not taken."""
@@ -115,7 +115,7 @@ class LiveVerdicts:
         brought = self._brought
         return brought[1] if brought is not None and is_same_view(brought[0], state) else None
 
-    def _answered(
+    def _take_answer(
         self, drag: int, number: int, state: State, result: Any, T_world_words: pin.SE3
     ) -> None:
         with self._lock:

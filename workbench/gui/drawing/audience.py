@@ -95,7 +95,7 @@ class Audience:
             self._changed.notify()
         return at
 
-    def drawn(self, at: float) -> None:
+    def note_drawn(self, at: float) -> None:
         """The moment at a time [s] was sent to be drawn."""
         with self._changed:
             if self._is_on:
@@ -105,8 +105,8 @@ class Audience:
     def out(self, begin: float, end: float) -> None:
         """From one time [s] to another the hands are out of the picture; before it is `drawn`."""
         with self._changed:
-            self._out = joined(*self._out, (begin, end))
-            self._outs = joined(*self._outs, (begin, end))
+            self._out = join_spans(*self._out, (begin, end))
+            self._outs = join_spans(*self._outs, (begin, end))
 
     def stop(self) -> None:
         """The stretch ends here; what is not confirmed now was not seen."""
@@ -149,10 +149,10 @@ class Audience:
             if not self._is_on or stretch != self._stretch:
                 return
             self._seen = max(self._seen, at)
-            self._spans = joined(*self._spans, *without((self._from, self._seen), self._out))
+            self._spans = join_spans(*self._spans, *without((self._from, self._seen), self._out))
 
 
-def joined(*spans: Span) -> tuple[Span, ...]:
+def join_spans(*spans: Span) -> tuple[Span, ...]:
     """Stretches [s] in order, those that meet as one."""
     found: list[Span] = []
     for begin, end in sorted(spans):

@@ -3,7 +3,7 @@
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
 from workbench.gui.shared.look import AFTER_CYCLE, SharedLook
-from workbench.gui.shared.playback import Run, followed
+from workbench.gui.shared.playback import Run, follow_plan
 
 SENT = AFTER_CYCLE | {Phase.SENDING}
 """The plan has moved the robot, or does."""
@@ -31,7 +31,7 @@ def keep_up(
     if state.phase is Phase.SENDING:
         at = look.now.followed
         if live.joints:
-            at = followed(state.cell, runs, live.joints, at)
+            at = follow_plan(state.cell, runs, live.joints, at)
         # A hand on the scrubber that came a moment too late would hold the picture for good.
         if at != look.now.time or not look.now.follows:
             look.change(time=at, is_playing=False, by=None, follows=True)

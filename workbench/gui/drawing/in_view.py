@@ -9,10 +9,15 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.gui.drawing.audience import Span
-from workbench.gui.scene.surroundings import FIELD_OF_VIEW, BrowserCamera, framed, look_direction
+from workbench.gui.scene.surroundings import (
+    FIELD_OF_VIEW,
+    BrowserCamera,
+    frame_camera,
+    look_direction,
+)
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import View
-from workbench.gui.shared.playback import Run, interpolated, latest
+from workbench.gui.shared.playback import Run, interpolate, latest
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.scene import WatchText
 from workbench.model.cell import Cell
@@ -51,7 +56,7 @@ class HandWays:
         for arm in self.cell.arms:
             run = latest(self.runs, arm.name, time)
             if run is not None and time <= run.end:
-                q = interpolated(run.leg.q, run.leg.t, time - run.start)
+                q = interpolate(run.leg.q, run.leg.t, time - run.start)
                 found.append(self.kinematics.tcp_pose(arm, q).translation)
         return np.array(found).reshape(-1, 3)
 
@@ -88,7 +93,9 @@ def look_at_hands(way: HandWays, points: Floats, camera: BrowserCamera) -> tuple
     around = HAND * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
     hands = (points[:, None, :] + around).reshape(-1, 3)
     inside = np.concatenate([whole(way.cell), hands])
-    return framed(inside, look_direction(way.cell), camera.fov or FIELD_OF_VIEW, camera.aspect)
+    return frame_camera(
+        inside, look_direction(way.cell), camera.fov or FIELD_OF_VIEW, camera.aspect
+    )
 
 
 class InView:

@@ -48,7 +48,7 @@ class OwnViews:
             return None
         if before is not None and before.own.jog is own.jog and before.state is state:
             return before.jogged
-        return self._jogger.jogged(state, own.jog)
+        return self._jogger.check_jog(state, own.jog)
 
 
 def is_news(old: View, new: View) -> bool:

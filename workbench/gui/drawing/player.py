@@ -17,6 +17,8 @@ from workbench.model.plan import Plan
 
 log = logging.getLogger(__name__)
 
+AS_FAST_AS_REAL = 1.0
+"""[s of the plan in a second] What is played faster does not count as watched."""
 
 Row = tuple[Plan, ...]
 """A plan and those after it, which are played as one film; two are equal when they are the same."""
@@ -74,7 +76,7 @@ class Player:
     def drawn(self, view: View) -> None:
         """A view was sent to all browsers."""
         if self._audience is not None and view.look.time == self._at:
-            self._audience.drawn(view.look.time)
+            self._audience.note_drawn(view.look.time)
 
     def unseen(self, row: Row, end: float) -> tuple[Span, ...]:
         """What of a row up to its end [s] the browser that played it last has not seen yet."""
@@ -102,7 +104,10 @@ class Player:
             # From the end, Play begins at the start again, or where something was not seen.
             missing = audience.unseen(end) if audience is not None else ()
             begin = missing[0][0] if missing else 0.0
-        if audience is None or visitor is None:
+        elapsed *= self._look.now.speed
+        if audience is None or visitor is None or self._look.now.speed > AS_FAST_AS_REAL:
+            if audience is not None:
+                audience.stop()
             self._at = min(begin + elapsed, end)
         else:
             if not audience.is_on or time != self._at or time >= end:
@@ -115,7 +120,8 @@ class Player:
             self._at = max(begin, min(begin + elapsed, limit))
             if self._view.are_out(view, visitor, begin, self._at):
                 audience.out(begin, self._at)
-        self._look.change(time=self._at, is_playing=self._at < end, by=None)
+        goes_on = self._at < end or self._look.now.loops
+        self._look.change(time=self._at, is_playing=goes_on, by=None)
 
     def _audience_of(self, row: Row, visitor: Visitor | None) -> Audience | None:
         """The audience of this row in this browser; another one has seen nothing of it."""

@@ -83,4 +83,4 @@ class PoseFinder:
             return Pose(label, q, opening, "clear")
         first, second = map(found_part, contact.pair)
         note = PosePageText.PAIR(first=first, second=second, distance=contact.distance)
-        return Pose(label, q, opening, note, world.placed(whole, contact.pair))
+        return Pose(label, q, opening, note, world.place_shapes(whole, contact.pair))

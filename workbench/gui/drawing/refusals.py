@@ -70,7 +70,7 @@ def _met_by_arm(world: World, candidate: Candidate, q: Floats) -> tuple[float, t
             best, least = phase, off
     assert best is not None  # there is always one phase
     world.enter(best)
-    return best.openings[arm.name], world.placed(whole, verdict.pair)
+    return best.openings[arm.name], world.place_shapes(whole, verdict.pair)
 
 
 def _holding(world: World, candidate: Candidate) -> Iterator[LegPhase]:
@@ -113,7 +113,7 @@ def _way_to_contact(world: World, candidate: Candidate) -> Floats:
     pair = set(candidate.verdict.pair or ())
     T, own = candidate.T_world_tcp, part_label(number)
     for _, way in lifts(world, candidate, T):
-        (met,) = world.part_ways.blocked(number, [way])
+        (met,) = world.part_ways.find_blocks(number, [way])
         if met is not None and pair == {own, met[0]}:
             return way * (met[1] / np.linalg.norm(way))
         on_way = world.tool_check.on_way(arm, T, candidate.grasp.grip, number, way)

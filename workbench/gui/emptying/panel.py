@@ -21,7 +21,7 @@ from workbench.gui.emptying.views import (
     PileOrder,
     changes_html,
     left_html,
-    ordered,
+    order_piles,
     piles_html,
     summary_html,
 )
@@ -158,7 +158,7 @@ class EmptyingPanel:
         takes = {"scan_seconds": seconds[0], "approval_seconds": seconds[1]}
         is_stale = found.cell_digest != state.cell.digest
         self._summary.content = summary_html(found, summary(plain, **takes), is_stale, words)
-        shown = ordered(plain, self._order)
+        shown = order_piles(plain, self._order)
         self._table.content = piles_html(
             plain,
             shown,
@@ -192,7 +192,7 @@ class EmptyingPanel:
         found = self._visitor.bench.state.emptying
         if found is None or place >= len(found.plain):
             return
-        self._pile = ordered(found.plain, self._order)[place]
+        self._pile = order_piles(found.plain, self._order)[place]
         self._film.change_to(self._pile)
 
     def _choose_part(self, place: int) -> None:

@@ -15,7 +15,7 @@ import pinocchio as pin
 from workbench.app.emptying.film import Film, FilmedPick, Shot
 from workbench.gui.shared.look import FilmMoment, FilmPart
 from workbench.gui.shared.own import Showing
-from workbench.gui.shared.playback import Run, interpolated, moments, timeline
+from workbench.gui.shared.playback import Run, interpolate, moments, timeline
 from workbench.gui.texts.emptying import EmptyingText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
@@ -154,7 +154,7 @@ def _pose_in_hand(
         run for run in stretch.runs if run.arm == pick.arm and run.leg.holding and run.start <= now
     ]
     run = held[-1] if held else _run(stretch, pick, "extract")
-    q = interpolated(run.leg.q, run.leg.t, min(now, run.end) - run.start)
+    q = interpolate(run.leg.q, run.leg.t, min(now, run.end) - run.start)
     return kinematics.tcp_pose(cell.arm(pick.arm), q) * pick.T_tcp_part
 
 
@@ -205,7 +205,7 @@ def end_of(reel: Reel) -> float:
     return reel.stretches[-1].end if reel.stretches else 0.0
 
 
-def advanced(showing: Showing, elapsed: float) -> Showing:
+def advance(showing: Showing, elapsed: float) -> Showing:
     """A film so much later [s] by the clock on the wall, if it plays; it stops at its end."""
     if not showing.is_playing:
         return showing

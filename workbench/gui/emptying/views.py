@@ -6,7 +6,7 @@ from html import escape
 from typing import Any, Literal
 
 from workbench.gui.shared.colours import left_colour
-from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import line, sentence, table_html
 from workbench.gui.texts.emptying import EmptyingText
 from workbench.gui.texts.labels import LabelText
@@ -60,7 +60,7 @@ def sort_key(pile: EmptiedPile, column: Column) -> float:
             return pile.motion_seconds
 
 
-def ordered(piles: Sequence[EmptiedPile], order: PileOrder) -> tuple[int, ...]:
+def order_piles(piles: Sequence[EmptiedPile], order: PileOrder) -> tuple[int, ...]:
     """Indices of the piles in the order wanted; equal ones keep that of their seeds."""
     return tuple(
         sorted(
@@ -96,10 +96,12 @@ def summary_html(
     planning, hourly = summary["planning_ms"], summary["parts_per_hour"]
     share = summary["taken_share"] or 0.0
     picks = EmptyingText.PICKS(
-        count=summary["picks"], failed=_failed(summary), touches=_touches(summary["touches"])
+        count=summary["picks"],
+        failed=_failure_message(summary),
+        touches=_touches(summary["touches"]),
     )
     facts: list[tuple[str, Message | str]] = [
-        ("Taken", _taken(summary, share)),
+        ("Taken", _message_of_taken(summary, share)),
         ("Picks", picks),
         *_warn(summary),
         ("Parts an hour", "-" if hourly is None else f"{hourly:.0f}"),
@@ -113,14 +115,14 @@ def summary_html(
     return line(words.render(asked_message(found)), kind="hint") + warning + table_html(rows) + bar
 
 
-def _taken(summary: Mapping[str, Any], share: float) -> Message:
+def _message_of_taken(summary: Mapping[str, Any], share: float) -> Message:
     count, total, knocked = summary["taken"], summary["parts"], summary["knocked_out"]
     if knocked:
         return EmptyingText.TAKEN_KNOCKED(count=count, total=total, share=share, knocked=knocked)
     return EmptyingText.TAKEN(count=count, total=total, share=share)
 
 
-def _failed(summary: Mapping[str, Any]) -> Message:
+def _failure_message(summary: Mapping[str, Any]) -> Message:
     count = summary["failed_picks"]
     kinds = [
         EmptyingText.COUNTED(count=number, kind=plain(kind))
@@ -211,7 +213,7 @@ def _pile_row(pile: EmptiedPile, button: str, words: Words, *, is_chosen: bool) 
     )
     cells = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     tip = words.render(EmptyingText.LEFT(parts=parts)) if parts else "nothing stays"
-    return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+    return f'<tr{mark_attribute(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 
 def left_html(
@@ -228,7 +230,7 @@ def left_html(
     if not pile.left:
         return line("The bin was emptied.", kind="hint")
     body = "".join(
-        f"<tr{marked(left_part.part == _name(chosen))} {clickable(rows[place])}>"
+        f"<tr{mark_attribute(left_part.part == _name(chosen))} {clickable(rows[place])}>"
         f'<td translate="no">{escape(left_part.part)}</td>'
         f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
         f"{escape(words.render(left_part.kind_message))}</span> "

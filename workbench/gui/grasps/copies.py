@@ -66,9 +66,9 @@ class GraspCopies:
         self._single = gui.add_button(
             "Only one", icon=viser.Icon.POINT, color="gray", hint="Forget the pattern."
         )
-        self._mirror.on_click(lambda _: self._mirrored())
-        self._repeat.on_click(lambda _: self._repeated())
-        self._explode.on_click(lambda _: self._exploded())
+        self._mirror.on_click(lambda _: self._mirror_grasp())
+        self._repeat.on_click(lambda _: self._repeat_grasp())
+        self._explode.on_click(lambda _: self._explode_pattern())
         self._single.on_click(lambda _: self._single_out())
 
     def show(self, entry: Entry | None, *, problem: str) -> None:
@@ -97,7 +97,7 @@ class GraspCopies:
         if entry is not None:
             self._add(entry, GraspEditText.DUPLICATED(grasp=entry.name))
 
-    def _mirrored(self) -> None:
+    def _mirror_grasp(self) -> None:
         entry, plane = self._editing.entry, self._plane.value
         if entry is not None and plane in PLANES:
             copy = mirror_entry(entry, np.array(PLANES[plane]))
@@ -107,7 +107,7 @@ class GraspCopies:
         grasp = replace(grasp_of(entry), name=self._editing.free_name(entry.name))
         self._editing.add((with_grasp(entry, grasp),), says)
 
-    def _repeated(self) -> None:
+    def _repeat_grasp(self) -> None:
         entry = self._seen
         if entry is None:
             return
@@ -130,7 +130,7 @@ class GraspCopies:
             entry, pattern, GraspEditText.REPEATED(grasp=entry.name, count=pattern.count)
         )
 
-    def _exploded(self) -> None:
+    def _explode_pattern(self) -> None:
         entry = self._seen
         if isinstance(entry, GraspPattern):
             says = GraspEditText.SPLIT(grasp=entry.name, count=entry.count)

@@ -47,7 +47,7 @@ class CoverageControls:
             "arms. No paths are planned, and other parts are left out.",
         )
         self._add = gui.add_button("Add what helps", icon=viser.Icon.PLUS, disabled=True)
-        self._look.on_click(lambda _: self._pressed())
+        self._look.on_click(lambda _: self._press())
         self._add.on_click(lambda _: self._add_missing())
         visitor.on_end(self._cancelled.set)
 
@@ -74,7 +74,7 @@ class CoverageControls:
         if self._stage.is_open:
             self._stage.show_sphere(found[1].directions, sphere_colours(found[1]))
 
-    def _pressed(self) -> None:
+    def _press(self) -> None:
         """Begin to look, or stop looking."""
         if self._is_looking:
             self._cancelled.set()

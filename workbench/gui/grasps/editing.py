@@ -88,7 +88,7 @@ class Editing:
         for observer in self._observers:
             observer()
 
-    def checked(self, grasp: Grasp) -> GraspCheck:
+    def check(self, grasp: Grasp) -> GraspCheck:
         """What speaks against a grasp with the tool that it is for, or else with the one in use."""
         return self.with_checker(lambda checker: checker.check(grasp), self.tools.get(grasp.tool))
 

@@ -7,7 +7,7 @@ import viser
 
 from workbench.gui.grasps.editing import Editing
 from workbench.gui.searching.grasp_search import GraspSearch
-from workbench.gui.shared.views import said
+from workbench.gui.shared.views import message_text
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.grasps import GraspText
 from workbench.model.messages.commands import GraspEditText
@@ -45,7 +45,7 @@ class FillControls:
 
         part, cell = self._editing.part, self._visitor.cell  # as they are when it begins
         found = fill_apart(cell, part, report, cancelled)
-        says = [said(message, self._visitor.words) for message in filled_words(found)]
+        says = [message_text(message, self._visitor.words) for message in filled_words(found)]
         if self._editing.part.name != part.name:
             return [self._visitor.words.render(GraspText.OTHER_PART(part=part.name))]
         if not found.entries:

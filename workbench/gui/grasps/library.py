@@ -97,7 +97,7 @@ class LibraryControls:
             self._version = gui.add_dropdown("Version", (NOW,))
             self._words = gui.add_html("")
             self._back = gui.add_button("Go back to it", icon=viser.Icon.ARROW_BACK_UP)
-        self._save.on_click(lambda _: self._saved())
+        self._save.on_click(lambda _: self._save_library())
         visitor.on_press(self._drop, lambda: DropDraft(editing.part.name))
         self._take.on_click(lambda _: self._on_take())
         self._back.on_click(lambda _: self._gone_back())
@@ -146,7 +146,7 @@ class LibraryControls:
         else:
             self._changes.content = line("As in the files.", kind="hint")
 
-    def _saved(self) -> None:
+    def _save_library(self) -> None:
         """Save with the remark, which goes once it is in the files."""
         self._is_saving = True
         self._is_saving = self._visitor.ask(lambda: SaveCell(self._remark.value))

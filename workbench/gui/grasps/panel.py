@@ -238,7 +238,7 @@ class GraspsPanel:
             for entry in part.library.entries:
                 if key != self._checked:
                     return
-                checks = [self._editing.checked(grasp) for grasp in grasps_of(entry)]
+                checks = [self._editing.check(grasp) for grasp in grasps_of(entry)]
                 found[entry.name] = next((check for check in checks if not check.is_ok), checks[0])
             if key == self._checked:
                 self._checks = found
@@ -324,7 +324,7 @@ class GraspsPanel:
 
     def _preview(self, grasp: Grasp) -> None:
         """Show a grasp that is not, or not yet, in the library."""
-        check = self._editing.checked(grasp)
+        check = self._editing.check(grasp)
         self._line.content = check_line(grasp.name, check, self._visitor.words)
         if self._stage.is_open:
             tool = self._editing.tool

@@ -68,7 +68,7 @@ def _axis(entry: Entry, part: Part) -> Floats:
     return part.symmetry.axis if has_turns else grasp_of(entry).T_part_tcp.rotation[:, 2]
 
 
-def judged(copy: Grasp, part: Part, state: State) -> Message | None:
+def judgement_of(copy: Grasp, part: Part, state: State) -> Message | None:
     """What became of a grasp for the parts found, arm by arm; None where nothing was judged.
 
     What it leaves free is tried within one candidate, so the verdict is of all of that together.
@@ -141,7 +141,7 @@ class CopySteps:
             self._line.content = ""
             return None
         copy = self._copies[place]
-        words, verdict = self._visitor.words, judged(copy, part, state)
+        words, verdict = self._visitor.words, judgement_of(copy, part, state)
         text = GraspText.COPY(
             number=place + 1, count=count, name=copy.name, pose=way_to(copy, entry, part)
         )

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.app.statistics.grasp_use import NO_USES, GraspUse, Uses
 from workbench.formats.parts.saves import Version
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
-from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import day_and_time, line, mm, sentence
 from workbench.gui.texts.grasps import GraspText
 from workbench.gui.texts.labels import LabelText
@@ -108,7 +108,7 @@ def _row(
     uses = GraspText.USES(planned=use.planned, taken=use.picked, failed=use.failed)
     taken = GraspText.TAKEN_OF(taken=use.picked, planned=use.planned) if use.planned else None
     return (
-        f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
+        f'<tr{mark_attribute(is_chosen)} title="{escape(tip)}" {clickable(button)}>'
         f'<td><i class="wb-dot" style="background:{light}"></i></td>'
         f'<td translate="no">{escape(grasp.name)}{kind}</td>'
         f'<td class="wb-number">{grasp.priority}</td>'
@@ -193,7 +193,7 @@ def suggestions_html(found: Sequence[Suggestion], chosen: int, rows: Sequence[st
     )
     head = "".join(f'<th class="{style}">{title}</th>' for title, style in heads)
     body = "".join(
-        f"<tr{marked(number == chosen)} {clickable(rows[number])}>"
+        f"<tr{mark_attribute(number == chosen)} {clickable(rows[number])}>"
         f'<td translate="no">{escape(suggestion.grasp.name)}</td>'
         f'<td class="wb-number">{suggestion.score:.2f}</td>'
         f'<td class="wb-number">{escape(mm(suggestion.grasp.grip))}</td>'

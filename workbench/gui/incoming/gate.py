@@ -84,10 +84,10 @@ class MessageGate:
             if not self._problem(client_id, message):
                 await serve(client_id, message)
 
-        async def arrived(connection: Any) -> None:
+        async def serve_arrival(connection: Any) -> None:
             serve_one = connection._handle_incoming_message
 
-            async def heard(client_id: Any, message: Any) -> None:
+            async def forget_message(client_id: Any, message: Any) -> None:
                 self._forget(client_id, message)
                 if problem := self._problem(client_id, message):
                     self._refuse(connection, message, problem)
@@ -98,15 +98,15 @@ class MessageGate:
                     # A rim: nobody waits for what comes of a message.
                     show_error(self._server._connected_clients.get(client_id), error)
 
-            connection._handle_incoming_message = heard
+            connection._handle_incoming_message = forget_message
 
-        async def left(connection: Any) -> None:
+        async def forget_connection(connection: Any) -> None:
             for key in [key for key in self._typing if key[0] == connection.client_id]:
                 self._typing.pop(key).cancel()
 
         inner._handle_incoming_message = serve_all
-        inner._client_connect_cb.insert(0, arrived)
-        inner._client_disconnect_cb.append(left)
+        inner._client_connect_cb.insert(0, serve_arrival)
+        inner._client_disconnect_cb.append(forget_connection)
 
     def _problem(self, number: int, message: Any) -> str:
         """Why the page of a browser does not offer what a message says; empty when it does."""

@@ -11,6 +11,7 @@ from workbench.gui.page.control import ControlStrip
 from workbench.gui.page.looks import Looks
 from workbench.gui.page.modes import mode_html
 from workbench.gui.page.theme import Theme
+from workbench.gui.plan.transport import Transport
 from workbench.gui.scene.surroundings import add_floor, paint_background
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import changes_html, status_html, strip_html
@@ -63,6 +64,8 @@ class Header:
             theme.apply(gui, is_dark=True)
         self._control = ControlStrip(visitor)
         self._looks = Looks(visitor)
+        self.transport = Transport(visitor)
+        """Lies over the foot of the scene."""
         self._ends_comparing = visitor.unseen(lambda: visitor.look.change(search=None))
         visitor.hide([self._ends_comparing])
         visitor.on_press(self._cancel, CancelJob)
@@ -80,6 +83,7 @@ class Header:
             self._mode.content = mode
         self._control.show(old, new)
         self._looks.show(new)
+        self.transport.show(old, new)
         if old is None or old.state is not state:
             self._strip.content = strip_html(state)
             is_busy = state.job is not None or state.phase is Phase.SENDING

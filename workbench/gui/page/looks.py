@@ -17,7 +17,7 @@ from viser._messages import HotkeyKey
 from workbench.app.core.state import State
 from workbench.gui.scene.measure import pointed_at
 from workbench.gui.scene.stage import STAGE
-from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, framed
+from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, frame_camera
 from workbench.gui.scene.surroundings import interesting_points as whole
 from workbench.gui.shared.look import Look, View
 from workbench.gui.shared.movable_frames import pose_of, things
@@ -83,7 +83,7 @@ def _forward(cell: Cell) -> Floats:
 
 def _frame(points: Floats, level: Floats, upwards: float) -> Camera:
     direction = level + np.array([0.0, 0.0, upwards])
-    return framed(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
+    return frame_camera(points, direction / np.linalg.norm(direction), FIELD_OF_VIEW, ASPECT)
 
 
 def _bin(cell: Cell) -> Floats:
@@ -126,7 +126,7 @@ def _thing(cell: Cell, thing: str) -> Floats:
             return pose_of(cell, thing).translation + corners
 
 
-def centred(camera: Camera, point: Floats) -> Camera:
+def centre_camera(camera: Camera, point: Floats) -> Camera:
     """The camera moved, not turned, so that a point (3,) [m] is what it looks at."""
     position, centre = camera
     return position + point - centre, point
@@ -149,25 +149,25 @@ class Looks:
         shown = ""
         for name, (key, says) in KEYS.items():
             look = visitor.words.render(LegendText.LOOK(direction=plain(says)))
-            visitor.on_key(key, look, partial(self._typed, name))
+            visitor.on_key(key, look, partial(self._type, name))
             tip = visitor.words.render(LegendText.LOOK_KEY(direction=plain(says), key=key))
             shown += f'<span title="{escape(tip)}" {clickable(buttons[name])}>{name}</span>'
         visitor.gui.add_html(f'<div class="wb-looks">{shown}</div>')
         scene = visitor.client.scene
 
         @scene.on_click()
-        def clicked(event: Any) -> None:
+        def click(event: Any) -> None:
             rays = np.array([event.ray_origin, event.ray_direction], dtype=np.float64)
             if np.all(np.isfinite(rays)) and np.linalg.norm(rays[1]) > 0.5:
-                self._clicked(rays[0], rays[1], time.monotonic())
+                self._take_click(rays[0], rays[1], time.monotonic())
 
-        visitor.on_end(lambda: scene.remove_click_callback(clicked), in_scene=True)
+        visitor.on_end(lambda: scene.remove_click_callback(click), in_scene=True)
 
     def show(self, view: View) -> None:
         """This is what is seen now."""
         self._view = view
 
-    def _clicked(self, origin: Floats, direction: Floats, at: float) -> None:
+    def _take_click(self, origin: Floats, direction: Floats, at: float) -> None:
         """A person has clicked along a ray, of which each is (3,) [m] in the world, at [s]."""
         before, way = self._click
         ray = direction / np.linalg.norm(direction)
@@ -179,9 +179,9 @@ class Looks:
         client = self._visitor.client
         seen = np.array(client.camera.position), np.array(client.camera.look_at)
         with client.atomic():
-            client.camera.position, client.camera.look_at = centred(seen, point)
+            client.camera.position, client.camera.look_at = centre_camera(seen, point)
 
-    def _typed(self, name: str) -> None:
+    def _type(self, name: str) -> None:
         # While the part stands alone the same keys move its grasp.
         if self._visitor.client.scene.get_handle_by_name(STAGE) is None:
             self._go(name)

@@ -38,7 +38,7 @@ class BrowserCount:
         holder = bench.state.control
         self._left: dict[str, float] = {holder: now} if holder else {}
 
-    def arrived(self, browser: int, person: Person) -> None:
+    def enter(self, browser: int, person: Person) -> None:
         """A browser has come; its person is in control if nobody is."""
         if person.name == NOBODY:
             return
@@ -50,7 +50,7 @@ class BrowserCount:
             except CommandRefused as error:
                 log.info("%s does not get control: %s", person.name, error)
 
-    def left(self, browser: int, now: float) -> None:
+    def leave(self, browser: int, now: float) -> None:
         """A browser has gone at `now` [s]."""
         name = self._browsers.pop(browser, "")
         if name and name not in self._browsers.values():

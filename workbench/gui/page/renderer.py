@@ -25,13 +25,13 @@ from workbench.gui.drawing.player import Player
 from workbench.gui.drawing.poses import PoseFinder
 from workbench.gui.drawing.reach import Reaches
 from workbench.gui.drawing.sureness import Sureness
-from workbench.gui.emptying.reel import advanced
+from workbench.gui.emptying.reel import advance
 from workbench.gui.page.header import Header
 from workbench.gui.page.presence import BrowserCount
 from workbench.gui.page.tabs import tabs_of
 from workbench.gui.page.theme import Theme
 from workbench.gui.scene.picture import ScenePicture
-from workbench.gui.shared.calibrating import solved
+from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
@@ -162,7 +162,7 @@ class Renderer:
         """Move the films of browsers on; the first drawing after Play was pressed only begins."""
         for number, view in self._shown.items():
             if view.own.film is not None and view.own.film.is_playing:
-                self._visitors[number].own.show(partial(advanced, elapsed=elapsed))
+                self._visitors[number].own.show(partial(advance, elapsed=elapsed))
 
     def _patience(self) -> float:
         if self._look.now.is_playing or any(map(_plays_film, self._visitors.values())):
@@ -283,7 +283,7 @@ class Renderer:
             and before.state.cell is state.cell
         ):
             return before.calibration
-        return solved(state)
+        return solve(state)
 
     def _poses(self, state: State, look: Look) -> tuple[Pose, ...]:
         """The poses of the chosen candidate, worked out when another one is chosen."""
@@ -316,7 +316,7 @@ class Renderer:
             client.gui.set_panel_label(visitor.words.render(title))
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
-            panels = (header, *scenes, *tabs_of(visitor, self._woken.set))
+            panels = (header, *scenes, *tabs_of(visitor, self._woken.set, header.transport.slider))
             for panel in panels:
                 panel.show(None, view)
             visitor.show_button_texts()
@@ -347,9 +347,9 @@ def _count(
     presence: BrowserCount, client: viser.ClientHandle, now: float, *, is_here: bool
 ) -> None:
     if is_here:
-        presence.arrived(client.client_id, person_of(client))
+        presence.enter(client.client_id, person_of(client))
     else:
-        presence.left(client.client_id, now)
+        presence.leave(client.client_id, now)
 
 
 def _needs_other_controls(before: Cell, now: Cell) -> bool:

@@ -46,19 +46,20 @@ ICONS: Mapping[str, viser.IconName] = {
 """By the title of a tab; tabs of plug-ins have `PUZZLE`."""
 
 
-def tabs_of(visitor: Visitor, woken: Callable[[], None]) -> tuple[Panel, ...]:
+def tabs_of(visitor: Visitor, woken: Callable[[], None], slider: str) -> tuple[Panel, ...]:
     """Make the tabs of one browser, as far as its person has the role for them.
 
     Args:
         visitor: whose browser.
         woken: has the page drawn once more.
+        slider: id of the slider of the plan's time.
     """
     bench = visitor.bench
     made: list[tuple[str, Callable[[], Panel]]] = [
         ("Cycle", lambda: CyclePanel(visitor)),
         ("Parts", lambda: PartsPanel(visitor)),
         ("Candidates", lambda: CandidatesPanel(visitor, woken)),
-        ("Plan", lambda: PlanPanel(visitor)),
+        ("Plan", lambda: PlanPanel(visitor, slider)),
         ("Robot", lambda: RobotPanel(visitor)),
         ("Cell", lambda: CellPanel(visitor)),
         ("Emptying", lambda: EmptyingPanel(visitor)),

@@ -48,7 +48,7 @@ class KeepInputs:
             self._comment = gui.add_text("Comment", "", hint="What was wrong, in a line; kept.")
             self._keep = gui.add_button("Keep as a case", icon=viser.Icon.ARCHIVE, hint=HINT)
             self._kept = gui.add_html("")
-        self._keep.on_click(lambda _: self._pressed())
+        self._keep.on_click(lambda _: self._press())
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -70,7 +70,7 @@ class KeepInputs:
         if self._kept.content != content:
             self._kept.content = content
 
-    def _pressed(self) -> None:
+    def _press(self) -> None:
         kept: list[Path] = []
         if self._visitor.attempt(lambda: kept.append(self._write_case())):
             self._comment.value, self._there.value = "", next(iter(THERE))

@@ -119,8 +119,8 @@ class PartsPanel:
             self._searches = SearchInputs(visitor)
         self._keeping = KeepInputs(visitor)
         self._rows = visitor.rows(MOST_ROWS, self._choose)
-        self._scan.on_upload(lambda event: self._uploaded(event, self._scan_of))
-        self._poses.on_upload(lambda event: self._uploaded(event, self._poses_of))
+        self._scan.on_upload(lambda event: self._upload(event, self._scan_of))
+        self._poses.on_upload(lambda event: self._upload(event, self._poses_of))
         visitor.on_end(self._read_no_more)
         visitor.on_press(self._veto, self._without)
         visitor.on_press(self._undo, self._undone)
@@ -210,12 +210,12 @@ class PartsPanel:
     def _correct(self, T: pin.SE3) -> bool:
         """A person knows better where the chosen part is."""
 
-        def moved() -> Command:
+        def move() -> Command:
             found, number = self._with_chosen_at(T), self._number
             self._chosen = found[number]
             return UseDetections(found, EditText.PART_CORRECTED(found=FoundPart(number)))
 
-        return self._ask_choosing(moved)
+        return self._ask_choosing(move)
 
     def _otherwise(self, T: pin.SE3) -> Mapping[str, Any] | None:
         """What is other while the chosen part is dragged."""
@@ -276,7 +276,7 @@ class PartsPanel:
     def _read_no_more(self) -> None:
         self._sent = None
 
-    def _uploaded(self, event: Any, made: Made) -> None:
+    def _upload(self, event: Any, made: Made) -> None:
         """Read a file; another one that is chosen meanwhile takes its place."""
         name, content = taken_upload(event.target)
         self._sent = sent = object()

@@ -6,7 +6,7 @@ from html import escape
 
 from workbench.app.core.state import State
 from workbench.gui.shared.colours import part_colour
-from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.gui.texts.parts import PartsText
 from workbench.model.messages.message import as_message
@@ -121,7 +121,7 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
     dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
     return (
-        f"<tr{marked(is_chosen)} {clickable(button)}><td>{dot}</td>"
+        f"<tr{mark_attribute(is_chosen)} {clickable(button)}><td>{dot}</td>"
         f'<td translate="no">{escape(detection.part)}</td>{numbers}'
         f"<td>{escape(_roll(detection))}</td></tr>"
     )

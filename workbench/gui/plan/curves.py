@@ -26,18 +26,18 @@ from workbench.model.plan import Proof
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 from workbench.words.words import IN_ENGLISH, Words
 
-LEGS: Mapping[str, str] = {
-    "reach": "#4dabf7",
-    "approach": "#1c7ed6",
-    "extract": "#f08c00",
-    "return": "#ffa94d",
-    "place": "#e8590c",
-    ON_STATION: "#862e9c",
-    AGAIN: "#cc5de8",
-    OVER: "#cc5de8",
-    "home": "#adb5bd",
+SHARES: Mapping[str, float] = {
+    "reach": 0.4,
+    "approach": 0.75,
+    "extract": 1.0,
+    "return": 0.55,
+    "place": 0.85,
+    ON_STATION: 1.0,
+    AGAIN: 0.7,
+    OVER: 0.7,
+    "home": 0.25,
 }
-"""Blue on the way to the part, orange with it, violet over a station, grey home."""
+"""How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 
 INSTANT = 1e-6
 """Too short to see [s]: sets the two sides of a step apart."""
@@ -54,25 +54,49 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words =
     """A lane an arm, a block a leg, in proportion to the time; sync points across the lanes."""
     syncs = sync_points(runs)
     lanes = [_syncs(syncs, seconds, words)] if syncs else []
-    for arm in cell.arms:
-        blocks = "".join(_block(run, seconds, words) for run in runs if run.arm == arm.name)
-        lanes.append(
-            f'<div class="wb-lane"><span class="wb-lane-name" translate="no">'
-            f"{escape(arm.name)}</span>"
-            f'<div class="wb-track">{blocks}<i class="wb-at"></i></div></div>'
-        )
+    lanes += _tracks(cell, runs, seconds, words)
     used = {run.words for run in runs}
-    legend = "".join(
-        f'<span class="wb-leg"><i style="background:{colour}"></i>{name}</span>'
-        for name, colour in LEGS.items()
-        if name in used
-    )
+    legend = "".join(_legend(cell, name) for name in SHARES if name in used)
     legend += '<span class="wb-leg"><i style="background:var(--wb-faint)"></i>waiting</span>'
     table = _sync_table(syncs, words) if syncs else ""
     return (
         f'<div class="wb-lanes" style="--wb-lanes:{len(cell.arms)}">{"".join(lanes)}'
         f'<div class="wb-legend">{legend}</div></div>{table}'
     )
+
+
+def bands_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words = IN_ENGLISH) -> str:
+    """The lanes alone, to lie under the slider of the time, and how long the plan takes."""
+    lanes = "".join(_tracks(cell, runs, seconds, words))
+    return f'<div class="wb-bands"><div>{lanes}</div></div>'
+
+
+def leg_colour(arm: int, leg: str) -> str:
+    """The colour of a leg, by its name on the page, of the arm at that place in the cell."""
+    share = SHARES[leg]
+    channels = bytes.fromhex(arm_colour(arm)[1:])
+    return "#" + "".join(f"{round(255 + (c - 255) * share):02x}" for c in channels)
+
+
+def _legend(cell: Cell, leg: str) -> str:
+    """The name of a leg, with its colour for each arm."""
+    colours = [leg_colour(arm, leg) for arm in range(len(cell.arms))]
+    swatches = "".join(f'<i style="background:{colour}"></i>' for colour in colours)
+    return f'<span class="wb-leg">{swatches}{leg}</span>'
+
+
+def _tracks(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words) -> list[str]:
+    """A lane an arm, with its name."""
+    return [
+        f'<div class="wb-lane"><span class="wb-lane-name" translate="no">{escape(arm.name)}</span>'
+        f'<div class="wb-track">{_blocks(k, arm, runs, seconds, words)}<i class="wb-at"></i></div>'
+        "</div>"
+        for k, arm in enumerate(cell.arms)
+    ]
+
+
+def _blocks(number: int, arm: Arm, runs: tuple[Run, ...], seconds: float, words: Words) -> str:
+    return "".join(_block(run, number, seconds, words) for run in runs if run.arm == arm.name)
 
 
 def _syncs(syncs: tuple[SyncPoint, ...], seconds: float, words: Words) -> str:
@@ -124,14 +148,15 @@ def _sync_table(syncs: tuple[SyncPoint, ...], words: Words) -> str:
     )
 
 
-def _block(run: Run, seconds: float, words: Words) -> str:
+def _block(run: Run, arm: int, seconds: float, words: Words) -> str:
     left, width = 100 * run.start / seconds, 100 * (run.end - run.start) / seconds
     block = PlanText.BLOCK_HELD if run.leg.holding else PlanText.BLOCK
     motion = motion_message(run.leg.motion)
     tip = words.render(block(leg=leg_of(run), start=run.start, end=run.end, motion=motion))
+    holds = " wb-holds" if run.leg.holding else ""
     return (
-        f'<div class="wb-block" title="{escape(tip)}" style="left:{left:.3f}%;'
-        f'width:{width:.3f}%;background:{LEGS[run.words]}"></div>'
+        f'<div class="wb-block{holds}" title="{escape(tip)}" style="left:{left:.3f}%;'
+        f'width:{width:.3f}%;background:{leg_colour(arm, run.words)}"></div>'
     )
 
 
@@ -237,12 +262,12 @@ def plots_of(
         )
         ways = (
             Curve("free motion", JOINTS[0], free),
-            Curve("linear motion", LEGS["extract"], straight),
+            Curve("linear motion", JOINTS[5], straight),
         )
-        found.append(Plot("Kept clear at least, up to 100", "mm", times, ways, low=0.0))
+        found.append(Plot("Least clearance, up to 100", "mm", times, ways, low=0.0))
         if len(cell.arms) > 1:
             apart = (Curve("between the arms", JOINTS[3], arms),)
-            found.append(Plot("Arms apart at least, up to 400", "mm", times, apart, low=0.0))
+            found.append(Plot("Least distance of the arms, up to 400", "mm", times, apart, low=0.0))
     speeds = tuple(
         Curve(arm.name, arm_colour(k), speed_curve(arm, cell, runs, seconds))
         for k, arm in enumerate(cell.arms)

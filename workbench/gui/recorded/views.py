@@ -8,7 +8,7 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.record import COMMANDS
 from workbench.app.review.history import Moment
 from workbench.gui.shared.tables import clickable
-from workbench.gui.shared.views import said, time_of_day, zone
+from workbench.gui.shared.views import message_text, time_of_day, zone
 from workbench.gui.texts.page import PageText
 from workbench.words.words import IN_ENGLISH, Words
 
@@ -46,9 +46,9 @@ def events_of(
             continue
         is_more = moment.kind in MANY and moment.kind == before
         first = found.pop().first if is_more else number
-        what = said(COMMANDS[moment.kind].right.says(), words)
+        what = message_text(COMMANDS[moment.kind].right.says(), words)
         is_fault = state.phase is Phase.FAULT
-        says = words.render(state.fault) if is_fault else said(state.message, words)
+        says = words.render(state.fault) if is_fault else message_text(state.message, words)
         found.append(Event(first, number, moment.at, moment.actor, what, says, is_fault))
         before = moment.kind
     return tuple(found)

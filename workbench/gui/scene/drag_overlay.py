@@ -67,7 +67,7 @@ class DrawnVerdicts:
         text = str(short_message(glance))
         if self._words.text != text:
             self._words.text = text
-        self._words.position = right_of(self._camera, _covered(dragged))
+        self._words.position = right_of(self._camera, _corners_around(dragged))
 
     def _paint_parts(self, dragged: Dragged) -> None:
         glance, cell = dragged.glance, dragged.state.cell
@@ -118,7 +118,7 @@ class DrawnCarried:
             place(self._frames[name], T)
 
 
-def _covered(dragged: Dragged) -> Floats:
+def _corners_around(dragged: Dragged) -> Floats:
     """Corners (n, 3) [m] around what words must not lie upon: bin and parts, or one part alone."""
     cell, at = dragged.state.cell, dragged.T_world_words.translation
     unit = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))

@@ -31,7 +31,7 @@ class FixInputs:
         self._undo = visitor.gui.add_button(
             "Undo the fix", icon=viser.Icon.ARROW_BACK_UP, color="gray", visible=False
         )
-        self._apply.on_click(lambda _: self._pressed())
+        self._apply.on_click(lambda _: self._press())
         visitor.on_press(self._undo, UndoCell)
 
     def show(self, old: View | None, new: View, help: Help) -> None:
@@ -46,7 +46,7 @@ class FixInputs:
         self._visitor.admit(self._apply, state, EditPart)
         self._visitor.admit(self._undo, state, UndoCell)
 
-    def _pressed(self) -> None:
+    def _press(self) -> None:
         visitor, fix = self._visitor, self._help.fix
         if fix is not None and visitor.ask(lambda: make_fix_command(visitor.bench.state, fix)):
             visitor.look.change(fixed=visitor.bench.state.cell.digest)

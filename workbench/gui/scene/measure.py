@@ -18,7 +18,7 @@ HEIGHTS = np.deg2rad([25.0, 45.0, 10.0, 65.0])
 """[rad] Above the horizon, from where a place is viewed, the best first."""
 
 
-def met(
+def pick_point(
     origin: Floats, direction: Floats, cell: Cell, q: Mapping[str, Floats], points: Floats
 ) -> Floats | None:
     """The first point (3,) of cell, robot or scan on a ray; None when it meets nothing.
@@ -45,7 +45,7 @@ def pointed_at(view: View, origin: Floats, direction: Floats) -> Floats | None:
     points = np.zeros((0, 3)) if scan is None else scan.points_world
     # The robot as it is drawn, not as it stands at home.
     q = {arm: moment.q for arm, moment in view.moments.items()}
-    return met(origin, direction, view.state.cell, q, points)
+    return pick_point(origin, direction, view.state.cell, q, points)
 
 
 def clear_way(

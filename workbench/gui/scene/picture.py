@@ -307,8 +307,8 @@ class ScenePicture:
 def is_other_robot(first: Cell, second: Cell) -> bool:
     """Whether robot, arms or tools are drawn otherwise."""
 
-    def drawn(cell: Cell) -> str:
+    def state_to_draw(cell: Cell) -> str:
         arms = [(arm.name, arm.joints, arm.flange, arm.tool) for arm in cell.arms]
         return digest_of((cell.robot, arms))
 
-    return drawn(first) != drawn(second)
+    return state_to_draw(first) != state_to_draw(second)

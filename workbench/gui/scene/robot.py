@@ -119,7 +119,7 @@ class DrawnRobot:
             return
         self._is_drained = is_drained
         for mesh, own in zip(self._meshes, self._own, strict=True):
-            mesh.color = drained(own) if is_drained else own
+            mesh.color = drain_colour(own) if is_drained else own
 
     def _add(self, name: str, solids: tuple[Solid, ...]) -> None:
         meshes = add_solids(self._scene, name, solids, self._colour, self._opacity)
@@ -149,7 +149,7 @@ def add_solids(
     ]
 
 
-def drained(colour: Colour) -> Colour:
+def drain_colour(colour: Colour) -> Colour:
     """A grey for a colour of what nobody reports: what is lighter stays a little lighter."""
     lightness = float(np.dot(colour, LIGHTNESS))
     red, green, blue = (round(channel + KEPT * (lightness - channel)) for channel in NOT_REPORTED)

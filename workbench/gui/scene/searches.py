@@ -14,7 +14,7 @@ from workbench.app.core.value_checks import DETAIL, SEED_LIMIT
 from workbench.gui.scene.contacts import add_body
 from workbench.gui.shared.colours import COMPARED
 from workbench.gui.shared.look import View
-from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import line
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.scene import SearchText
@@ -72,7 +72,7 @@ class SearchInputs:
         self._take = gui.add_button("Take this one", icon=viser.Icon.CHECK, color="gray")
         self._table = gui.add_html("")
         self._asked: int | None = None
-        self._rows = visitor.rows(MOST_ROWS, self._chosen)
+        self._rows = visitor.rows(MOST_ROWS, self._choose)
         self._search.on_click(lambda _: self._search_again())
         visitor.on_press(self._take, self._take_search)
 
@@ -82,17 +82,17 @@ class SearchInputs:
         if old is not None and old.state is new.state and old.look.search == chosen:
             return
         state = new.state
-        if searched(state, self._asked) is not None:
+        if find_search(state, self._asked) is not None:
             # Who has asked for it wants to compare it.
             self._visitor.look.change(search=self._asked, searcher=self._visitor.number)
             self._asked = None
         missing = "" if state.scan is not None else "take a scan first"
         self._visitor.admit(self._search, state, FindParts, otherwise=missing)
-        missing = "" if searched(state, chosen) is not None else CHOOSE
+        missing = "" if find_search(state, chosen) is not None else CHOOSE
         self._visitor.admit(self._take, state, UseDetections, otherwise=missing)
         self._table.content = searches_html(state.searches, chosen, self._rows, self._visitor.words)
 
-    def _chosen(self, place: int) -> None:
+    def _choose(self, place: int) -> None:
         """Look at a search of the table, or away from it."""
         visitor, look = self._visitor, self._visitor.look
         searches = visitor.bench.state.searches
@@ -117,7 +117,7 @@ class SearchInputs:
 
     def _take_search(self) -> Command:
         state = self._visitor.bench.state
-        search = searched(state, self._visitor.look.now.search)
+        search = find_search(state, self._visitor.look.now.search)
         if search is None:
             raise InputError(CHOOSE)
         self._visitor.look.change(search=None)
@@ -125,7 +125,7 @@ class SearchInputs:
         return UseDetections(search.detections, EditText.SEARCH_TAKEN(search=place))
 
 
-def searched(state: State, number: int | None) -> SearchRecord | None:
+def find_search(state: State, number: int | None) -> SearchRecord | None:
     """The search with that number, if it is one of this scan."""
     return next((search for search in state.searches if search.number == number), None)
 
@@ -170,13 +170,13 @@ def _row(place: int, search: SearchRecord, is_chosen: bool, button: str, words: 
     if least > 0:
         texts.append(SearchText.NONE_ABOVE(score=least))
     tip = words.render(all_of(texts))
-    return f'<tr{marked(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
+    return f'<tr{mark_attribute(is_chosen)} title="{escape(tip)}" {clickable(button)}>{cells}</tr>'
 
 
 def draw_search(scene: viser.SceneApi, state: State, number: int | None) -> None:
     """The parts of a search beside those found, in a colour of their own."""
     scene.remove_by_name("/searched")
-    search = searched(state, number)
+    search = find_search(state, number)
     for k, detection in enumerate(search.detections if search is not None else ()):
         mesh = state.cell.part(detection.part).mesh
         add_body(scene, f"/searched/{k}", mesh, detection.T_world_part, COMPARED, 0.55)

@@ -36,7 +36,7 @@ class SliderDrag:
         """Whether something is still to be asked for: until then the slider is the hand's."""
         return self._timer is not None
 
-    def moved(self) -> None:
+    def note_move(self) -> None:
         """There is another value: the drag ends so much later."""
         timer = threading.Timer(self._rest, lambda: self._end(timer))
         timer.daemon = True

@@ -76,13 +76,13 @@ class GraspStage:
             camera.position, camera.look_at = view_of(part)
 
         @self._scene.on_click()
-        def clicked(event: Any) -> None:
+        def click(event: Any) -> None:
             origin = np.array(event.ray_origin, dtype=np.float64)
             direction = np.array(event.ray_direction, dtype=np.float64)
             if np.all(np.isfinite([origin, direction])) and np.linalg.norm(direction) > 0.5:
                 pressed(origin - T_WORLD_STAGE.translation, direction)
 
-        self._clicked = clicked
+        self._clicked = click
 
     def close(self) -> None:
         """Look at the cell again, from where it was viewed."""

@@ -10,6 +10,7 @@ import viser
 
 from workbench.gui.scene.robot import ROBOT as DRAWN_ROBOT
 from workbench.gui.scene.robot import ROBOT_CHECKED, place
+from workbench.gui.scene.shade import shade_of
 from workbench.gui.scene.stations import add_regions, add_stations
 from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_of
 from workbench.gui.shared.movable_frames import name_of_region
@@ -81,6 +82,7 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         place(scene.add_frame(name, show_axes=False), fixture.T_world_fixture)
         for number, (colour, points, triangles) in enumerate(by_colour(fixture.solids)):
             scene.add_mesh_simple(f"{name}/{number}", points, triangles, color=colour)
+    add_shade(scene, cell)
     add_stations(scene, cell)
     place(scene.add_frame("/bin", show_axes=False), cell.bin.T_world_bin)
     for number, (colour, points, triangles) in enumerate(by_colour(cell.bin.solids)):
@@ -108,6 +110,21 @@ def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
         anchor="bottom-center",
     )
     add_floor(scene, cell)
+
+
+def add_shade(scene: viser.SceneApi, cell: Cell) -> None:
+    """The soft dark on the table below what stands there."""
+    shade = shade_of(cell)
+    if shade is not None:
+        scene.add_image(
+            "/shade",
+            shade.image,
+            *shade.size,
+            format="png",
+            position=shade.middle,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
 
 def add_floor(scene: viser.SceneApi, cell: Cell, *, is_dark: bool = False) -> None:
@@ -163,7 +180,7 @@ def nodes_with(
 
 def remove_surroundings(scene: viser.SceneApi) -> None:
     """Take away what `add_surroundings` has added."""
-    for name in ("/fixtures", "/stations", "/bin", "/regions", "/scanner", "/floor"):
+    for name in ("/fixtures", "/stations", "/bin", "/regions", "/scanner", "/floor", "/shade"):
         scene.remove_by_name(name)
 
 
@@ -243,7 +260,7 @@ def first_look(cell: Cell) -> tuple[Floats, Floats]:
     Returns:
         Position of the camera and the point it looks at, each (3,) [m] in the world.
     """
-    return framed(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
+    return frame_camera(interesting_points(cell), look_direction(cell), FIELD_OF_VIEW, ASPECT)
 
 
 def look_direction(cell: Cell) -> Floats:
@@ -268,7 +285,7 @@ def interesting_points(cell: Cell) -> Floats:
     return np.array([*corners, *places, *links, cell.scanner.T_world_scanner.translation])
 
 
-def framed(
+def frame_camera(
     points: Floats, direction: Floats, field_of_view: float, aspect: float
 ) -> tuple[Floats, Floats]:
     """From where a camera holds all points, as near as that goes.

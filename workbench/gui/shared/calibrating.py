@@ -37,7 +37,7 @@ class Overlay:
     middle: float | None
 
 
-def solved(state: State) -> Calibration | str:
+def solve(state: State) -> Calibration | str:
     """The answer of the poses scanned so far, or why there is none."""
     try:
         return compute_calibration(state.cell, state.observations)

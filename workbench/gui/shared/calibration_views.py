@@ -9,7 +9,7 @@ from workbench.app.calibration.calibration import corner_errors, moved_by
 from workbench.app.core.state import State
 from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
 from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
-from workbench.gui.shared.tables import clickable, marked
+from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import day_and_time, line, mm, sentence, table_html
 from workbench.gui.texts.calibration import CalibrationText
 from workbench.model.calibration import (
@@ -134,7 +134,7 @@ def _pose_row(
         says = words.render(residual.left_out) or "yes"
     dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
     return (
-        f'<tr{marked(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
+        f'<tr{mark_attribute(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'
         f'<td class="wb-number">{escape(predicted)}</td><td>{escape(says)}</td></tr>'
     )

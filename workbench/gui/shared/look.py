@@ -27,7 +27,7 @@ SAME = np.deg2rad(2.0)
 CLOCK = frozenset({"time", "is_playing"})
 """Fields of a look that say which moment of the plan is viewed."""
 
-PLAYBACK = CLOCK | {"follows", "by", "browser"}
+PLAYBACK = CLOCK | {"follows", "by", "browser", "speed", "loops"}
 """Fields of a look that playing a plan changes."""
 
 AFTER_CYCLE = frozenset({Phase.DONE, Phase.FAULT})
@@ -51,7 +51,8 @@ class Look:
     through it, with nothing sent; `followed` [s] is how far it has followed the robot.  `candidate`
     is an index among the state's candidates, `pose` one among the poses of its way; `by` is the
     browser that moved the time last, None when nobody did (it plays); `browser` let it play, None:
-    no browser did.  `shapes` and `frames` say whether collision shapes and frames are shown,
+    no browser did. It plays `speed` seconds of the plan in a second; `loops` says whether it begins
+    again at its end.  `shapes` and `frames` say whether collision shapes and frames are shown,
     `reach` of which arm the reach is; `search` is a search whose parts are drawn beside those
     found, by its number, which the browser `searcher` has chosen; `rejected` says whether the poses
     that the last search rejected are shown, `scan_colours` whether a scan is in its own colours, if
@@ -67,6 +68,8 @@ class Look:
     pose: int = 0
     by: int | None = None
     browser: int | None = None
+    speed: float = 1.0
+    loops: bool = False
     shapes: bool = False
     frames: bool = False
     reach: str = ""

@@ -100,7 +100,7 @@ def pose_of(cell: Cell, thing: str) -> pin.SE3:
             return cell.arm(arm).Ts_world_place[number]
 
 
-def moved(cell: Cell, thing: str, T: pin.SE3) -> Cell:
+def move_frame(cell: Cell, thing: str, T: pin.SE3) -> Cell:
     """The cell with one of `things` somewhere else."""
     return replace(cell, **moving(cell, thing, T))
 
@@ -196,11 +196,11 @@ def name_of_region(region: Region) -> str:
 def _arms_with_tcp(cell: Cell, name: str, T_flange_tcp: pin.SE3) -> tuple[Arm, ...]:
     """All arms with another TCP of a tool, whoever can carry it: it is one table of the file."""
 
-    def changed(tool: Tool) -> Tool:
+    def change_tool(tool: Tool) -> Tool:
         return replace(tool, T_flange_tcp=T_flange_tcp) if tool.name == name else tool
 
     return tuple(
-        replace(arm, tool=changed(arm.tool), tools=tuple(map(changed, arm.tools)))
+        replace(arm, tool=change_tool(arm.tool), tools=tuple(map(change_tool, arm.tools)))
         for arm in cell.arms
     )
 

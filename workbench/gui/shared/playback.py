@@ -146,7 +146,7 @@ def moments(cell: Cell, runs: tuple[Run, ...], time: float) -> dict[str, ArmMome
         if run is None:
             found[arm.name] = ArmMoment(arm.home, arm.tool.stroke[0], None)
         else:
-            q = interpolated(run.leg.q, run.leg.t, time - run.start)
+            q = interpolate(run.leg.q, run.leg.t, time - run.start)
             found[arm.name] = ArmMoment(q, run.leg.opening, run.leg)
     return found
 
@@ -157,7 +157,7 @@ def latest(runs: tuple[Run, ...], arm: str, time: float) -> Run | None:
     return begun[-1] if begun else None
 
 
-def interpolated(q: Floats, t: Floats, time: float) -> Floats:
+def interpolate(q: Floats, t: Floats, time: float) -> Floats:
     """The row of `q` (n, dof) at `time` [s], passed at times `t` (n,), linear in between."""
     return np.array([np.interp(time, t, column) for column in q.T])
 
@@ -174,7 +174,9 @@ def arm_path(arm: Arm, runs: tuple[Run, ...], times: Floats) -> Floats:
     return path
 
 
-def followed(cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], since: float) -> float:
+def follow_plan(
+    cell: Cell, runs: tuple[Run, ...], joints: Mapping[str, float], since: float
+) -> float:
     """How far the robot has come: when on the plan's clock all arms stand as `joints` say.
 
     The robot may be slower or faster than planned, but keeps to the path.  So the answer is the
@@ -232,7 +234,7 @@ def part_poses(
             ]
             if carried:
                 arm, run = cell.arm(arm_plan.arm), carried[-1]
-                q = interpolated(run.leg.q, run.leg.t, min(time, run.end) - run.start)
+                q = interpolate(run.leg.q, run.leg.t, min(time, run.end) - run.start)
                 poses[number] = kinematics.tcp_pose(arm, q) * arm_plan.T_tcp_part
                 if arm_plan.station and run.leg.name == "place" and time >= run.end:
                     poses[number] = stands_on_station(cell, plan, arm_plan) or poses[number]

@@ -90,7 +90,7 @@ def stages_html(candidates: Sequence[Candidate], words: Words = IN_ENGLISH) -> s
     return f'<div class="wb-stages">{", ".join(lines)}</div>'
 
 
-def ordered(
+def order_candidates(
     candidates: Sequence[Candidate], order: CandidateOrder, words: Words = IN_ENGLISH
 ) -> tuple[int, ...]:
     """Indices of the candidates of all pages, in the order wanted."""
@@ -165,7 +165,7 @@ def css_text(text: str) -> str:
     )
 
 
-def marked(is_chosen: bool) -> str:
+def mark_attribute(is_chosen: bool) -> str:
     """The attribute, with a blank before it, of a row that is chosen or not."""
     return ' style="background:var(--wb-chosen)"' if is_chosen else ""
 

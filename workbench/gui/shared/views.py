@@ -94,7 +94,7 @@ def zone(at: float) -> str:
     return time.strftime("%Z", time.localtime(at))
 
 
-def said(message: Message | str, words: Words = IN_ENGLISH) -> str:
+def message_text(message: Message | str, words: Words = IN_ENGLISH) -> str:
     """What is on record of a moment."""
     return sentence(words.render(message))
 
@@ -133,7 +133,7 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
     if view.is_recorded:
         is_fault = state.phase is Phase.FAULT
         fault = StatusText.FAULT(fault=as_message(state.fault))
-        text = said(fault if is_fault else state.message, words)
+        text = message_text(fault if is_fault else state.message, words)
         return _box("recorded", text, title="Recorded:")
     if live.unrecorded:
         is_sending = state.phase is Phase.SENDING
@@ -155,14 +155,14 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
         case Phase.FAULT:
             return _box("fault", words.render(state.fault), title="Fault:")
         case Phase.SENDING:
-            return _box("busy", said(state.message, words), parts_placed(state, words))
+            return _box("busy", message_text(state.message, words), parts_placed(state, words))
         case Phase.DONE:
             is_good = all(outcome.is_picked for outcome in state.outcomes) and not is_failure(
                 state.message
             )
-            return _box("good" if is_good else "fault", said(state.message, words))
+            return _box("good" if is_good else "fault", message_text(state.message, words))
         case _:
-            text = said(state.message, words) or "Ready. Take a scan to begin."
+            text = message_text(state.message, words) or "Ready. Take a scan to begin."
             is_ready = isinstance(state.message, Message) and state.message.mentions(
                 StateText.PLAN_READY
             )

@@ -224,7 +224,7 @@ def _guard(secret: str | None) -> Generator[None]:
     with _starting:
         serve = module.serve
 
-        def guarded(*args: Any, process_request: Callable[..., Any], **options: Any) -> Any:
+        def guard_serve(*args: Any, process_request: Callable[..., Any], **options: Any) -> Any:
             def look(connection: Any, request: Request) -> Any:
                 ours = connection.transport.get_extra_info("socket")
                 ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, WAITING)
@@ -233,7 +233,7 @@ def _guard(secret: str | None) -> Generator[None]:
 
             return serve(*args, process_request=look, **options)
 
-        module.serve = guarded
+        module.serve = guard_serve
         try:
             yield
         finally:

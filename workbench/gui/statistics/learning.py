@@ -10,7 +10,7 @@ from workbench.app.core.cell.part_edits import EditPart
 from workbench.app.statistics.remaining import RemainingPart
 from workbench.gui.searching.grasp_search import GraspSearch
 from workbench.gui.shared.look import View
-from workbench.gui.shared.views import said
+from workbench.gui.shared.views import message_text
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.messages.commands import GraspEditText
 from workbench.plugins.progress import Report
@@ -54,7 +54,9 @@ class LearningControls:
         left, cell = self._left, self._visitor.cell
         name = Counter(it.part for it in left).most_common(1)[0][0]
         found = propose_apart(cell, name, left, report, cancelled)
-        says = [said(message, self._visitor.words) for message in proposal_words(name, found)]
+        says = [
+            message_text(message, self._visitor.words) for message in proposal_words(name, found)
+        ]
         if not found.entries:
             return says
         edit = EditPart(name, (), found.entries, says=GraspEditText.LEARNED(part=name))

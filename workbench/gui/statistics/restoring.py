@@ -72,7 +72,7 @@ class RestoreControls:
             icon=viser.Icon.HISTORY,
             hint="What is there now is kept as a backup first.",
         )
-        self._pick.on_upload(self._uploaded)
+        self._pick.on_upload(self._upload)
         self._kept.on_update(self._on_take)
         self._restore.on_click(lambda _: self._on_wanted())
         visitor.on_end(self._forget)
@@ -96,7 +96,7 @@ class RestoreControls:
             return "choose a backup first"
         return "" if changes_any(self._things) else "it would change nothing"
 
-    def _uploaded(self, event: Any) -> None:
+    def _upload(self, event: Any) -> None:
         name, content = taken_upload(event.target)
         try:
             sent_name(name)

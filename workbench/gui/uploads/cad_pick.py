@@ -78,7 +78,7 @@ class CadPick:
         if self._solid is not None:
             self._solid.visible = False
             self._solid.on_update(lambda _: self._look())
-        self._pick.on_upload(self._chosen)
+        self._pick.on_upload(self._choose)
         self._unit.on_update(lambda _: self._look())
         visitor.on_end(self._forget)
 
@@ -113,7 +113,7 @@ class CadPick:
     def _forget(self) -> None:
         self.drawing = self.look = None
 
-    def _chosen(self, event: Any) -> None:
+    def _choose(self, event: Any) -> None:
         name, content = taken_upload(event.target)
         self._forget()
         self._offer(())

@@ -31,7 +31,7 @@ def speak(client: viser.ClientHandle, words: Words) -> None:
     def queue_said(message: Any) -> None:
         queue(_translate(message, said, words, choices))
 
-    async def heard(client_id: Any, message: Any) -> None:
+    async def take_update(client_id: Any, message: Any) -> None:
         english = choices.get(getattr(message, "uuid", ""))
         if english is not None and isinstance(message, messages.GuiUpdateMessage):
             value = message.updates.get("value")
@@ -42,7 +42,7 @@ def speak(client: viser.ClientHandle, words: Words) -> None:
     connection.queue_message = queue_said
     # In English before it is compared with what a widget offers.
     hear = connection._handle_incoming_message
-    connection._handle_incoming_message = heard
+    connection._handle_incoming_message = take_update
 
 
 def _by_field(words: Words) -> Mapping[str, Say]:

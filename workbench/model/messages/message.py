@@ -124,7 +124,7 @@ class Message:
         return hash((self.text, tuple(self.args.items())))
 
     def __str__(self) -> str:
-        return self.rendered(_english)
+        return self.render(_english)
 
     def __repr__(self) -> str:
         return f"<{self.id}: {self}>"
@@ -138,19 +138,19 @@ class Message:
         """The id of its text."""
         return self.text.id
 
-    def rendered(self, template_of: Callable[[Text], str]) -> str:
+    def render(self, template_of: Callable[[Text], str]) -> str:
         """The text for people.
 
         Args:
             template_of: the template of each text in the language of who reads it.
         """
 
-        def shown(place: re.Match[str]) -> str:
+        def show(place: re.Match[str]) -> str:
             return _format_arg(self.args[place[1]], place[2] or "", template_of)
 
-        return _PLACE.sub(shown, template_of(self.text))
+        return _PLACE.sub(show, template_of(self.text))
 
-    def renumbered(self, number: "Callable[[int], int | Message]") -> "Message":
+    def renumber(self, number: "Callable[[int], int | Message]") -> "Message":
         """The message with its parts by the indices in another list, or as another message."""
         return Message(self.text, {name: _renumber(a, number) for name, a in self.args.items()})
 
@@ -227,7 +227,7 @@ def _format_arg(arg: Any, how: str, template_of: Callable[[Text], str]) -> str:
         return f"{arg:,}"
     if isinstance(arg, tuple):
         return _join_list(cast(tuple[Any, ...], arg), how, template_of)
-    return arg.rendered(template_of) if isinstance(arg, Message) else str(arg)
+    return arg.render(template_of) if isinstance(arg, Message) else str(arg)
 
 
 def _join_list(args: tuple[Any, ...], how: str, template_of: Callable[[Text], str]) -> str:
@@ -235,7 +235,7 @@ def _join_list(args: tuple[Any, ...], how: str, template_of: Callable[[Text], st
     joint = {"and": Others.AND, "or": Others.OR}.get(how)
     if joint is None or len(shown) < 2:
         return ", ".join(shown)
-    return joint(first=", ".join(shown[:-1]), last=shown[-1]).rendered(template_of)
+    return joint(first=", ".join(shown[:-1]), last=shown[-1]).render(template_of)
 
 
 def _renumber(arg: Any, number: Callable[[int], int | Message]) -> Any:
@@ -244,7 +244,7 @@ def _renumber(arg: Any, number: Callable[[int], int | Message]) -> Any:
             new = number(arg.index)
             return new if isinstance(new, Message) else FoundPart(new)
         case Message():
-            return arg.renumbered(number)
+            return arg.renumber(number)
         case tuple():
             return tuple(_renumber(item, number) for item in cast(tuple[Any, ...], arg))
         case _:

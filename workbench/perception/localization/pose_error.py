@@ -31,7 +31,9 @@ def pose_error(
     symmetry = part.symmetry
     if symmetry.form == NONE and not roll_known:
         symmetry = replace(symmetry, fold=0)
-    middle = symmetry.fixed((part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2)
+    middle = symmetry.invariant_point(
+        (part.mesh.points.min(axis=0) + part.mesh.points.max(axis=0)) / 2
+    )
     if symmetry.form == BALL:
         return float(np.linalg.norm(T.act(middle) - middle)), 0.0
     if symmetry.form == NONE:

@@ -150,7 +150,7 @@ def _prepare(part: Part) -> PartSurface:
         is_closed=bool(mesh.is_watertight),
         symmetry=find_near_symmetry(scene, outer.points, diameter),
         stated=part.symmetry.motions(STEPS),
-        fixed=part.symmetry.fixed(middle),
+        fixed=part.symmetry.invariant_point(middle),
         is_ball=part.symmetry.form == BALL or _is_ball(outer.points, middle, diameter),
     )
 

@@ -172,7 +172,7 @@ def chain_contact(
         measured = first
         if len(swept.left):
             rest = curves.points[first:stopped]
-            measured = stopped - world.parted(rest, columns, base, resolution, swept.left)
+            measured = stopped - world.count_parted(rest, columns, base, resolution, swept.left)
         for k in range(first, measured):
             found = _curve_contact(world, columns, base, curves.points[k], resolution, swept.left)
             if found is not None:

@@ -22,7 +22,7 @@ MOST_PAIRINGS = 16
 """Kept for cells and numbers of parts that come again."""
 
 
-def kept(begins: Floats) -> Floats:
+def distances_to_keep(begins: Floats) -> Floats:
     """The distances [m] that are kept by what is this far apart (k,) [m] where a leg begins.
 
     What is in touch may come nearer by `SLACK`.  What is clear stays so, by half at least: the rest
@@ -100,7 +100,7 @@ class Checks:
         """
         # The margins of the phase serve others too; these are for this leg alone.
         margins = np.where(self.leaves, np.minimum(self.margins, near), self.margins)
-        margins[pairs] = np.minimum(margins[pairs], kept(distances))
+        margins[pairs] = np.minimum(margins[pairs], distances_to_keep(distances))
         return margins
 
     def alone(self, arm: str) -> Ints:

@@ -18,7 +18,7 @@ from workbench.planning.collision.around import Around, first_contact
 from workbench.planning.collision.bodies import extent, part_label
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import NOTHING
-from workbench.planning.collision.pairing import kept
+from workbench.planning.collision.pairing import distances_to_keep
 from workbench.planning.collision.surroundings import Surroundings
 from workbench.planning.collision.unknown_rolls import Placed, place_pieces
 
@@ -94,7 +94,7 @@ class PartWays:
         self._first: dict[tuple[int, bytes], tuple[float, bool]] = {}
         self._off: dict[int, tuple[Floats, ...]] = {}
 
-    def blocked(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
+    def find_blocks(self, number: int, ways: Sequence[Floats]) -> list[tuple[str, float] | None]:
         """For each way (3,) [m] in the world: what a part meets on it and after how much [m].
 
         None where it meets nothing.  What counts is what comes nearer than `kept_on_ways`, once the
@@ -160,7 +160,7 @@ class PartWays:
             begins = np.array([begin for _, _, begin in against])
             comes = np.array([_apart(a, b, step) for a, b, _ in against])
             gain = float(np.min(comes - begins, initial=first))
-            self._first[key] = gain, bool((comes < kept(begins)).any())
+            self._first[key] = gain, bool((comes < distances_to_keep(begins)).any())
         return self._first[key]
 
     def ways_off(self, number: int) -> tuple[Floats, ...]:
@@ -177,7 +177,7 @@ class PartWays:
         if number not in self._off:
             R, length = self._cell.bin.T_world_bin.rotation, self._cell.policy.lift_length
             ways: list[Floats] = list(length * _half_sphere() @ R.T) if length > 0 else []
-            met = self.blocked(number, ways)
+            met = self.find_blocks(number, ways)
             free = [way for way, what in zip(ways, met, strict=True) if what is None]
             off = [way for way in free if not self.is_pushed(number, way)]
             # Gains that are equal but for rounding keep the order of the leans.
@@ -217,7 +217,7 @@ class PartWays:
         _, code = first_contact(R, p, 0.0, number, margin, fixed)
         return None if code == NOTHING else self._label(code)
 
-    def caught(self, number: int, way: Floats) -> Caught | None:
+    def find_snag(self, number: int, way: Floats) -> Caught | None:
         """What holds a part back as it comes off what it lies on, at some turn nobody can exclude.
 
         Of parts whose roll is unknown, its own or that of a neighbour, every turn counts that

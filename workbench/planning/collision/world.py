@@ -254,7 +254,7 @@ class World:
             is_all=len(others) == 0,
         )
 
-    def parted(
+    def count_parted(
         self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints
     ) -> int:
         """How many curves at the end of a chain surely have no two bodies of `among` in touch.
@@ -341,7 +341,7 @@ class World:
         finally:
             self._use(allowed)
 
-    def placed(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
+    def place_shapes(self, q: Floats, pair: tuple[str, str]) -> tuple[tuple[Shape, pin.SE3], ...]:
         """The shapes of the bodies with these labels, with their poses in the world at `q` (nq,).
 
         A label may stand for several bodies; an unknown one for none.

@@ -82,7 +82,7 @@ def proposed_symmetry(mesh: Mesh) -> FoundSymmetry | None:
             continue
         if is_larger and itself.worst(larger) <= MARGIN * itself.tolerance:
             symmetry, deviation = larger, max(deviation, off)
-    point = symmetry.fixed(np.zeros(3))
+    point = symmetry.invariant_point(np.zeros(3))
     is_at_origin = float(np.linalg.norm(point)) <= itself.tolerance / 2
     x, y, z = np.zeros(3) if is_at_origin else np.round(point, 7)
     return FoundSymmetry(replace(symmetry, point=(x, y, z)), deviation)
@@ -116,11 +116,11 @@ def _across(itself: "_TurnedSurface", symmetry: Symmetry) -> list[tuple[Symmetry
     """A half turn across an axis, which no face need show: the best of many, if it holds."""
     first = np.linalg.svd(symmetry.axis[None])[2][1]
 
-    def turned(angle: float) -> Floats:
+    def turn_by(angle: float) -> Floats:
         return np.array(turn_about(symmetry.axis, angle) @ first)
 
     def off(angle: float) -> float:
-        return itself.deviation(turn_about(turned(angle), np.pi), itself.centre, FEW)
+        return itself.deviation(turn_about(turn_by(angle), np.pi), itself.centre, FEW)
 
     best, step = 0.0, FINE
     if symmetry.fold:
@@ -128,7 +128,7 @@ def _across(itself: "_TurnedSurface", symmetry: Symmetry) -> list[tuple[Symmetry
     for _ in range(HALVINGS):
         step /= 2
         best = min((best, best - step, best + step), key=off)
-    axis = turned(best)
+    axis = turn_by(best)
     holds, deviation = itself.holds(axis, (np.pi,))
     return [(replace(symmetry, axis=axis, fold=2), deviation)] if holds else []
 

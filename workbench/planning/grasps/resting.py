@@ -70,7 +70,7 @@ def resting_poses(part: Part) -> tuple[pin.SE3, ...]:
     about the vertical in `TURNS` ways; of poses that its symmetry makes alike there is one.  A part
     that would roll has none on its side.
     """
-    middle = part.symmetry.fixed(_centre(part))
+    middle = part.symmetry.invariant_point(_centre(part))
     found: list[tuple[float, Floats]] = []
     for down, offset, steady in _stands(part):
         T = np.eye(4)

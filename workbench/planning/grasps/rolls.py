@@ -54,7 +54,7 @@ def at_every_turn(
         is_own = verdict.pair is not None and verdict.pair[1] == part_label(number)
         if is_own and not _cuts(part, arm, grasp, fit):
             unknown = replace(verdict, reason=Reason.ROLL_UNKNOWN)
-            return unknown.noted(VerdictNote.ROLL_UNSEEN())
+            return unknown.with_note(VerdictNote.ROLL_UNSEEN())
         return with_rolls(detections, verdict)
     wrong = uneven(part, detection, arm, grasp)
     first = wrong[fit.turn]
@@ -80,7 +80,7 @@ def with_rolls(detections: Sequence[Detection], verdict: Verdict) -> Verdict:
     rolled = [label for label in verdict.pair if label in labels]
     if not rolled:
         return verdict
-    return verdict.noted(VerdictNote.ALL_TURNS(parts=map(found_part, rolled)))
+    return verdict.with_note(VerdictNote.ALL_TURNS(parts=map(found_part, rolled)))
 
 
 def _cuts(part: Part, arm: Arm, grasp: Grasp, fit: Fit) -> bool:

@@ -104,7 +104,7 @@ def find_lifts_clear_for_part(
     every = list(lifts(world, candidate, T_world_tcp))
     if len(every) < 2:
         return every, None
-    met = world.part_ways.blocked(candidate.detection, [way for _, way in every])
+    met = world.part_ways.find_blocks(candidate.detection, [way for _, way in every])
     free = [lift for lift, what in zip(every, met, strict=True) if what is None]
     if free or met[0] is None:
         return free, None

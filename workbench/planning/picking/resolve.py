@@ -317,7 +317,7 @@ def _extract(
 ) -> Floats | Verdict:
     """The straight `way` (3,) [m] of the part out of the bin, shape (m, n)."""
     policy = world.policy
-    caught = world.part_ways.caught(candidate.detection, way)
+    caught = world.part_ways.find_snag(candidate.detection, way)
     if caught is not None:
         return _held_back(caught)
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
@@ -332,7 +332,7 @@ def _extract(
     sunk = world.allow_start_contacts(world.configuration({arm.name: q_grasp}))
     if sunk is not None:
         refused = _refuse(Reason.IN_COLLISION, Stage.EXTRACT, sunk, q_grasp)
-        return refused.noted(VerdictNote.TOO_DEEP())
+        return refused.with_note(VerdictNote.TOO_DEEP())
     found = path_contact(world, columns, base, path)
     if found is None:
         with world.at_full_margins():

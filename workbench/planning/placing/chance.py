@@ -56,7 +56,7 @@ def select_counted(part: Part, detection: Detection, place: PartPlace | None) ->
         return Counted(np.array(symmetry.point), np.eye(3))
     free: list[Floats] = []
     if symmetry.form == ROUND:
-        point = symmetry.fixed(point)
+        point = symmetry.invariant_point(point)
         free.append(np.asarray(symmetry.axes[0].axis))
     elif not detection.roll_known:
         through, axis = axis_of(part, detection)

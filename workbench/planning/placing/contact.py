@@ -98,7 +98,7 @@ def finger_grip(checker: GraspChecker, T_part_tcp: pin.SE3, T_world_part: pin.SE
     way /= along @ way
     keeps = np.eye(6) - np.outer(way, along)
     # About the middle of the faces: what is between the fingers stays in their middle.
-    turns = [np.array([0.0, -along[3:] @ axis, 0.0, *axis]) for axis in felt.aligned()]
+    turns = [np.array([0.0, -along[3:] @ axis, 0.0, *axis]) for axis in felt.alignment_axes()]
     for turn in turns:
         keeps = keeps - np.outer(turn, turn[3:] @ keeps[3:])
     return Grip(keeps, np.array(turns))
@@ -142,7 +142,7 @@ class _Felt:
         found = np.array([self._length(axis) for axis in AXES])
         return np.where(found > step, found + step, 0.0)
 
-    def aligned(self) -> Floats:
+    def alignment_axes(self) -> Floats:
         """Axes (k, 3) across the travel about which the pads turn the part flat; no unit."""
         assert self.width is not None
         # What touches is as short as it is along its own axes: a corner's way across is no help.

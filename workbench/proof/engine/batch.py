@@ -40,7 +40,7 @@ class Batch:
         asked = np.column_stack([places[items[:, :2]], items[:, 2]])
         return Batch(self.corners[kept], self.sizes[kept], self.at[kept]), asked
 
-    def halved(self, items: Ints, levers: Floats) -> tuple["Batch", Ints]:
+    def halve(self, items: Ints, levers: Floats) -> tuple["Batch", Ints]:
         """What is asked (n, 3) in both halves of a set each, cut in two through its longest edge.
 
         Where two sets are asked about, the longer one is cut.  `levers` (nq,) tell how much each

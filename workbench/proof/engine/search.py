@@ -150,7 +150,7 @@ class _Wanted:
         else:
             self.goals = [_enough(sight)] * waypoints
 
-    def measured(self, at: int, distance: float) -> None:
+    def note_distance(self, at: int, distance: float) -> None:
         """Something is so near [m] after a waypoint, nearer than all else that was measured."""
         self.nearest[at] = distance
         if self._within is not None:
@@ -208,7 +208,7 @@ class _Search:
             # The direction in which a pair is apart in one set often is good for others.
             order = np.argsort(close.whole_bounds, kind="stable")
             once = close.items[order[np.unique(close.items[order, 2], return_index=True)[1]]]
-            once = once[~self._space.known(self._pairs.rows[once[:, 2]])]
+            once = once[~self._space.has_direction(self._pairs.rows[once[:, 2]])]
             planes(once, self._ways(sets, q, once), self._asked, *compiled)
             if not self.is_over():
                 self._exhaust(*inside(self._base, blocks, close.items))
@@ -237,13 +237,13 @@ class _Search:
                 middle = len(items) // 2
                 waiting += [batch.only(some) for some in (items[middle:], items[:middle])]
                 continue
-            items = self._left(batch, items)
+            items = self._open_pairs(batch, items)
             if self.is_over():
                 return
             if len(items):
                 # Twice, since a half is seldom enough.
                 for _ in range(2):
-                    batch, items = batch.halved(items, self._space.levers)
+                    batch, items = batch.halve(items, self._space.levers)
                 waiting.append((batch, items))
                 self._halves += len(batch)
                 if self._halves > MOST_HALVES:
@@ -267,7 +267,7 @@ class _Search:
             space.chain, space.arrays, world, spreads,
         )  # fmt: skip
 
-    def _left(self, batch: Batch, items: Ints) -> Ints:
+    def _open_pairs(self, batch: Batch, items: Ints) -> Ints:
         """Look at pairs in sets (n, 3), see `Batch`; those of which halves have to be checked."""
         first, second = self._asked.first[items[:, 2]], self._asked.second[items[:, 2]]
         q, spreads, world = self._world(batch, first, second, True)
@@ -318,7 +318,7 @@ class _Search:
         order = order[~is_hopeless[order]]
         rows, shown = self._pairs.rows[which], self._asked.shown[which]
         columns = first, second, at, rows, close.whole_bounds, close.moves, margins, shown
-        columns = order, *(column[order] for column in (*columns, space.known(rows)))
+        columns = order, *(column[order] for column in (*columns, space.has_direction(rows)))
         ways: dict[int, Floats] = {}
         looked, goals = (-1, -1), wanted.goals
         for n, mine, theirs, place, row, bound, moves, margin, counts, is_known in zip(
@@ -350,7 +350,7 @@ class _Search:
             if is_near:
                 found.too_near = state
                 return
-            self._wanted.measured(place, distance)
+            self._wanted.note_distance(place, distance)
             if found.nearest is None or distance < found.nearest.distance:
                 found.nearest = state
 

@@ -109,7 +109,7 @@ class Space:
         """From the nearest point of the one to that of the other (3,) [m], as measured last."""
         return self._last.getNearestPoint2() - self._last.getNearestPoint1()
 
-    def known(self, rows: Ints) -> Bools:
+    def has_direction(self, rows: Ints) -> Bools:
         """Whether a direction is known in which the two of pairs (r,) were once apart."""
         normals = self.normals[self.table.first[rows], self.table.second[rows], 0]
         return np.asarray(normals.any(axis=1), dtype=np.bool_)

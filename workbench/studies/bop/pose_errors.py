@@ -79,12 +79,12 @@ def mssd(shape: Shape, T_camera_true: pin.SE3, T_camera_found: pin.SE3) -> float
 def mspd(shape: Shape, T_camera_true: pin.SE3, T_camera_found: pin.SE3, K: Floats) -> float:
     """Maximum symmetry-aware projection distance [px] with the camera matrix K (3, 3) [px]."""
 
-    def projected(points: Floats) -> Floats:
+    def project(points: Floats) -> Floats:
         image = points @ K.T
         with np.errstate(divide="ignore", invalid="ignore"):
             return image[..., :2] / image[..., 2:]
 
-    return _least(shape, T_camera_true, T_camera_found, projected)
+    return _least(shape, T_camera_true, T_camera_found, project)
 
 
 def _least(

@@ -72,7 +72,7 @@ class DataSet:
         }
         return cls(images, searched, shapes)
 
-    def searched(
+    def search(
         self, cell: Cell, seed: int, report: Report = silent, *, is_own_bin: bool = False
     ) -> list[PoseEstimate]:
         """What the cell's localizer finds in all images; every object is searched for in each.

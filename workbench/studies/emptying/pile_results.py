@@ -18,7 +18,7 @@ from workbench.model.messages.message import Message
 from workbench.model.prediction import EmptiedPile, LeftPart, PileTask
 from workbench.plugins.progress import Report
 from workbench.studies.cases import run_cases
-from workbench.studies.emptying.piles import cell_of, emptied
+from workbench.studies.emptying.piles import cell_of, empty_pile
 
 MOST = 10 * MB
 """[bytes] No pile needs as much."""
@@ -47,7 +47,7 @@ def emptied_all(
         InputError: as `run_cases`.
     """
     if folder is None:
-        return run_cases(emptied, tasks, workers=workers, scheduler=scheduler, report=report)
+        return run_cases(empty_pile, tasks, workers=workers, scheduler=scheduler, report=report)
     make_folder(folder)
     known = {task: scene for task in tasks if (scene := _read(folder, task)) is not None}
     rest = [task for task in tasks if task not in known]
@@ -58,7 +58,7 @@ def emptied_all(
         write_whole(path, json_text(path, _content(scene)))
 
     if rest:
-        run_cases(emptied, rest, workers=workers, scheduler=scheduler, report=report, keep=keep)
+        run_cases(empty_pile, rest, workers=workers, scheduler=scheduler, report=report, keep=keep)
     return [known[task] for task in tasks]
 
 

@@ -43,7 +43,7 @@ def check_task(task: PileTask) -> None:
     check_pile(cell_of(task.cell, task.part), task.count)
 
 
-def emptied(task: PileTask) -> EmptiedPile:
+def empty_pile(task: PileTask) -> EmptiedPile:
     """Drop a pile and empty it; see `app.emptying.empty`."""
     cell = _warm(task.cell, task.part, task.seen, task.change)
     pile = empty.fallen(cell_of(task.cell, task.part), cell, task)

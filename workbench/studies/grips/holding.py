@@ -100,11 +100,11 @@ def measure(case: Case, grips: int, *, workers: int = 1, report: Report = silent
     cases = [
         replace(case, part=names[k // ALIKE % len(names)], seed=case.seed + k) for k in range(grips)
     ]
-    results = run_cases(pulled, cases, workers=workers, report=report)
+    results = run_cases(pull_all, cases, workers=workers, report=report)
     return [result for result in results if result is not None]
 
 
-def pulled(case: Case) -> Pulled | None:
+def pull_all(case: Case) -> Pulled | None:
     """Say of a grip whether it holds, and have it pulled in all directions.
 
     None where the hand takes the part in no way, or does not hold it as meant even before.

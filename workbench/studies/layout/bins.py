@@ -23,7 +23,7 @@ from workbench.studies.layout.bases import front_of
 from workbench.studies.layout.homes import with_homes
 from workbench.studies.layout.places import with_places
 from workbench.studies.layout.trial import takes_parts
-from workbench.studies.targets import judged
+from workbench.studies.targets import judge_targets
 
 DISTANCES = (0.4, 0.5, 0.6, 0.7)
 HEIGHTS = (-0.45, -0.3, -0.15, 0.0)
@@ -258,10 +258,10 @@ def _share_reached(cell: Cell) -> float:
         moving = frozenset({arm.name})
         world.enter(LegPhase(moving, {arm.name: arm.tool.stroke[1]}, straight=moving))
         among = world.pairs.alone(arm.name)
-        found = judged(world, arm, middle, 0, among=among)
+        found = judge_targets(world, arm, middle, 0, among=among)
         if all(target.q is None for target in found):
             return 0.0
-        found += judged(world, arm, rest, 0, among=among)
+        found += judge_targets(world, arm, rest, 0, among=among)
         shares.append(sum(target.q is not None for target in found) / len(found))
     return min(shares)
 

@@ -137,7 +137,7 @@ class RawBrowser:
             return None
         self.frames += 1
         self.bytes += len(frame.data)
-        messages = unpacked(frame.data)
+        messages = unpack(frame.data)
         for message in messages:
             self._learn(message)
         return messages
@@ -206,7 +206,7 @@ async def raw_browser(url: str, tls: ssl.SSLContext | bool = True) -> AsyncGener
         await asyncio.sleep(FAREWELL)
 
 
-def unpacked(frame: bytes) -> list[dict[str, Any]]:
+def unpack(frame: bytes) -> list[dict[str, Any]]:
     """The messages of one frame of viser, without their arrays."""
     size, packed = (int.from_bytes(frame[i : i + 8], "little") for i in (0, 8))
     inner = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed], size)

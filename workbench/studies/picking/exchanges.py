@@ -125,7 +125,7 @@ class Exchanges:
                 ):
                     yield hold
 
-    def asked(self, number: int) -> Got:
+    def try_exchange(self, number: int) -> Got:
         """Whether a part could be handed over in the air, or how far that got."""
         firsts = self._lifted.get(number, [])
         if not firsts:

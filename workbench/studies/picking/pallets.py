@@ -62,7 +62,7 @@ class Filled:
     ends: str
 
 
-def filled(case: Case) -> Filled:
+def fill_pallets(case: Case) -> Filled:
     """Fill the pallets of a cell, and let MuJoCo say how the parts lie in the end.
 
     Raises:

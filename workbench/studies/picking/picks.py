@@ -140,7 +140,7 @@ def in_the_air(
     exchanges = Exchanges(cell, pile, seed)
     for number, (first, fate) in enumerate(zip(direct, fates, strict=True)):
         if first != Reason.OK:
-            yield f"{fate}; in the air: {WORDS[exchanges.asked(number)]}"
+            yield f"{fate}; in the air: {WORDS[exchanges.try_exchange(number)]}"
 
 
 def rows(measured: dict[str, Any]) -> list[dict[str, Any]]:

@@ -63,9 +63,9 @@ def doings(files: Files) -> dict[str, Doing]:
         for kind, content in files.cad.items()
     }
     return {
-        "the page is opened": opened,
+        "the page is opened": open_page,
         "another one in German": _in_german,
-        "a cycle to the plan": planned,
+        "a cycle to the plan": plan_two,
         "all answers are read": _read,
         "the plan is sent": _send,
         "the same four times, with a CAD file read meanwhile": lambda visitor: _sent_beside(
@@ -91,10 +91,10 @@ def doings(files: Files) -> dict[str, Doing]:
     }
 
 
-async def opened(visitor: Visit) -> None:
+async def open_page(visitor: Visit) -> None:
     """Wait for the controls and be in control."""
     await visitor.until(lambda state: "Choose a backup" in visitor.browser.widgets, "the controls")
-    await visitor.done()
+    await visitor.wait_for_task()
     if not (await visitor.state())["control"]:
         await visitor.post("/control/take")
 
@@ -117,11 +117,11 @@ async def _frames(browser: RawBrowser) -> AsyncGenerator[Any]:
             await browser.socket.close()
 
 
-async def planned(visitor: Visit) -> None:
+async def plan_two(visitor: Visit) -> None:
     """Scan two parts, find them and plan."""
     for path, body in (("/scan", {"parts": 2}), ("/localize", {}), ("/plan", {})):
         await visitor.post(path, **body)
-        await visitor.done()
+        await visitor.wait_for_task()
 
 
 async def _read(visitor: Visit) -> None:
@@ -153,9 +153,9 @@ def has_ended(state: dict[str, Any]) -> bool:
 
 async def _sent_beside(visitor: Visit, cad: dict[str, bytes]) -> None:
     for kind, content in cad.items():
-        await planned(visitor)
+        await plan_two(visitor)
         # Once something is sent no file can be chosen any more; one that was is still read.
-        await chosen(visitor, f"beside{kind}", content)
+        await choose_file(visitor, f"beside{kind}", content)
         await let_out(visitor)
         state = await visitor.until(has_ended, "the end of a motion")
         if state["phase"] != "done":
@@ -163,7 +163,7 @@ async def _sent_beside(visitor: Visit, cad: dict[str, bytes]) -> None:
         await visitor.wait_for_text(f"beside{kind}", "closed")
 
 
-async def chosen(visitor: Visit, name: str, content: bytes) -> None:
+async def choose_file(visitor: Visit, name: str, content: bytes) -> None:
     """Choose a CAD file, until the page says that it is being read."""
     await visitor.choose("Choose a CAD file", name, content, "reading …")
 
@@ -176,7 +176,7 @@ async def _scan(visitor: Visit, content: bytes) -> None:
 
 async def _search(visitor: Visit) -> None:
     await visitor.post("/localize")
-    await visitor.done()
+    await visitor.wait_for_task()
 
 
 async def _poses(visitor: Visit) -> None:
@@ -208,7 +208,7 @@ async def _save(visitor: Visit) -> None:
 
 async def _empty(visitor: Visit) -> None:
     await visitor.post("/emptying", parts=4, piles=1)
-    await visitor.done()
+    await visitor.wait_for_task()
 
 
 async def _download(visitor: Visit, path: str) -> None:

@@ -82,7 +82,7 @@ class Visit:
             await asyncio.sleep(0.1)
         raise LinkError(f"waited {LONGEST:.0f} s for {what}")
 
-    async def done(self) -> dict[str, Any]:
+    async def wait_for_task(self) -> dict[str, Any]:
         """The state once no task runs."""
         return await self.until(
             lambda state: state["job"] is None and state["getting_ready"] is None, "a task"

@@ -202,7 +202,7 @@ def _delay() -> float:
 
 
 @contextmanager
-def watched(path: Path | None) -> Generator[None]:
+def watch_stalls(path: Path | None) -> Generator[None]:
     """Write each stall of this process into a file as long as the block runs, JSON, one a line.
 
     Raises:

@@ -21,7 +21,7 @@ def guard(origins: Origins) -> Middleware:
     """
 
     @web.middleware
-    async def checked(request: web.Request, handler: Handler) -> web.StreamResponse:
+    async def check_request(request: web.Request, handler: Handler) -> web.StreamResponse:
         host, origin = request.headers.get(hdrs.HOST), request.headers.get(hdrs.ORIGIN)
         if not origins.is_known(host):
             log_refusal("host", why=f"asked for {host!r}", origin=request.remote)
@@ -45,7 +45,7 @@ def guard(origins: Origins) -> Middleware:
             log_refusal("body", why=str(error), origin=request.remote)
             raise web.HTTPBadRequest(text="The body is not encoded as its head says.\n") from error
 
-    return checked
+    return check_request
 
 
 async def strictly(request: web.Request, response: web.StreamResponse) -> None:

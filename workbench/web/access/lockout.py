@@ -88,7 +88,7 @@ class Lockout:
                 numbers.append(int(row.lastrowid or 0))
         return LoginAttempt(tuple(numbers))
 
-    def succeeded(self, attempt: LoginAttempt) -> None:
+    def note_success(self, attempt: LoginAttempt) -> None:
         """An attempt has not failed; earlier ones that did still count."""
         with self._store.change() as connection:
             for number in attempt.numbers:

@@ -76,11 +76,15 @@ def api_routes(
         heartbeat: [s] after which an event stream shows that it lives.
     """
     api = Api(bench, identify, Events(bench, heartbeat=heartbeat))
-    routes = [web.get(PREFIX + read.path, api.asked(partial(api.read, read))) for read in READS]
-    routes += [web.post(PREFIX + call.path, api.asked(partial(api.give, call))) for call in CALLS]
+    routes = [
+        web.get(PREFIX + read.path, api.make_handler(partial(api.read, read))) for read in READS
+    ]
     routes += [
-        web.get(f"{PREFIX}/me", api.asked(api.me)),
-        web.get(f"{PREFIX}/events", api.asked(api.listen)),
+        web.post(PREFIX + call.path, api.make_handler(partial(api.give, call))) for call in CALLS
+    ]
+    routes += [
+        web.get(f"{PREFIX}/me", api.make_handler(api.me)),
+        web.get(f"{PREFIX}/events", api.make_handler(api.listen)),
         web.get(f"{PREFIX}/openapi.json", _describe),
         web.get(f"{PREFIX}/", _reference),
     ]
@@ -107,7 +111,9 @@ class Api:
         self._giving = ThreadPoolExecutor(COMMANDERS, thread_name_prefix="commands")
         self._reading = ThreadPoolExecutor(READERS, thread_name_prefix="reads")
 
-    def asked(self, answer: Answer) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
+    def make_handler(
+        self, answer: Answer
+    ) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
         """A handler that answers people only, and errors with their sentences."""
 
         async def handler(request: web.Request) -> web.StreamResponse:

@@ -129,7 +129,7 @@ class ConnectionLimits:
             self._drop(self._first_to_go(strangers), "too many without a login")
         self._visitors[key] = OpenConnection(key, taken, network_of(address), self._clock(), drop)
 
-    def heard(self, key: object) -> None:
+    def note_bytes(self, key: object) -> None:
         """Take note that bytes have come from a connection."""
         visitor = self._visitors.get(key)
         if visitor is not None and visitor.began is None:

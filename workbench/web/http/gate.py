@@ -135,7 +135,7 @@ class _Answering(web.RequestHandler):
         self._limits = limits
 
     def data_received(self, data: bytes) -> None:
-        self._limits.heard(self)
+        self._limits.note_bytes(self)
         super().data_received(data)
 
 

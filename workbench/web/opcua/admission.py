@@ -127,7 +127,7 @@ class Door(UserManager):
             return None
         person = logins.users.by_password(name, password)
         if person is not None:
-            logins.lockout.succeeded(attempt)
+            logins.lockout.note_success(attempt)
         return person
 
     def _operator(self, username: str | None, password: str | None) -> Person | None:

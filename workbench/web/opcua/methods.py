@@ -26,7 +26,7 @@ class Argument:
     kind: ua.VariantType
     says: str
 
-    def described(self) -> ua.Argument:
+    def describe(self) -> ua.Argument:
         """As clients are told it."""
         argument = ua.Argument()
         argument.Name = self.name

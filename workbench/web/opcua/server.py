@@ -148,7 +148,7 @@ class OpcUa:
                 space,
                 method.name,
                 partial(self._call, method),
-                [argument.described() for argument in method.arguments],
+                [argument.describe() for argument in method.arguments],
                 [ua.VariantType.Boolean, ua.VariantType.String],
             )
         await self._write_changes()

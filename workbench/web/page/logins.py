@@ -106,10 +106,10 @@ class Logins:
             return self._form(request, 401, WRONG, shown)
         answer = web.Response(status=303, headers={hdrs.LOCATION: "/"})
         await self._begin(request, answer, found)
-        shown = request.cookies.get(_known(request), "")
+        shown = request.cookies.get(_known_cookie(request), "")
         known = await asyncio.to_thread(self._lockout.remember, found.name, shown)
         answer.set_cookie(
-            _known(request),
+            _known_cookie(request),
             known,
             max_age=int(REMEMBERED),
             path="/login",
@@ -141,13 +141,13 @@ class Logins:
 
     def _try(self, request: web.Request, name: str, password: str) -> Person | LockedOut | None:
         """In a thread: whose name and password these are, unless nothing may be tried."""
-        known = request.cookies.get(_known(request), "")
+        known = request.cookies.get(_known_cookie(request), "")
         attempt = self._lockout.begin(request.remote or "", name, known)
         if isinstance(attempt, LockedOut):
             return attempt
         person = request.config_dict[ACCESS].users.by_password(name, password)
         if person is not None:
-            self._lockout.succeeded(attempt)
+            self._lockout.note_success(attempt)
         return person
 
     async def _begin(
@@ -183,7 +183,7 @@ class Logins:
         return self._pages.page(request, "login.html", status, **values)
 
 
-def _known(request: web.Request) -> str:
+def _known_cookie(request: web.Request) -> str:
     """Name of the cookie of a browser in which somebody has logged in before."""
     return f"{request.config_dict[ACCESS].cookie}_known"
 

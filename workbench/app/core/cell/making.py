@@ -115,14 +115,14 @@ def with_made(state: State, number: int, made: Part | Tool) -> Changed:
 def carrying(cell: Cell, arm: str, tool: Tool) -> Cell:
     """The cell with one more tool for an arm, which carries it now."""
 
-    def changed(changed_arm: Arm) -> Arm:
+    def add_tool(changed_arm: Arm) -> Arm:
         return replace(
             changed_arm, tool=tool, tools=(*(changed_arm.tools or (changed_arm.tool,)), tool)
         )
 
     return replace(
         cell,
-        arms=tuple(changed(any_arm) if any_arm.name == arm else any_arm for any_arm in cell.arms),
+        arms=tuple(add_tool(any_arm) if any_arm.name == arm else any_arm for any_arm in cell.arms),
     )
 
 

@@ -33,7 +33,7 @@ class ChooseRecipe(Command):
         refuse(_placed_problem(state, cell))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return _chosen(state, self.number)
+        return _choose(state, self.number)
 
 
 def by_recipe(state: State, number: int) -> Cell:
@@ -48,7 +48,7 @@ def by_recipe(state: State, number: int) -> Cell:
         raise CommandRefused(error.message) from error
 
 
-def _chosen(state: State, number: int) -> Changed:
+def _choose(state: State, number: int) -> Changed:
     """The state by another recipe; the recipe that is chosen already voids nothing."""
     whole, message = state.whole or state.cell, _message(state.cell, number)
     if number == state.cell.recipe:

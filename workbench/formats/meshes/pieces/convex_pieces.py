@@ -50,7 +50,7 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32, over: float = OVE
         None when all points lie in one plane.
     """
 
-    def made() -> Arrays | None:
+    def make() -> Arrays | None:
         # It takes a while to import, and is seldom needed.
         from workbench.formats.meshes.pieces import splitting
 
@@ -58,7 +58,7 @@ def pieces_of(mesh: Mesh, *, tolerance: float, most: int = 32, over: float = OVE
         return found and {**pack_meshes(found[0]), "excess": np.array(found[1])}
 
     found = load_or_make(
-        f"pieces {recipe(*ASKED)} {tolerance!r} {most} {over!r}", content_of(mesh), made
+        f"pieces {recipe(*ASKED)} {tolerance!r} {most} {over!r}", content_of(mesh), make
     )
     return None if found is None else Pieces(unpack_meshes(found), float(found["excess"]))
 
@@ -89,7 +89,7 @@ def groups_of(mesh: Mesh, pieces: Pieces, *, tolerance: float, most: int) -> tup
     if len(pieces.pieces) <= most:
         return pieces.pieces
 
-    def made() -> Arrays:
+    def make() -> Arrays:
         from workbench.formats.meshes.pieces import splitting
 
         groups = splitting.group_pieces(mesh, pieces.pieces, tolerance, most)
@@ -97,7 +97,7 @@ def groups_of(mesh: Mesh, pieces: Pieces, *, tolerance: float, most: int) -> tup
         return {**pack_meshes(flat), "sizes": np.array([len(group.pieces) for group in groups])}
 
     content = [part for piece in (mesh, *pieces.pieces) for part in content_of(piece)]
-    found = load_or_make(f"groups {recipe(*ASKED)} {tolerance!r} {most}", content, made) or {}
+    found = load_or_make(f"groups {recipe(*ASKED)} {tolerance!r} {most}", content, make) or {}
     flat, groups = list(unpack_meshes(found)), list[Mesh]()
     for size in found["sizes"].tolist():
         around, inside = flat[0], tuple(flat[1 : 1 + size])
@@ -112,11 +112,11 @@ def hull_of(mesh: Mesh) -> Mesh | None:
     None when all points lie in one plane.
     """
 
-    def made() -> Arrays | None:
+    def make() -> Arrays | None:
         from workbench.formats.meshes.pieces import hulls
 
         hull = hulls.hull(mesh)
         return hull and pack_meshes([hull])
 
-    found = load_or_make(f"hull {recipe(*ASKED)}", content_of(mesh), made)
+    found = load_or_make(f"hull {recipe(*ASKED)}", content_of(mesh), make)
     return None if found is None else unpack_meshes(found)[0]

@@ -125,13 +125,13 @@ class Statement(Expression):
 
     def _goto(self, at: Token) -> SyntaxTree:
         self.take()
-        return self._end("goto", [self.named("a label")], at)
+        return self._end("goto", [self.take_name("a label")], at)
 
     def _connect(self, at: Token) -> SyntaxTree:
         self.take()
         target = self.place() if self.sees("PLACE") else self._interrupt()
         self.want("with")
-        return self._end("connect", [target, self.named("a trap routine")], at)
+        return self._end("connect", [target, self.take_name("a trap routine")], at)
 
     def _interrupt(self) -> SyntaxTree:
         if not self.sees("NAME"):
@@ -200,7 +200,7 @@ class Statement(Expression):
 
     def _for(self, at: Token) -> SyntaxTree:
         self.take()
-        name = self.named("a name")
+        name = self.take_name("a name")
         begin, end, step, *_ = self._head(self._bounds, "do")
         self.want("do")
         return self._close("for_", [name, begin, end, step, self.block(frozenset({"endfor"}))], at)
@@ -223,7 +223,7 @@ class Statement(Expression):
                 self.take()
                 continue
             begin = self.take()
-            labels = self.listed(self.expression, ":")
+            labels = self.take_list(self.expression, ":")
             children.append(
                 SyntaxTree("case", [*labels, self.block(IN_TEST)], begin.line, begin.column)
             )

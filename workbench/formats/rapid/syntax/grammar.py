@@ -94,7 +94,7 @@ class Module(Statement):
     def _attributes(self, children: list[Token | SyntaxTree]) -> None:
         if self.sees("("):
             self.take()
-            children += self.listed(lambda: self.named("an attribute"), ")")
+            children += self.take_list(lambda: self.take_name("an attribute"), ")")
 
     def _declaration(self, children: list[Token | SyntaxTree]) -> None:
         if self.sees("PLACE"):
@@ -109,7 +109,7 @@ class Module(Statement):
             children.append(self._record(begin, scope))
         elif what == "alias":
             self.take()
-            names = [self.named("a type"), self.named("a name")]
+            names = [self.take_name("a type"), self.take_name("a name")]
             self.want(";")
             children.append(SyntaxTree("alias", [*scope, *names], begin.line, begin.column))
         elif what in ENDS:
@@ -119,10 +119,13 @@ class Module(Statement):
 
     def _record(self, begin: Token, scope: list[Token]) -> SyntaxTree:
         self.take()
-        children: list[Token | SyntaxTree] = [*scope, self.named("a name")]
+        children: list[Token | SyntaxTree] = [*scope, self.take_name("a name")]
         while not self.sees("endrecord"):
             at = self.next
-            part: list[Token | SyntaxTree] = [self.named("a type"), self.named("a component")]
+            part: list[Token | SyntaxTree] = [
+                self.take_name("a type"),
+                self.take_name("a component"),
+            ]
             self.want(";")
             children.append(SyntaxTree("part", part, at.line, at.column))
         self.take()
@@ -132,8 +135,8 @@ class Module(Statement):
 
     def _routine(self, begin: Token, scope: list[Token], what: str) -> SyntaxTree:
         self.take()
-        names = [self.named("a type")] if what == "func" else []
-        names.append(self.named("a name"))
+        names = [self.take_name("a type")] if what == "func" else []
+        names.append(self.take_name("a name"))
         children: list[Token | SyntaxTree] = [*scope, *names]
         try:
             if what != "trap":
@@ -161,7 +164,7 @@ class Module(Statement):
         numbers: list[SyntaxTree] = []
         if at.type == "error" and self.sees("("):
             self.take()
-            numbers = self.listed(self.expression, ")")
+            numbers = self.take_list(self.expression, ")")
         return SyntaxTree(at.type, [*numbers, self.block()], at.line, at.column)
 
     def _params(self) -> SyntaxTree:
@@ -189,12 +192,12 @@ class Module(Statement):
             return self.place()
         at = self.next
         mode = [self.take()] if at.type in ("var", "pers", "inout") else []
-        names = [self.named("a type"), self.named("a name")]
+        names = [self.take_name("a type"), self.take_name("a name")]
         stars = None
         if self.sees("{"):
             self.take()
             stars = SyntaxTree(
-                "stars", self.listed(lambda: self.want("*"), "}"), at.line, at.column
+                "stars", self.take_list(lambda: self.want("*"), "}"), at.line, at.column
             )
         return SyntaxTree("param", [*mode, *names, stars], at.line, at.column)
 
@@ -212,11 +215,11 @@ class Module(Statement):
     def data(self, begin: Token, scope: list[Token]) -> SyntaxTree:
         """One declaration of data."""
         storage = self.take()
-        type_, name = self.named("a type"), self.named("a name")
+        type_, name = self.take_name("a type"), self.take_name("a name")
         dims, value = None, None
         if self.sees("{"):
             at = self.take()
-            dims = SyntaxTree("dims", self.listed(self.expression, "}"), at.line, at.column)
+            dims = SyntaxTree("dims", self.take_list(self.expression, "}"), at.line, at.column)
         if self.sees(":="):
             self.take()
             value = self.expression()

@@ -63,7 +63,7 @@ class TokenReader:
         self.note(NoRapid(before, f"a ';' is missing behind {str(before)!r}"))
         return before
 
-    def named(self, what: str) -> Token:
+    def take_name(self, what: str) -> Token:
         """Take a name, or a placeholder for one; a name may be as a placeholder is.
 
         Raises:
@@ -105,7 +105,7 @@ class TokenReader:
         if self._at == begin and not self.sees("endmodule"):
             self.take()
 
-    def listed(self, read: Callable[[], Any], end: str) -> list[Any]:
+    def take_list(self, read: Callable[[], Any], end: str) -> list[Any]:
         """What is between commas, up to a sign."""
         found = [read()]
         while self.sees(","):
@@ -203,7 +203,7 @@ class Expression(TokenReader):
             return self.variable()
         if kind == "[":
             self.take()
-            return SyntaxTree("aggregate", self.listed(self.expression, "]"), at.line, at.column)
+            return SyntaxTree("aggregate", self.take_list(self.expression, "]"), at.line, at.column)
         if kind == "STRING":
             return SyntaxTree("string", [self.take()], at.line, at.column)
         if kind in ("true", "false"):
@@ -232,7 +232,7 @@ class Expression(TokenReader):
         children: list[Any] = [name, self._index()]
         while self.sees("."):
             self.take()
-            at = self.named("a component")
+            at = self.take_name("a component")
             children.append(SyntaxTree("component", [at, self._index()], at.line, at.column))
         return SyntaxTree("var", children, name.line, name.column)
 
@@ -240,7 +240,7 @@ class Expression(TokenReader):
         if not self.sees("{"):
             return None
         at = self.take()
-        return SyntaxTree("index", self.listed(self.expression, "}"), at.line, at.column)
+        return SyntaxTree("index", self.take_list(self.expression, "}"), at.line, at.column)
 
     def arguments(self, end: str) -> SyntaxTree:
         """Arguments up to a sign, which stays."""
@@ -267,10 +267,12 @@ class Expression(TokenReader):
         if not self.sees("\\"):
             return self.expression()
         self.take()
-        name = self.named("the name of an argument")
+        name = self.take_name("the name of an argument")
         if self.sees("?"):
             self.take()
-            return SyntaxTree("passed_on", [name, self.named("an argument")], at.line, at.column)
+            return SyntaxTree(
+                "passed_on", [name, self.take_name("an argument")], at.line, at.column
+            )
         if self.sees(":="):
             self.take()
             return SyntaxTree("named", [name, self.expression()], at.line, at.column)

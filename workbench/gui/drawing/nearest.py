@@ -121,7 +121,7 @@ def proof_html(state: State, links: "PlanLinks") -> str:
         ("Linear motion", links.render(straight_message(state))),
         (name, ", ".join(map(links.render, certificates))),
     ]
-    return table_html(rows, made=links.made(state))
+    return table_html(rows, made=links.make_html(state))
 
 
 def certificates_of(state: State) -> tuple[str, tuple[Message, ...]]:
@@ -159,7 +159,7 @@ class PlanLinks:
         self._certificates = [visitor.unseen(partial(self._save, index)) for index in range(plans)]
         visitor.hide((self._nearest, *self._certificates))
 
-    def made(self, state: State) -> Mapping[str, str]:
+    def make_html(self, state: State) -> Mapping[str, str]:
         """HTML of what can be clicked, by the names of the lines that it stands in."""
         name, certificates = certificates_of(state)
         saves = zip(map(self.render, certificates), self._certificates, strict=False)

@@ -15,7 +15,7 @@ from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.core.people import Person, Role
 from workbench.app.picking.facts import nearest_place
 from workbench.app.runtime.live import Live
-from workbench.gui.scene.nearest import PlanLinks, proof_html
+from workbench.gui.drawing.nearest import PlanLinks, proof_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.playback import timeline
 from workbench.model.messages.message import plain
