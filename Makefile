@@ -17,7 +17,7 @@ STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
 # the page by themselves; the cycle through the page stays.
 EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	app/emptying/test_bound.py app/evidence/test_forged_zips.py app/filling/test_fill.py \
-	app/picking/test_regrasp.py app/runtime/test_killed.py browser/test_calibration_tab.py \
+	app/picking/test_regrasp.py app/runtime/test_killed.py browser/test_axe.py browser/test_calibration_tab.py \
 	browser/test_cancelling.py browser/test_cell_tab.py browser/test_changes.py \
 	browser/test_control.py browser/test_emptying_tab.py browser/test_filling.py \
 	browser/test_foreign_tab.py browser/test_grasps_tab.py browser/test_keeping.py \

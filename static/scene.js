@@ -73,6 +73,13 @@ function nameIcons() {
   }
 }
 
+function nameLandmarks() {
+  // viser names neither what is the page nor what goes on.
+  const root = here().getElementById("root");
+  if (root && !root.hasAttribute("role")) root.setAttribute("role", "main");
+  for (const bar of every("[role=progressbar]")) bar.setAttribute("aria-label", word("Progress"));
+}
+
 function dressList(list, item) {
   // Who comes by Tab finds what is chosen; within the list the arrows move the stop.
   const items = every(item, list);
@@ -90,6 +97,7 @@ function dress() {
   headings().forEach(dressHeading);
   every(FIELDS).forEach(nameField);
   nameIcons();
+  nameLandmarks();
   for (const { list, item } of LISTS) every(list).forEach((one) => dressList(one, item));
   showChosen();
   comeBack();

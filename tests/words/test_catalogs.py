@@ -22,6 +22,15 @@ SAFETY = {
 }
 """Stop, Approve, Send, and what is no button: the emergency stop."""
 
+FORMATTED = re.compile(r"\{(\w+)(?::([^{}]*))?\}")
+"""Name and format of a place."""
+
+UNIT_TWICE = re.compile(
+    r"\{\w+:(?:mm|ms|deg|kg|s|min)\d?\} ?"
+    r"(?:(?:mm|ms|deg|kg|s|min)\b|°|[Gg]rad|degr|rés|毫米|毫秒|度|秒)"
+)
+"""A place whose format writes the unit, with the unit after it again."""
+
 
 @pytest.fixture(scope="module", params=OTHERS)
 def language(request):
@@ -49,6 +58,15 @@ def test_a_translation_has_the_places_of_its_message(catalog):
         for key, text in catalog.messages.items()
         if sorted(places_in(key)) != sorted(places_in(text))
     ] == []
+
+
+def test_a_translation_writes_each_value_in_the_unit_of_its_message(catalog):
+    def formats(text):
+        return {place for place in FORMATTED.findall(text) if "|" not in place[1]}
+
+    pairs = [*catalog.by_id.values(), *catalog.messages.items()]
+    assert [text for english, text in pairs if formats(english) != formats(text)] == []
+    assert [text for _, text in pairs if UNIT_TWICE.search(text)] == []
 
 
 def test_numbers_digests_and_keys_of_files_stay_as_they_are(catalog):

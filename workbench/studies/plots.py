@@ -10,7 +10,7 @@ from plotly.subplots import make_subplots
 from workbench.model.errors import FileError
 from workbench.studies.threshold import Case
 
-COLOURS = ("#1c64b4", "#e8590c", "#2b8a3e", "#ae3ec9", "#0b7285", "#868e96", "#c92a2a")
+COLOURS = ("#1c64b4", "#e8590c", "#287d38", "#ae3ec9", "#0b7285", "#868e96", "#c92a2a")
 
 Rows = Sequence[Mapping[str, Any]]
 

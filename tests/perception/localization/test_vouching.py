@@ -48,7 +48,7 @@ def judge(monkeypatch):
         ends: dict[int, int | None],
         rejected: list[Rejection] | None = None,
     ) -> Judged:
-        def has_visible_boundary(depth_map, surface, pose, tolerance, is_other, *, least) -> bool:
+        def has_visible_boundary(depth_map, surface, pose, tolerance, is_other, **_) -> bool:
             number = int(pose[0, 3])
             beside = ends.get(number, number)
             if beside is None:

@@ -14,8 +14,11 @@ from workbench.gui.page.theme import Theme
 from workbench.gui.plan.transport import Transport
 from workbench.gui.scene.surroundings import add_floor, paint_background
 from workbench.gui.shared.look import View
+from workbench.gui.shared.tables import css_text
 from workbench.gui.shared.views import changes_html, status_html, strip_html
 from workbench.gui.shared.visitor import Visitor
+from workbench.gui.texts.page import PageText
+from workbench.words.words import Words
 
 FRAMED = (
     ".wb-mode b{display:none}"
@@ -41,7 +44,8 @@ class Header:
         self._visitor, gui = visitor, visitor.gui
         # viser's own title bar, where there is no page around the scene.
         top = FRAMED if theme.is_framed else ":root{--wb-mode-top:3.75rem}"
-        gui.add_html(f'<style class="wb-style">{style}{top}</style>')
+        rail = rail_css(visitor.words)
+        gui.add_html(f'<style class="wb-style">{style}{top}{rail}</style>')
         gui.add_html('<div class="wb-head"></div>')
         self._mode = gui.add_html("")
         self._strip = gui.add_html("")
@@ -124,3 +128,9 @@ class Header:
         visitor = self._visitor
         paint_background(visitor.client.scene, is_dark=visitor.is_dark)
         add_floor(visitor.client.scene, visitor.cell, is_dark=visitor.is_dark)
+
+
+def rail_css(words: Words) -> str:
+    """What the style sheet writes over the tabs for every cycle, and over those to set up."""
+    run, set_up = (css_text(words.render(t())) for t in (PageText.RUN_TABS, PageText.SET_UP_TABS))
+    return f':root{{--wb-run:"{run}";--wb-set-up:"{set_up}"}}'

@@ -5,7 +5,7 @@ from workbench.model.candidate import Reason
 
 MUTED = "#868e96"
 BRAND = "#1c64b4"
-GOOD = "#2b8a3e"
+GOOD = "#287d38"
 BAD = "#c92a2a"
 BUSY = "#e67700"
 

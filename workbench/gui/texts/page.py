@@ -7,6 +7,8 @@ class PageText(Text, subject="page-frame"):
     """Who is in control, what the page is of, and what went wrong with a tab."""
 
     CELL = "Cell {name}"
+    RUN_TABS = "Run"
+    SET_UP_TABS = "Set up"
     TAB_BROKEN = "This tab does not work: {problem}"
     HAND_OVER = "Hand over to {person}"
     ASKS = "{person} asks for control"

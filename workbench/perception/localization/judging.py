@@ -39,7 +39,7 @@ class PartSearch:
     `tolerance` [m] see `sightings.look`, `spread` [m] see `likelihood`.  `are_possible` says which
     poses (k, 4, 4) may be at all, (k,).  `least_ends` see `outline.has_visible_boundary`,
     `most` [nat] see `likelihood`; `is_loose` says that they are those of `loosening`; `filled` see
-    `scene_model.SceneModel`.
+    `scene_model.SceneModel`; `eaten` [pixels] of outlines that the background eats, see `eaten`.
     """
 
     part: Part
@@ -54,6 +54,7 @@ class PartSearch:
     most: float = MOST
     is_loose: bool = False
     filled: float = 1.0
+    eaten: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,6 +95,7 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[Judged]:
                 brought[k].tolerance,
                 others(k, i),
                 least=brought[k].least_ends,
+                eaten=brought[k].eaten,
             )
         }
         if not ending:

@@ -30,6 +30,7 @@ from workbench.perception.localization.choice import (
     reaches_into,
     take,
 )
+from workbench.perception.localization.eaten import allow_eaten_outlines
 from workbench.perception.localization.hypotheses import EFFORTS, find_coarse_poses
 from workbench.perception.localization.judging import (
     PartSearch,
@@ -109,6 +110,7 @@ def localize_parts(
     for number, turns in _rounds(found, seed, step):
         if number == 1:
             found = relax_tolerance(found, partial(compete, closely=closely))
+            found = allow_eaten_outlines(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break

@@ -36,6 +36,7 @@ def has_visible_boundary(
     is_other: np.ndarray,
     *,
     least: float = LEAST_ENDS,
+    eaten: int = 0,
 ) -> bool:
     """Whether a part ends along its outline, as far as that is seen.
 
@@ -51,17 +52,18 @@ def has_visible_boundary(
         tolerance: [m] see `sightings.look`.
         is_other: (pixels,) which of them other parts found explain.
         least: share of the outline at which the part must end.
+        eaten: [pixels] of the part along its outline that show the background.
     """
     others = is_other.reshape(depth_map.depth.shape)
     ends, goes_on = _outline(
-        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others
+        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others, eaten
     )
     return ends + goes_on < FEWEST or ends >= least * (ends + goes_on)
 
 
 @njit(cache=True)
 def _outline(
-    drawing: Drawing, T: Floats, is_other: Bools
+    drawing: Drawing, T: Floats, is_other: Bools, eaten: int
 ) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Pixels along the outline in which the part ends, and in which its surface goes on."""
     seen, tolerance = drawing.seen, drawing.tolerance
@@ -84,8 +86,10 @@ def _outline(
                 continue
             for side in range(4):
                 dj, di = (0, 1, 0, -1)[side], (1, 0, -1, 0)[side]
-                beside = (j + dj, i + di)
-                beyond = (j + BEYOND * dj, i + BEYOND * di)
+                beside = (j + (eaten + 1) * dj, i + (eaten + 1) * di)
+                beyond = (j + (eaten + BEYOND) * dj, i + (eaten + BEYOND) * di)
+                if eaten > 0 and not _is_drawn(shown, (j + eaten * dj, i + eaten * di)):
+                    continue
                 if _is_drawn(shown, beside) or _is_drawn(shown, beyond):
                     continue
                 b, a = first_v + beyond[0], first_u + beyond[1]

@@ -17,7 +17,7 @@ LAST_LINKS = 3
 """Links with a body, from the flange back, that are drawn."""
 
 LINK, TOOL, JOINT_AXIS = "#adb5bd", "#1c64b4", "#212529"
-AXES = ("#c92a2a", "#2b8a3e", "#1c64b4")
+AXES = ("#c92a2a", "#287d38", "#1c64b4")
 """Of x, y and z."""
 
 ARROW = 0.08
