@@ -162,7 +162,7 @@ def test_a_program_that_only_says_that_it_lives_does_not_keep_a_plan(planned):
     robot.begin()
     wait_until(lambda: robot.ask("state", *robot.joints())[0] == "STOP")
     robot.close()
-    assert "did not come on" in str(sent.ended()[1])
+    assert "made no progress" in str(sent.ended()[1])
 
 
 def test_bytes_that_come_late_twice_or_never_change_nothing(planned):

@@ -92,10 +92,10 @@ class DriftGroup:
         except JobCancelled:
             self._says.content = line("The look was cancelled.", kind="hint")
         except WorkbenchError as error:
-            self._visitor.notify("No look", self._visitor.words.render(error.message))
+            self._visitor.notify("Check failed", self._visitor.words.render(error.message))
         except Exception:
             log.exception("recorded scans could not be looked at")
-            self._visitor.notify("No look", "Internal error, see the log.")
+            self._visitor.notify("Check failed", "Internal error, see the log.")
         finally:
             self._given_up = None
             self._take.visible, self._cancel.visible = True, False

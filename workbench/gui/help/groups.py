@@ -37,7 +37,7 @@ HELP: Mapping[str, tuple[str, str]] = {
         SEND,
     ),
     "Result of each pick": (
-        "Say of each part whether its pick has succeeded. A part whose pick failed is left "
+        "Report for each part whether its pick succeeded. A part whose pick failed is left "
         "alone for some scans, and three failures in a row are a fault. The statistics count "
         "what is said here.",
         "say-what-became-of-the-parts",
@@ -55,8 +55,8 @@ HELP: Mapping[str, tuple[str, str]] = {
     ),
     "Keep as a case": (
         "A scan in which something was found wrongly, or missed, is kept with what was found and "
-        "with what you say is there. Correct the parts first: what is left alone is said to be "
-        "right. Every later version of the workbench can be held against it.",
+        "with what you say is there. Correct the parts first: what you do not correct counts as "
+        "right. Every later version of the workbench can be compared with it.",
         FIND,
     ),
     "What is there": (
@@ -77,8 +77,8 @@ HELP: Mapping[str, tuple[str, str]] = {
     ),
     "A tool from CAD": (
         "A file of the tool's body, and fingers or a cup in a few numbers, become a tool that the "
-        "arm carries at once. What the file holds is told before you take it. Then its TCP is "
-        "chosen above, to be moved by the gizmo or by numbers; Undo takes the tool away.",
+        "arm carries at once. The page shows what the file holds before you take it. Then its TCP "
+        "is chosen above, to be moved by the gizmo or by numbers; Undo takes the tool away.",
         CELL,
     ),
     "Cell file": (

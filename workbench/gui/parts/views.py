@@ -33,7 +33,7 @@ def parts_html(
         ("Part", "", ""),
         ("Score", "wb-number", "how well it explains what was seen there"),
         ("Seen", "wb-number", "share of the surface facing the scanner that was seen"),
-        ("Gap", "wb-number", "by which it beats the second-best pose of the same object"),
+        ("Lead", "wb-number", "by which it beats the second-best pose of the same object"),
         ("Residual", "wb-number", "distance of the scan from the part's surface, RMS"),
         ("Sure", "wb-number", "of detections that say 90%, nine in ten are right"),
         ("Within", "wb-number", "standard deviation of place and turn, in the direction of most"),

@@ -139,7 +139,7 @@ def searches_html(
     """A row for each search in this scan."""
     if not searches:
         return line("Each search in this scan appears here, to be compared.", kind="hint")
-    heads = ("Search", "Detail", "Seed", "Parts", "Score", "Gap", "Time")
+    heads = ("Search", "Detail", "Seed", "Parts", "Score", "Lead", "Time")
     head = "".join(f'<th class="wb-number">{title}</th>' for title in heads)
     body = "".join(
         _row(place, search, search.number == chosen, rows[place], words)

@@ -158,7 +158,7 @@ def answer_html(
         ("In the bin", CalibrationText.FINDINGS_MOVE(shift=shift)),
         ("Poses agree to", agreement),
         ("Predicted by the others", _prediction_message(found)),
-        ("Sure to", errors),
+        ("Uncertainty", errors),
     ]
     table = table_html([(name, words.render(fact)) for name, fact in facts])
     more = CalibrationText.MORE_POSES(advised=ADVISED, used=found.used)

@@ -114,7 +114,7 @@ class StationNote(Text, subject="station"):
 
     NOT_OVER = "over a station: {why}"
     NO_POSE = "no pose on a station leads to a place"
-    NO_GRASP = "no grasp brings it from the bin onto one: {reason}"
+    NO_GRASP = "no grasp brings it from the bin to a station: {reason}"
     NO_PATH_TO = "no path to the station: {verdict}"
     NO_PATH_FROM = "no path from the station: {verdict}"
     REFUSED_TO = "the proof refuses the path to the station: {violation}"
