@@ -17,30 +17,30 @@ STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
 # the page by themselves; the cycle through the page stays.
 EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	app/emptying/test_bound.py app/evidence/test_forged_zips.py app/filling/test_fill.py \
-	app/picking/test_regrasp.py app/runtime/test_killed.py browser/test_axe.py browser/test_calibration_tab.py \
-	browser/test_cancelling.py browser/test_cell_tab.py browser/test_changes.py \
-	browser/test_control.py browser/test_emptying_tab.py browser/test_filling.py \
-	browser/test_foreign_tab.py browser/test_grasps_tab.py browser/test_keeping.py \
-	browser/test_learning.py browser/test_live_verdicts.py browser/test_long_row.py \
-	browser/test_nearest.py browser/test_parts_tab.py browser/test_pictures.py \
-	browser/test_recipes.py browser/test_recorded.py browser/test_restoring.py \
-	browser/test_rows.py browser/test_scan_colours.py browser/test_scene_script.py \
-	browser/test_stations.py browser/test_tour.py browser/test_watching.py \
-	browser/test_words.py cells/test_full_bin.py cells/test_table.py \
+	app/picking/test_regrasp.py app/runtime/test_ahead.py app/runtime/test_killed.py \
+	browser/test_axe.py browser/test_calibration_tab.py browser/test_cancelling.py \
+	browser/test_cell_tab.py browser/test_changes.py browser/test_control.py \
+	browser/test_emptying_tab.py browser/test_filling.py browser/test_foreign_tab.py \
+	browser/test_front_door.py browser/test_getting_ready.py browser/test_grasps_tab.py \
+	browser/test_keeping.py browser/test_learning.py browser/test_live_verdicts.py \
+	browser/test_long_row.py browser/test_nearest.py browser/test_parts_tab.py \
+	browser/test_pictures.py browser/test_recipes.py browser/test_recorded.py \
+	browser/test_restoring.py browser/test_rows.py browser/test_scan_colours.py \
+	browser/test_scene_script.py browser/test_stations.py browser/test_steps.py browser/test_tour.py \
+	browser/test_watching.py browser/test_words.py cells/test_full_bin.py cells/test_table.py \
 	cli/calibrating/test_calibrate.py cli/measuring cli/picking/test_hostile_plans.py \
 	cli/picking/test_scan_units.py cli/serving/test_files_in_motion.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
-	devices/universal_robots/test_ur_hostile.py examples foreign \
-	formats/meshes/test_convex_pieces.py formats/parts/test_part_import.py \
-	gui/drawing/test_film.py gui/drawing/test_watching.py gui/scene/test_measure.py \
-	packaging/test_bundle.py perception/calibration/test_opencv.py \
+	devices/universal_robots/test_ur_hostile.py examples foreign formats/meshes/test_convex_pieces.py \
+	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
+	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
 	perception/localization/test_loosening.py perception/localization/test_real_scan.py \
 	perception/reconstruction/test_reconstruct.py perception/scene/test_clearly_seen.py \
 	perception/scene/test_seen_obstacles.py planning/grasps/test_firmness.py \
-	planning/picking/test_properties.py planning/planners/test_planners.py \
-	plugins/test_pages.py portable proof/test_good_plans.py proof/test_judge.py \
+	planning/picking/test_properties.py planning/planners/test_planners.py plugins/test_pages.py \
+	portable proof/claims/test_bent_kinds.py proof/test_good_plans.py proof/test_judge.py \
 	robots/test_third_party.py studies test_new_part.py test_new_robot.py testing \
 	web/api/test_fuzz.py web/http/test_crowds.py web/opcua/test_opcua.py
 

@@ -18,7 +18,7 @@ from workbench.cli.serving.demo import Cycle
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
-from workbench.plugins.robot_link import controller_by
+from workbench.plugins.robot_link import Simulation, controller_by
 
 SEED = 0
 RESOLUTION = (160, 120)
@@ -28,7 +28,7 @@ def main(folder: Path) -> None:
     """Write the session, in place of what was there."""
     cell = read_cell("yumi")
     cell = replace(cell, scanner=replace(cell.scanner, resolution=RESOLUTION))
-    simulated = SimulatedController(cell, speed=500)
+    simulated = SimulatedController(cell, Simulation(speed=500))
     ports = {"port": simulated.port, "state_port": simulated.state_port}
     shutil.rmtree(folder, ignore_errors=True)
     bench = Bench(replace(cell, controller=controller_by("abb-socket", **ports)), Journal(folder))

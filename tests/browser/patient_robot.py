@@ -12,11 +12,14 @@ from patient import PATIENT
 
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
+from workbench.plugins.robot_link import Simulation
 
 
 def main(speed: str, record: str) -> None:
     robot = SimulatedController(
-        read_cell("yumi"), speed=float(speed), record=Path(record), patience=PATIENT
+        read_cell("yumi"),
+        Simulation(speed=float(speed), record=Path(record)),
+        patience=PATIENT,
     )
 
     def until_eof() -> None:

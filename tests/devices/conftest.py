@@ -17,7 +17,7 @@ from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.plan import Plan
 from workbench.model.release import Approval
 from workbench.model.scan import Detection
-from workbench.plugins.robot_link import controller_by
+from workbench.plugins.robot_link import Simulation, controller_by
 
 
 @pytest.fixture(scope="session")
@@ -60,9 +60,14 @@ def approval(cell: Cell, plan: Plan) -> Approval:
 @pytest.fixture
 def controller(cell: Cell, tmp_path: Path) -> Iterator[Callable[..., SimulatedController]]:
     """Starts controllers that end with the test; they record to `arrived.jsonl`."""
-    usual = {"record": tmp_path / "arrived.jsonl", "speed": 1000.0, "patience": PATIENT}
+    usual = {"record": tmp_path / "arrived.jsonl", "speed": 1000.0}
     with in_threads() as started:
-        yield lambda **options: started(SimulatedController(cell, **(usual | options)))
+
+        def start(paces=None, patience=PATIENT, **options):
+            simulation = Simulation(**(usual | options))
+            return started(SimulatedController(cell, simulation, paces=paces, patience=patience))
+
+        yield start
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from waiting import PATIENCE, lasting
 
 import workbench
 from workbench.devices.abb_egm.twin import SimulatedEgm
-from workbench.plugins.robot_link import LinkPatience, controller_by
+from workbench.plugins.robot_link import LinkPatience, Simulation, controller_by
 
 PATIENT = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, 1.0)
 
@@ -35,7 +35,7 @@ def plan_of_two(jerk=None):
 @contextmanager
 def twin_of(cell, silence_ms=1000, speed=100.0, **given):
     """The twin, and the cell with its controller there."""
-    twin = SimulatedEgm(cell, "127.0.0.1", 0, 0, speed=speed, **given)
+    twin = SimulatedEgm(cell, Simulation(speed=speed, **given))
     thread = threading.Thread(target=twin.run)
     thread.start()
     at = replace(

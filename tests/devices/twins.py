@@ -13,7 +13,7 @@ import workbench
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.twin import SimulatedUr
-from workbench.plugins.robot_link import LinkPatience, controller_by
+from workbench.plugins.robot_link import LinkPatience, Simulation, controller_by
 
 PATIENT = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, 1.0)
 
@@ -51,7 +51,8 @@ def twin_of(cell, host, **options):
     arm = cell.arms[0]
     start = options.pop("start", arm.to_axes(arm.home).tolist())
     positions = Flange(cell, arm).at
-    twin = SimulatedUr(host, 0, start, positions=positions, **({"speed": 50.0} | options))
+    simulation = Simulation(host, **({"speed": 50.0} | options))
+    twin = SimulatedUr(simulation, start, positions=positions)
     thread = threading.Thread(target=twin.run)
     thread.start()
     at = replace(cell.controller, host=host, port=twin.port)

@@ -28,7 +28,7 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.rapid.setup import read_setup
 from workbench.model.plan import LEG_NAMES
-from workbench.plugins.robot_link import LinkPatience
+from workbench.plugins.robot_link import LinkPatience, Simulation
 
 PATIENCE = 300.0
 FOLDER = find("robots", "yumi") / "rapid"
@@ -289,7 +289,7 @@ class Both:
 
     def __init__(self, cell):
         patient = LinkPatience(*[PATIENCE] * 5)
-        self.simulated = SimulatedController(cell, speed=SPEED, patience=patient)
+        self.simulated = SimulatedController(cell, Simulation(speed=SPEED), patience=patient)
         self.widths = dict.fromkeys(TASKS.values(), 0.0)
         self.rapid = RapidController(
             cell, read_setup(FOLDER), speed=SPEED, operator=Operator(usual=1)

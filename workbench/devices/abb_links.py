@@ -36,19 +36,8 @@ class AbbSocket:
             return
         # Every cell that is read loads this module; only the simulation needs so much.
         from workbench.devices.abb_simulated.controller import SimulatedController
-        from workbench.devices.abb_simulated.faults import parse_fault
 
-        controller = SimulatedController(
-            cell,
-            simulation.host,
-            simulation.port,
-            simulation.state_port,
-            speed=simulation.speed,
-            record=simulation.record,
-            trace=simulation.trace,
-            faults=[parse_fault(text) for text in simulation.faults],
-            home_after=simulation.home_after,
-        )
+        controller = SimulatedController(cell, simulation)
         ready(controller)
         controller.run()
 

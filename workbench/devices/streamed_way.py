@@ -108,7 +108,9 @@ def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> Str
     """
     count = len(leg.q) - 1
     marks, slopes, bends = _pieces(np.diff(leg.q, axis=0), zone)
-    speed = np.sqrt(_squares(np.diff(marks), slopes, bends, velocity, acceleration, zone, count))
+    speed = np.sqrt(
+        _squares(np.diff(marks), slopes, bends, velocity, acceleration, zone=zone, count=count)
+    )
     sums = np.maximum(speed[1:] + speed[:-1], TINY)
     t = np.concatenate([[0.0], np.cumsum(2 * np.diff(marks) / sums)])
     slower = max(leg.seconds / t[-1], 1.0)
@@ -141,6 +143,7 @@ def _squares(
     bends: Floats,
     velocity: Floats,
     acceleration: Floats,
+    *,
     zone: float,
     count: int,
 ) -> Floats:

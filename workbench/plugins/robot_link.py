@@ -1,5 +1,6 @@
 """The seam of robot links: how an approved plan reaches a controller."""
 
+import math
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
@@ -75,14 +76,14 @@ class Simulation:
     modules in RAPID that are to be run as they are; links that know no RAPID refuse it.
     """
 
-    host: str
-    port: int
-    state_port: int
-    speed: float
-    record: Path | None
-    trace: Path | None
-    faults: Sequence[str]
-    home_after: float
+    host: str = "127.0.0.1"
+    port: int = 0
+    state_port: int = 0
+    speed: float = 1.0
+    record: Path | None = None
+    trace: Path | None = None
+    faults: Sequence[str] = ()
+    home_after: float = math.inf
     rapid: Path | None = None
 
 

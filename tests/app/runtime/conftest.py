@@ -19,6 +19,7 @@ from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.jobs import Jobs
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
+from workbench.plugins.robot_link import Simulation
 
 HERE = Path(__file__).parents[1]
 
@@ -76,7 +77,7 @@ def controller(cell):
     with in_threads() as started:
 
         def make(speed, of=cell, faults=()):
-            made = SimulatedController(of, speed=speed, faults=faults, patience=PATIENT)
+            made = SimulatedController(of, Simulation(speed=speed, faults=faults), patience=PATIENT)
             return started(made)
 
         yield make

@@ -22,7 +22,6 @@ from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.statistics.statistics import statistics
-from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.perception.simulation.piles import drop_parts
@@ -168,7 +167,7 @@ def test_a_stop_in_the_middle_leaves_nothing_of_it(bench):
     ("fault", "phase"), [("emergency-stop:6", Phase.FAULT), ("empty-hand", Phase.DONE)]
 )
 def test_a_fault_or_a_lost_part_throws_it_away(bench, fault, phase):
-    made, robot = bench((parse_fault(fault),))
+    made, robot = bench((fault,))
     first = crawling(made, robot)
     made.wait(lambda state: not state.ahead or len(state.ahead.brought) == 3, PATIENCE)
     robot._body.speed = 100.0

@@ -20,6 +20,7 @@ from workbench.app.core.state import Phase
 from workbench.app.runtime.bench import Bench
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
+from workbench.plugins.robot_link import Simulation
 
 HERE = Path(__file__).parents[1]
 KILLS = 60
@@ -33,7 +34,7 @@ MOMENT = 0.005
 
 @pytest.fixture
 def controller(cell):
-    simulated = SimulatedController(cell, speed=1000, patience=PATIENT)
+    simulated = SimulatedController(cell, Simulation(speed=1000), patience=PATIENT)
     thread = threading.Thread(target=simulated.run)
     thread.start()
     yield simulated

@@ -39,7 +39,7 @@ from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import Detection
-from workbench.plugins.robot_link import controller_by, spoken_to_by
+from workbench.plugins.robot_link import Simulation, controller_by, spoken_to_by
 
 OLD, NEW = "abb-socket", "abb-socket/2"
 
@@ -101,12 +101,7 @@ def rig(tmp_path, machines, yumi, found, planned):
 
     def build(protocol, *faults, speed=200.0, strategy="alternated", **patience):
         clock = Hurried()
-        one = SimulatedController(
-            yumi,
-            speed=speed,
-            faults=[parse_fault(text) for text in faults],
-            patience=PATIENT,
-        )
+        one = SimulatedController(yumi, Simulation(speed=speed, faults=faults), patience=PATIENT)
         thread = threading.Thread(target=one.run)
         thread.start()
         address = controller_by(protocol, "127.0.0.1", one.port, one.state_port)

@@ -37,7 +37,7 @@ from workbench.cli.main import main
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused, JournalError
-from workbench.plugins.robot_link import controller_by
+from workbench.plugins.robot_link import Simulation, controller_by
 
 ROOT = Path(__file__).resolve().parents[3]
 MESSAGES = ["startR#", "inR#*30.00*", "outR#*60.00*", "stopR#"]
@@ -69,7 +69,7 @@ class Linked(Idle):
 
 @pytest.fixture
 def controller(cell):
-    simulated = SimulatedController(cell, speed=1000)
+    simulated = SimulatedController(cell, Simulation(speed=1000))
     thread = threading.Thread(target=simulated.run)
     thread.start()
     yield simulated

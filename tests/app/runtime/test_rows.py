@@ -25,7 +25,6 @@ from workbench.app.picking.row import plan_row
 from workbench.app.records.replay import replay
 from workbench.app.runtime.bench import Bench
 from workbench.app.statistics.statistics import statistics
-from workbench.devices.abb_simulated.faults import parse_fault
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
 from workbench.model.digest import digest_of
@@ -225,7 +224,7 @@ def test_who_ends_the_workbench_between_two_plans_lets_no_other_begin(bench, pla
 
 
 def test_a_pick_that_fails_ends_the_row(bench, planned):
-    made, _ = bench(faults=(parse_fault("empty-hand"),))
+    made, _ = bench(faults=("empty-hand",))
     made.do(SendPlan(planned[1].plan.digest), "ada")
     state = made.wait(lambda state: state.phase in (Phase.DONE, Phase.FAULT), PATIENCE)
     assert state.phase is Phase.DONE

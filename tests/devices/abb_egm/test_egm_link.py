@@ -76,7 +76,7 @@ def test_a_plan_is_streamed_once_with_its_grips_between_and_each_arm_ends_where_
 
 
 def test_an_arm_whose_plan_has_ended_does_not_keep_the_other_waiting(planned, monkeypatch):
-    twin = SimulatedEgm(planned[0], "127.0.0.1", 0, 0, speed=20.0)
+    twin = SimulatedEgm(planned[0], Simulation(speed=20.0))
     passed, answers = [0.0], [twin._sockets[0]]
 
     def select(_, __, ___, seconds):
@@ -100,7 +100,7 @@ def test_the_twin_reports_to_no_port_of_its_own(planned, monkeypatch):
     port, states = (abb_twin.free_ports("127.0.0.1", 2) for _ in range(2))
     wanted = [states, port + 1]
     monkeypatch.setattr(abb_twin, "_socket", lambda host: make(host, wanted.pop() if wanted else 0))
-    twin = SimulatedEgm(planned[0], "127.0.0.1", port, states)
+    twin = SimulatedEgm(planned[0], Simulation(port=port, state_port=states))
     own = {one.getsockname()[1] for one in twin._sockets}
     for one in twin._sockets:
         one.close()

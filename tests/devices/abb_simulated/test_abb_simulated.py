@@ -9,6 +9,7 @@ from waiting import wait_until
 
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
+from workbench.plugins.robot_link import Simulation
 
 
 @pytest.fixture
@@ -16,7 +17,7 @@ def left_away():
     """Starts a controller whose right arm was left away from home, with a fault; its end."""
 
     def start(**how) -> SimulatedController:
-        controller = SimulatedController(read_cell("yumi"), speed=50.0, **how)
+        controller = SimulatedController(read_cell("yumi"), Simulation(speed=50.0, **how))
         home = np.asarray(controller._body.cell.arm("right").home)
         controller._body.put({"right": home + 0.5}, "")
         controller._body.halt("stopped by the client")

@@ -18,7 +18,6 @@ from waiting import PATIENCE, wait_until
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.devices.abb_links import AbbProgram
-from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_socket import link
 from workbench.devices.abb_socket.frames import make_frame
 from workbench.devices.abb_socket.messages import REQUEST
@@ -174,7 +173,7 @@ def test_bytes_may_be_split_anywhere(
 
 
 def test_a_hand_that_took_nothing_is_told(controller, at, plan, approval):
-    one = controller(faults=[Fault("empty-hand", 2)])
+    one = controller(faults=["empty-hand:2"])
     receipts = list(send(plan, approval, at(one.port, protocol="abb-socket/2")))
     parts = [receipt.part for receipt in receipts if receipt.part]
     assert [part.is_picked for part in parts] == [True, False]

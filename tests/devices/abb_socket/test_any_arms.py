@@ -17,7 +17,7 @@ from workbench.model.errors import ProtocolError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import Approval
 from workbench.model.scan import Detection
-from workbench.plugins.robot_link import controller_by
+from workbench.plugins.robot_link import Simulation, controller_by
 
 PARTS = tuple(Detection("puck", pose_from_rpy((x, -0.08, 0.0075))) for x in (-0.1, 0.1))
 
@@ -25,7 +25,7 @@ PARTS = tuple(Detection("puck", pose_from_rpy((x, -0.08, 0.0075))) for x in (-0.
 @contextmanager
 def running(cell):
     """A simulated controller with the arms of a cell."""
-    one = SimulatedController(cell, speed=1000.0, patience=PATIENT)
+    one = SimulatedController(cell, Simulation(speed=1000.0), patience=PATIENT)
     thread = threading.Thread(target=one.run)
     thread.start()
     try:

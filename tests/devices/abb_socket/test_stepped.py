@@ -10,7 +10,6 @@ from patient import PATIENT, Hurried, send
 from waiting import wait_until
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.devices.abb_simulated.faults import Fault
 from workbench.devices.abb_simulated.loading import Loading
 from workbench.devices.abb_simulated.serving import Serving
 from workbench.devices.abb_socket.frames import make_frame
@@ -140,7 +139,7 @@ def test_a_controller_that_falls_silent_while_a_step_waits(controller, at, plan,
 
 
 def test_a_fault_in_a_step_that_was_let_run(controller, at, plan, stepped):
-    one = controller(faults=[Fault("emergency-stop", 2)])
+    one = controller(faults=["emergency-stop:2"])
     person = Person(one, at(one.port, protocol="abb-socket/2"), plan, stepped)
     for number in (1, 2):
         wait_until(lambda: person.waits == number)  # noqa: B023

@@ -11,7 +11,7 @@ from twins import PATIENT, approved_for, legs_of, twin_of
 from workbench.devices.universal_robots.blends import LEAST, blend_lines, seconds_of_all
 from workbench.devices.universal_robots.flange import Flange
 from workbench.devices.universal_robots.link import UrRtdeBlend
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.urscript import Line, read_program
 from workbench.devices.universal_robots.ways import UrWay, without_overlaps
 from workbench.plugins.robot_link import send
@@ -26,7 +26,7 @@ def planned():
 
 def moves_of(cell, plan, approval, blend):
     """The moves of each leg, and where each begins."""
-    text = program_of(cell, plan, approval, 0, 0.5, 2.0, blend).text
+    text = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, blend)).text
     lines = [line for line in read_program(text) if line.name == "movej"]
     arm, found = cell.arms[0], []
     for leg in legs_of(plan):
@@ -192,8 +192,9 @@ def test_radii_are_within_what_is_asked_and_none_without_a_zone(planned):
     radii = [line.r for _, lines in moves_of(cell, plan, approval, 0.004) for line in lines]
     assert 0.0 < max(radii) <= 0.004 and min(one for one in radii if one) >= LEAST
     stopping = replace(cell, policy=replace(cell.policy, zone=0.0))
-    assert ", r=" not in program_of(stopping, plan, approval, 0, 0.5, 2.0, 0.05).text
-    assert ", r=" not in program_of(cell, plan, approval, 0, 0.5, 2.0, 0.0).text
+    blending, plain = (ProgramSettings(0, 0.5, 2.0, blend) for blend in (0.05, 0.0))
+    assert ", r=" not in program_of(stopping, plan, approval, blending).text
+    assert ", r=" not in program_of(cell, plan, approval, plain).text
 
 
 @pytest.mark.timeout(1800)

@@ -13,7 +13,7 @@ from twins import PATIENT, approved_for, own_host, twin_of
 from waiting import wait_until
 
 from workbench.devices.universal_robots import rtde
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.twin import DASHBOARD_PORT
 from workbench.model.errors import JobCancelled, LinkError
 from workbench.plugins.robot_link import send, states
@@ -181,7 +181,7 @@ def test_a_leg_out_of_turn_ends_the_motion(planned, change, says):
 
 def test_an_end_that_comes_at_once_is_no_end(planned):
     cell, plan, approval = planned
-    program = program_of(cell, plan, approval, 0, 0.5, 2.0)
+    program = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0))
     end = tuple(cell.arms[0].to_axes(program.q_end).tolist())
 
     def over(state):
@@ -280,7 +280,7 @@ def test_a_program_that_comes_once_more_after_its_end_moves_nothing(planned):
 
 def test_a_program_that_is_doubled_on_the_way_moves_the_robot_once_at_most(planned):
     cell, plan, approval = planned
-    program = program_of(cell, plan, approval, 0, 0.5, 2.0)
+    program = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0))
 
     def doubled(data):
         return [data, data] if b"workbench_plan" in data and data.endswith(b"\nend\n") else [data]

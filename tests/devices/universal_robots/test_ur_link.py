@@ -12,7 +12,7 @@ from waiting import PATIENCE, wait_until
 
 import workbench
 from workbench.devices.universal_robots.link import UrRtde
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.rtde import PAUSED, PLAYING, STOPPING
 from workbench.devices.universal_robots.twin import SimulatedUr
 from workbench.devices.universal_robots.urscript import read_program, seconds_of
@@ -45,7 +45,7 @@ def test_it_keeps_the_promises_of_every_link(planned, host):
 def test_the_program_is_the_plan_waypoint_by_waypoint(planned):
     cell, plan, approval = planned
     arm = cell.arms[0]
-    text = program_of(cell, plan, approval, 3, 0.25, 2.0).text
+    text = program_of(cell, plan, approval, ProgramSettings(3, 0.25, 2.0)).text
     moves = [line for line in read_program(text) if line.name == "movej"]
     legs = [plan.arm(name).leg(leg) for step in plan.sequence for name, leg in step.runs]
     waypoints = [q for leg in legs for q in leg.q[1:]]
@@ -81,16 +81,16 @@ def with_loads(plan):
 def test_the_program_tells_what_the_arm_carries_whenever_the_gripper_has_moved(planned):
     cell, plan, approval = planned
     plan, loads = with_loads(plan)
-    lines = read_program(program_of(cell, plan, approval, 3, 0.25, 2.0).text)
+    lines = read_program(program_of(cell, plan, approval, ProgramSettings(3, 0.25, 2.0)).text)
     told = [tuple(map(float, one.words)) for one in lines if one.name == "set_target_payload"]
     for numbers, holding in zip(told, (False, True, False), strict=True):
         load = loads.carried(holding)
         inertia = load.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         assert numbers == pytest.approx((load.mass, *load.centre, *inertia), abs=1e-6)
-    old = program_of(cell, plan, approval, 3, 0.25, 2.0, sends_inertia=False).text
+    old = program_of(cell, plan, approval, ProgramSettings(3, 0.25, 2.0, sends_inertia=False)).text
     assert old.count("set_payload(0.8") == 2 and old.count("set_payload(1.0") == 1
     assert read_program(old)
-    none = program_of(cell, planned[1], approval, 3, 0.25, 2.0).text
+    none = program_of(cell, planned[1], approval, ProgramSettings(3, 0.25, 2.0)).text
     assert ("payload" in none) == (planned[1].arms[0].loads is not None)
 
 
@@ -334,7 +334,7 @@ def test_programs_that_begin_while_others_are_stopped_leave_the_twin_whole(host,
         time.sleep(0.001)
         start(thread)
 
-    twin = SimulatedUr(host, 0, [0.0] * 6, positions=lambda axes: axes[:, :3])
+    twin = SimulatedUr(Simulation(host), [0.0] * 6, positions=lambda axes: axes[:, :3])
     text = "def a():\n  sleep(0.0)\nend\n"
 
     def stopped() -> None:

@@ -13,7 +13,7 @@ from workbench.devices.streamed_way import way_of
 from workbench.devices.universal_robots import talking
 from workbench.devices.universal_robots.following import Following
 from workbench.devices.universal_robots.link import UrRtdeServo
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.sending import OFF
 from workbench.devices.universal_robots.servo import (
     CLOSE,
@@ -51,7 +51,7 @@ def streams_of(text):
 def test_references_are_the_plans_curve_in_its_time(planned):
     cell, plan, approval = planned
     arm = cell.arms[0]
-    program = program_of(cell, plan, approval, 0, 0.5, 2.0, servo=SERVO)
+    program = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=SERVO))
     velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
     streams = streams_of(program.text)
     for leg, stream, references in zip(legs_of(plan), streams, program.references, strict=True):
@@ -67,7 +67,9 @@ def test_references_are_the_plans_curve_in_its_time(planned):
         for q in sent[:count:5]:
             assert np.abs(curve - q).max(axis=1).min() < 1e-3
         assert np.all(np.abs(np.diff(sent, axis=0)) / PERIOD <= velocity * 1.001)
-    slow = program_of(cell, plan, approval, 0, 0.5, 2.0, servo=replace(SERVO, share=0.5))
+    slow = program_of(
+        cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=replace(SERVO, share=0.5))
+    )
     for leg, references in zip(legs_of(plan), slow.references, strict=True):
         assert 2.0 <= (len(references) - 1) * PERIOD / leg.seconds < 2.3
 
@@ -76,7 +78,7 @@ def test_references_are_the_plans_curve_in_its_time(planned):
 def test_an_arm_that_follows_stays_by_the_proven_curve_however_much_it_lags(planned, servo):
     cell, plan, approval = planned
     arm, seconds = cell.arms[0], 0.0
-    program = program_of(cell, plan, approval, 0, 0.5, 2.0, servo=servo)
+    program = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=servo))
     velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
     for leg, stream in zip(legs_of(plan), streams_of(program.text), strict=True):
         way = way_of(leg, velocity, np.asarray(arm.acceleration), cell.policy.zone)
@@ -95,7 +97,7 @@ def test_at_the_planned_pace_an_arm_that_lags_would_leave_the_curve(planned, mon
     cell, plan, approval = planned
     lags, arm = Servo(0.2, 2000), cell.arms[0]
     monkeypatch.setattr("workbench.devices.universal_robots.servo.CLOSE", np.inf)
-    hasty = program_of(cell, plan, approval, 0, 0.5, 2.0, servo=lags)
+    hasty = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=lags))
     most = 0.0
     for stream, references in zip(streams_of(hasty.text), hasty.references, strict=True):
         followed = Following(arm.to_axes(references[0]).tolist(), stream)
@@ -105,7 +107,7 @@ def test_at_the_planned_pace_an_arm_that_lags_would_leave_the_curve(planned, mon
     assert most > np.deg2rad(2.0)
     monkeypatch.setattr("workbench.devices.universal_robots.servo.CLOSE", -1.0)
     with pytest.raises(InputError, match="the arm would leave its way by more than"):
-        program_of(cell, plan, approval, 0, 0.5, 2.0, servo=lags)
+        program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=lags))
 
 
 def test_a_joint_lags_by_the_lookahead_and_comes_to_rest():
@@ -152,7 +154,7 @@ def test_a_plan_is_streamed_once_and_the_arm_stays_in_what_was_proven(planned, h
             list(send(plan, approval, there, patience=PATIENT))
     seen = [json.loads(line)["q"] for line in trace.read_text().splitlines()]
     seen = [np.asarray(cell.arms[0].from_axes(q)) for q in seen]
-    ways = program_of(cell, plan, approval, 0, 0.5, 2.0, servo=SERVO).references
+    ways = program_of(cell, plan, approval, ProgramSettings(0, 0.5, 2.0, servo=SERVO)).references
     off = [min(off_the_references(q, way).max() for way in ways) for q in seen]
     assert len(seen) > 30 and max(off) < CLOSE + 1e-4
 

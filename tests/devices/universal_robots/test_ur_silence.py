@@ -8,7 +8,7 @@ import pytest
 import workbench
 from workbench.devices.universal_robots import link as ur_link
 from workbench.devices.universal_robots.link import UrRtde
-from workbench.devices.universal_robots.program import program_of
+from workbench.devices.universal_robots.program import ProgramSettings, program_of
 from workbench.devices.universal_robots.rtde import PLAYING, RTDE_PORT, STOPPED
 from workbench.devices.universal_robots.sending import RtdeSending
 from workbench.model.errors import JobCancelled, LinkError
@@ -115,7 +115,7 @@ def program(cell):
     parts = workbench.drop_parts(cell.parts[:1], cell.bin, seed=5)
     result = workbench.plan(cell, parts)
     approval = workbench.approve(cell, result.plan, result.proof, "tester")
-    return program_of(cell, result.plan, approval, 0, 0.5, USUAL.silence)
+    return program_of(cell, result.plan, approval, ProgramSettings(0, 0.5, USUAL.silence))
 
 
 def talking(cell, program, client):

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import workbench.gui.grasps.coverage
-import workbench.gui.shared.visitor
 from workbench.app.core.cell.changes import ChangeCell, UndoCell
 from workbench.app.core.people import Role
 from workbench.app.filling import fill_process

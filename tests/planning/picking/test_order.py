@@ -74,7 +74,9 @@ def test_parts_that_only_rub_off_wait_until_nothing_else_can_be_taken(world, pic
         marked = [
             replace(one, gain=0.0 if one.candidate.detection in rubbing else 0.003) for one in picks
         ]
-        plans, verdict = plan_first_feasible(world, marked, "auto", 0.0, "test", 0, lambda: False)
+        plans, verdict = plan_first_feasible(
+            world, marked, "auto", 0.0, "test", seed=0, cancelled=lambda: False
+        )
         assert plans, verdict
         return {arm.detection for arm in plans[0].arms}
 

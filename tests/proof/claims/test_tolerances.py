@@ -3,16 +3,14 @@
 import importlib
 import re
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pytest
-from bending_machine import bends, good_cases
 from bent_cells import cases
 
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.model.scan import Obstacle
 from workbench.proof.claims.prove import prove, scene_after
 from workbench.proof.claims.scene import roll_turns
 from workbench.proof.claims.stages import in_hand, put_at
@@ -113,17 +111,3 @@ def test_a_leg_that_begins_one_step_of_the_wire_beside_the_last_one_is_refused(p
     changed = tuple(replace(leg, q=q) if leg.name == "return" else leg for leg in one.legs)
     plan = replace(plate.plan, arms=(replace(one, legs=changed),))
     assert violations(replace(plate, plan=plan)) == ["does not start where the arm stands"]
-
-
-@pytest.mark.parametrize("name", ["regrasp", "plate_300", "bar_400", "cube_20", "rod_180"])
-def test_no_bent_plan_is_let_through(name, tmp_path):
-    said = list(islice(bends(name, 11, tmp_path, 12), 12))
-    assert [one for one in said if one["outcome"] == "let through"] == []
-    assert {one["outcome"] for one in said} == {"refused", "harmless"}
-
-
-def test_both_plans_of_a_row_are_bent(tmp_path):
-    first, second = good_cases("regrasp", 11, tmp_path)
-    assert first.plan.stations and not second.plan.stations
-    assert any(isinstance(one, Detection) and one.T_world_found for one in second.scene.detections)
-    assert isinstance(second.scene, Scene)

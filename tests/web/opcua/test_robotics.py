@@ -23,6 +23,7 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.robot_link import LinkRunner
 from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.journal.journal import Journal
+from workbench.plugins.robot_link import Simulation
 from workbench.web.opcua.admission import OpcUaOptions
 from workbench.web.opcua.robotics.tables import types
 from workbench.web.opcua.server import OpcUa
@@ -62,7 +63,9 @@ def moving(results, tmp_path_factory):
     """A bench whose robot is a simulated controller, and the address of its OPC UA."""
     session = tmp_path_factory.mktemp("robotics") / "session"
     with in_threads() as started:
-        simulated = started(SimulatedController(results.cell, speed=4, patience=PATIENT))
+        simulated = started(
+            SimulatedController(results.cell, Simulation(speed=4), patience=PATIENT)
+        )
         ports = {"port": simulated.port, "state_port": simulated.state_port}
         controller = dataclasses.replace(results.cell.controller, host="127.0.0.1", **ports)
         cell = dataclasses.replace(results.cell, controller=controller)

@@ -104,7 +104,9 @@ def first_scan(path: Path, content: bytes, cell: Cell) -> FirstScan:
     if mount.calibration is None:
         proposed = replace(proposed, T_world_scanner=T_world_scanner)
     seen = replace(scan, T_world_scanner=T_world_scanner)
-    says = tuple(_says(cell.scanner, proposed, seen, cell.bin, found, floor, shift, turn))
+    says = tuple(
+        _says(cell.scanner, proposed, seen, cell.bin, found, floor=floor, shift=shift, turn=turn)
+    )
     return FirstScan(proposed, fitting, noise, found, shift, turn, says)
 
 
@@ -152,6 +154,7 @@ def _says(
     scan: Scan,
     bin: Bin,
     found: FoundBin,
+    *,
     floor: tuple[pin.SE3, Floats] | None,
     shift: float,
     turn: float,

@@ -107,7 +107,7 @@ def empty_pile(
         avoided = [(detection, age - 1) for detection, age in avoided if age > 0]
         truth = [detection for _, detection in lying]
         finding, plannings = tally.finding, len(tally.planning)
-        result = _look_and_plan(cell, task, truth, avoided, seed, tally, cancelled)
+        result = _look_and_plan(cell, task, truth, avoided, tally, seed=seed, cancelled=cancelled)
         if seen_for:
             took = tally.finding - finding + sum(tally.planning[plannings:])
             tally.beside.append((seen_for, took))
@@ -206,8 +206,9 @@ def _look_and_plan(
     task: PileTask,
     lying: Sequence[Detection],
     avoided: Sequence[tuple[Detection, int]],
-    seed: int,
     tally: _Tally,
+    *,
+    seed: int,
     cancelled: Cancelled,
 ) -> PlanResult | None:
     """A plan for what is seen; None when nothing is."""

@@ -44,18 +44,30 @@ class MadePart:
     excess: float
 
 
+@dataclass(frozen=True, slots=True)
+class CadChoices:
+    """How a CAD file is read.
+
+    `unit` is mm, m or inch; None when the file says it or only one fits.  `solid` says which of
+    several solids, see `read_cad`.  `repair` mends what can be mended; `is_open` takes a surface
+    that cannot be closed as it is.
+    """
+
+    unit: str | None = None
+    solid: str | None = None
+    repair: bool = False
+    is_open: bool = False
+
+
 def make_part(
     file: Path,
     name: str,
     into: Path,
+    choices: CadChoices,
     *,
-    unit: str | None = None,
     density: float = PLASTIC,
     mass: float | None = None,
-    repair: bool = False,
     is_symmetric: bool = False,
-    solid: str | None = None,
-    is_open: bool = False,
     report: Report = silent,
 ) -> MadePart:
     """Read a CAD file and make the folder of a part.
@@ -64,13 +76,10 @@ def make_part(
         file: a CAD file, or a zip file with one.
         name: of the part and its folder.
         into: the folder of parts.
-        unit: mm, m or inch; None when the file says it or only one fits.
+        choices: how the file is read.
         density: [kg/m3], for the mass.
         mass: [kg], when it is known.
-        repair: mend what can be mended.
         is_symmetric: state the symmetry that is found; otherwise it is a remark in the file.
-        solid: which of several solids, see `read_cad`.
-        is_open: take a surface that cannot be closed as it is.
         report: takes the share done and what is being done.
 
     Raises:
@@ -81,10 +90,10 @@ def make_part(
     report(0.0, ProgressText.READING())
     imported = import_mesh(
         file,
-        unit,
-        repair=repair,
-        solid=solid,
-        is_open=is_open,
+        choices.unit,
+        repair=choices.repair,
+        solid=choices.solid,
+        is_open=choices.is_open,
         density=density,
         report=lambda done, note: report(0.2 * done, note),
     )
@@ -150,10 +159,8 @@ def imported_part(command: ImportPart, report: Report, cancelled: Cancelled) -> 
             file,
             command.name,
             PARTS,
-            unit=command.unit or None,
+            CadChoices(command.unit or None, command.solid or None, repair=command.is_mended),
             density=command.density,
-            repair=command.is_mended,
             is_symmetric=command.is_symmetric,
-            solid=command.solid or None,
             report=go_on,
         ).written.part

@@ -38,7 +38,7 @@ ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
 
-def plan_pick(
+def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
     cell: Cell,
     detections: tuple[Detection, ...],
     scan_digest: str,
@@ -102,7 +102,15 @@ def plan_pick(
         lap("propose")
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and strategy == "auto" else world.deadline
-        _judge(world, _without(avoided, found), looked, seed, part, cancelled, until)
+        _judge(
+            world,
+            _without(avoided, found),
+            looked,
+            seed=seed,
+            report=part,
+            cancelled=cancelled,
+            until=until,
+        )
         lap("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not has_enough_picks(world, looked.picks, strategy, threshold, avoided):
@@ -116,7 +124,13 @@ def plan_pick(
             if looked.picks:
                 part(JUDGED, ProgressText.MOTION())
                 plans, verdict = plan_first_feasible(
-                    world, looked.picks, attempt, threshold, scan_digest, seed, cancelled
+                    world,
+                    looked.picks,
+                    attempt,
+                    threshold,
+                    scan_digest,
+                    seed=seed,
+                    cancelled=cancelled,
                 )
                 took["route"], began = working_time() - began, working_time()
             if plans:
@@ -218,7 +232,15 @@ def judge(
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
     world, looked = World(cell, detections, obstacles), _Looked()
     found = propose(world, looked=_counting(report, cancelled))
-    _judge(world, found, looked, seed, report, cancelled, world.deadline)
+    _judge(
+        world,
+        found,
+        looked,
+        seed=seed,
+        report=report,
+        cancelled=cancelled,
+        until=world.deadline,
+    )
     return tuple(looked.candidates)
 
 
@@ -248,6 +270,7 @@ def _judge(
     world: World,
     candidates: tuple[Candidate, ...],
     looked: _Looked,
+    *,
     seed: int,
     report: Report,
     cancelled: Cancelled,

@@ -26,7 +26,7 @@ MOST_PLANNED = 4
 """Pairs of picks that are planned, the soonest done ones first."""
 
 
-def plan_regrasp(
+def plan_regrasp(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
     cell: Cell,
     scene: Scene,
     refused: PlanResult,

@@ -29,7 +29,7 @@ USUALLY = 2 / 3
 """Share of the progress for a look that usually brings a plan, before one that is made else."""
 
 
-def plan_row(
+def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
     cell: Cell,
     detections: tuple[Detection, ...],
     scan_digest: str,

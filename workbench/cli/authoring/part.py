@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from workbench.app.core.cell.making import DENSITIES
-from workbench.app.picking.part_import import MadePart, make_part, symmetry_words
+from workbench.app.picking.part_import import CadChoices, MadePart, make_part, symmetry_words
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.part import PartImport, PartList
 from workbench.cli.authoring.part_check import (
@@ -46,19 +46,22 @@ def import_part(typed: PartImport) -> int:
 
 
 def _make(typed: PartImport) -> MadePart:
+    choices = CadChoices(
+        typed.unit,
+        None if typed.whole else typed.solid or "",
+        repair=typed.repair,
+        is_open=typed.open,
+    )
     with progress("import") as report:
         make_ready(report, ("planning",))
         return make_part(
             typed.file,
             typed.name,
             typed.into,
-            unit=typed.unit,
+            choices,
             density=typed.density,
             mass=None if typed.mass_g is None else typed.mass_g / 1000,
-            repair=typed.repair,
             is_symmetric=typed.accept_symmetry,
-            solid=None if typed.whole else typed.solid or "",
-            is_open=typed.open,
             report=report,
         )
 

@@ -94,7 +94,8 @@ def send(typed: arguments.SendArguments) -> int:
         raise CommandRefused("what is reported of the robot is otherwise now; read again")
     first, *rest = row
     now, actor = time.time(), typed.approve_as
-    approval = approve(cell, first.plan, first.proof, actor, now, is_unwatched=True, row=rest)
+    approval = approve(cell, first.plan, first.proof, actor, now, row=rest)
+    approval = replace(approval, is_unwatched=True)
     approvals = [approval]
     while (following := approvals[-1].onward()) is not None:
         approvals.append(following)

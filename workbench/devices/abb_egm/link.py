@@ -147,17 +147,7 @@ class AbbEgm:
         from workbench.devices.abb_egm.twin import SimulatedEgm
 
         self.check(cell)
-        twin = SimulatedEgm(
-            cell,
-            simulation.host,
-            simulation.port,
-            simulation.state_port,
-            speed=simulation.speed,
-            home_after=simulation.home_after,
-            faults=simulation.faults,
-            record=simulation.record,
-            trace=simulation.trace,
-        )
+        twin = SimulatedEgm(cell, simulation)
         ready(twin)
         twin.run()
 

@@ -9,13 +9,12 @@ Faster than in real time it waits a little for each answer, so that nobody has t
 
 import itertools
 import json
-import math
 import secrets
 import select
 import socket
 import threading
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from contextlib import suppress
 from pathlib import Path
 
@@ -23,6 +22,7 @@ from workbench.devices.abb_egm import wire
 from workbench.devices.abb_egm.twin_arm import TwinArm
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
+from workbench.plugins.robot_link import Simulation
 
 FAULTS = ("lost", "cut", "jitter", "twice", "motors-off", "stuck")
 """By word: every third report is lost; all are; they are held up and come at once; one comes
@@ -53,43 +53,28 @@ INTO = 10
 class SimulatedEgm:
     """The controller of a cell, for as long as it runs."""
 
-    def __init__(
-        self,
-        cell: Cell,
-        host: str,
-        port: int,
-        state_port: int,
-        *,
-        speed: float = 1.0,
-        home_after: float = math.inf,
-        faults: Sequence[str] = (),
-        record: Path | None = None,
-        trace: Path | None = None,
-    ) -> None:
+    def __init__(self, cell: Cell, simulation: Simulation) -> None:
         """Open its sockets.
 
         Args:
             cell: whose arms stand at home.
-            host: where the sensor listens, and from where this sends.
-            port: of the sensor for the first arm; the next arm has the next; 0: free ones.
-            state_port: the same for states.
-            speed: 1 is real time.
-            home_after: [s] of its time: so long without an answer, and an arm goes home.
-            faults: as `WORD@LEG`, from that leg on.
-            record: file for every order.
-            trace: file for where the arms are.
+            simulation: at `host` the sensor listens, and from there this sends.  `port` is the
+                sensor's for the first arm, `state_port` that for states; the next arm has the next.
+                An arm that gets no answer for `home_after` [s] of its time goes home.  A fault is
+                `WORD@LEG`, from that leg on.  `record` takes every order.
 
         Raises:
             InputError: a fault is not known, or the address is none of this machine.
         """
-        self._faults = dict(_fault(text) for text in faults)
-        self._host, self._speed, self._record, self._trace = host, speed, record, trace
+        self._faults = dict(_fault(text) for text in simulation.faults)
+        self._host, self._speed = simulation.host, simulation.speed
+        self._record, self._trace = simulation.record, simulation.trace
         count = len(cell.arms)
-        self.port = port or free_ports(host, count)
-        self.state_port = state_port or free_ports(host, count)
+        self.port = simulation.port or free_ports(self._host, count)
+        self.state_port = simulation.state_port or free_ports(self._host, count)
         while abs(self.port - self.state_port) < count:
-            self.state_port = free_ports(host, count)
-        self.arms = [TwinArm(cell, arm, home_after) for arm in cell.arms]
+            self.state_port = free_ports(self._host, count)
+        self.arms = [TwinArm(cell, arm, simulation.home_after) for arm in cell.arms]
         self._over = threading.Event()
         self._tick, self._is_cut = 0, False
         self._into = [0] * count
@@ -99,7 +84,7 @@ class SimulatedEgm:
             first_port + k for first_port in (self.port, self.state_port) for k in range(count)
         }
         for _ in self.arms:
-            self._sockets.append(socket_beside(host, ports))
+            self._sockets.append(socket_beside(self._host, ports))
 
     def stop(self) -> None:
         """End `run`."""

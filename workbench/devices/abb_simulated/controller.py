@@ -2,24 +2,22 @@
 
 import json
 import logging
-import math
 import select
 import socket
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from workbench.devices.abb_simulated.body import SimulatedBody
-from workbench.devices.abb_simulated.faults import Fault, Faults
+from workbench.devices.abb_simulated.faults import Faults, parse_fault
 from workbench.devices.abb_simulated.serve_program import TICK, ProgramClient, ServedRobot
 from workbench.devices.abb_simulated.serve_requests import RequestClient
 from workbench.devices.abb_socket.messages import REQUEST
 from workbench.model.cell import Cell
 from workbench.model.errors import LinkError
-from workbench.plugins.robot_link import USUAL, LinkPatience
+from workbench.plugins.robot_link import USUAL, LinkPatience, Simulation
 
 log = logging.getLogger(__name__)
 
@@ -46,46 +44,37 @@ class SimulatedController:
     def __init__(
         self,
         cell: Cell,
-        host: str = "127.0.0.1",
-        port: int = 0,
-        state_port: int = 0,
+        simulation: Simulation,
         *,
-        speed: float = 1.0,
-        record: Path | None = None,
-        trace: Path | None = None,
-        faults: Sequence[Fault] = (),
         paces: Mapping[str, float] | None = None,
-        home_after: float = math.inf,
         patience: LinkPatience = USUAL,
     ) -> None:
         """Open the ports.
 
         Args:
             cell: whose arms it has.
-            host: address to listen on.
-            port: for motion; 0 takes any free one.
-            state_port: for state reports; 0 takes any free one.
-            speed: 1 is real time, 20 twenty times as fast.
-            record: file to which every configuration that arrives is appended as a JSON line.
-            trace: file to which every state that the arms go through is.
-            faults: that are to happen, each once.
+            simulation: where it listens and how it moves.  To `record` it appends every
+                configuration that arrives, to `trace` every state that the arms go through, as
+                JSON lines.  Each of the faults happens once.
             paces: arms that run legs slower than told, or faster, where they may; 1 is as told.
-            home_after: [s] so long after a client has left arms away from home they go home, as if
-                somebody at the robot had sent them there.
             patience: how long clients are waited for.
 
         Raises:
+            InputError: a fault is not known.
             LinkError: a port is taken.
         """
+        faults = [parse_fault(text) for text in simulation.faults]
         self._stop = threading.Event()
-        self._body = SimulatedBody(cell, speed, record, trace, Faults(faults))
+        self._body = SimulatedBody(
+            cell, simulation.speed, simulation.record, simulation.trace, Faults(faults)
+        )
         self._station = ServedRobot(
             self._body, self._stop.is_set, self._refuse_others, paces or {}, patience=patience
         )
-        self._home_after = home_after
-        self._motion = _listening(host, port)
+        self._home_after = simulation.home_after
+        self._motion = _listening(simulation.host, simulation.port)
         try:
-            self._states = _listening(host, state_port)
+            self._states = _listening(simulation.host, simulation.state_port)
         except LinkError:
             self._motion.close()
             raise

@@ -71,9 +71,13 @@ class MotionInstructions:
         """By small name."""
         hand = self.hand
         return {
-            "moveabsj": self._move_axes,
-            "movej": lambda *given: self._move_tool(False, *given),
-            "movel": lambda *given: self._move_tool(True, *given),
+            "moveabsj": lambda target, number, no_offsets, *given: self._move_axes(
+                target, number, *given[:-1]
+            ),
+            "movej": lambda *given: self._move_tool(
+                *given[:-1], frame=given[-1], is_straight=False
+            ),
+            "movel": lambda *given: self._move_tool(*given[:-1], frame=given[-1], is_straight=True),
             "gripload": self._grip_load,
             "stopmove": lambda quick, all_tasks: self._stops(all_tasks, True),
             "startmove": lambda all_tasks: self._stops(all_tasks, False),
@@ -119,12 +123,10 @@ class MotionInstructions:
         self,
         target: list[list[float]],
         number: float | None,
-        no_offsets: Any,
         speed: list[float],
         seconds: float | None,
         zone: list[Any],
         tool: Any,
-        frame: Any,
     ) -> None:
         mine = self._mine()
         goal = self._values(target)
@@ -137,14 +139,15 @@ class MotionInstructions:
 
     def _move_tool(
         self,
-        is_straight: bool,
         target: list[Any],
         number: float | None,
         speed: list[float],
         seconds: float | None,
         zone: list[Any],
         tool: Any,
+        *,
         frame: Any,
+        is_straight: bool,
     ) -> None:
         self._take(tool)
         mine, axes = self._mine(), self._axes()

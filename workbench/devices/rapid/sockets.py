@@ -167,6 +167,7 @@ class Network:
         self,
         task: Task,
         place: Place,
+        *,
         text: Place | None,
         data: Place | None,
         count: float | None,
@@ -276,7 +277,9 @@ def natives(task: Task, network: Network) -> dict[str, Callable[..., Any]]:
         "socketlisten": network.listen,
         "socketaccept": lambda *given: network.accept(task, *given),
         "socketsend": lambda *given: network.send(task, *given),
-        "socketreceive": lambda *given: network.receive(task, *given),
+        "socketreceive": lambda place, text, data, count, output, time: network.receive(
+            task, place, text=text, data=data, count=count, output=output, time=time
+        ),
         "socketclose": lambda place: _device(place).close(),
         "socketpeek": network.peek,
     }

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from workbench.devices.universal_robots.flange import Flange
-from workbench.devices.universal_robots.program import UrProgram, program_of
+from workbench.devices.universal_robots.program import ProgramSettings, UrProgram, program_of
 from workbench.devices.universal_robots.received_states import States
 from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.devices.universal_robots.sending import RtdeSending
@@ -94,10 +94,9 @@ class UrRtde:
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         """What goes out for a plan."""
         options = options_of(self.Options, cell.controller.options)
-        hand = options.gripper_output, options.grip_s
-        return program_of(
-            cell, plan, approval, *hand, silence, sends_inertia=options.payload_inertia
-        )
+        hand, inertia = (options.gripper_output, options.grip_s), options.payload_inertia
+        settings = ProgramSettings(*hand, silence, sends_inertia=inertia)
+        return program_of(cell, plan, approval, settings)
 
     def states(self, cell: Cell, cancelled: Cancelled) -> Iterator[RobotState]:
         """What RTDE reports, whenever it has changed."""
@@ -135,15 +134,7 @@ class UrRtde:
 
         arm = cell.arms[0]
         twin = SimulatedUr(
-            simulation.host,
-            simulation.port,
-            arm.to_axes(arm.home).tolist(),
-            positions=Flange(cell, arm).at,
-            home_after=simulation.home_after,
-            speed=simulation.speed,
-            faults=simulation.faults,
-            record=simulation.record,
-            trace=simulation.trace,
+            simulation, arm.to_axes(arm.home).tolist(), positions=Flange(cell, arm).at
         )
         ready(twin)
         twin.run()
@@ -166,7 +157,8 @@ class UrRtdeBlend(UrRtde):
         options = options_of(self.Options, cell.controller.options)
         hand, blend = (options.gripper_output, options.grip_s), options.blend_mm / 1000.0
         inertia = options.payload_inertia
-        return program_of(cell, plan, approval, *hand, silence, blend, sends_inertia=inertia)
+        settings = ProgramSettings(*hand, silence, blend, sends_inertia=inertia)
+        return program_of(cell, plan, approval, settings)
 
 
 class UrRtdeServo(UrRtde):
@@ -193,8 +185,7 @@ class UrRtdeServo(UrRtde):
 
     def _program(self, cell: Cell, plan: Plan, approval: Approval, silence: float) -> UrProgram:
         options = options_of(self.Options, cell.controller.options)
-        hand = options.gripper_output, options.grip_s
+        hand, inertia = (options.gripper_output, options.grip_s), options.payload_inertia
         servo = Servo(options.lookahead_s, options.gain, approval.speed_share)
-        return program_of(
-            cell, plan, approval, *hand, silence, servo=servo, sends_inertia=options.payload_inertia
-        )
+        settings = ProgramSettings(*hand, silence, servo=servo, sends_inertia=inertia)
+        return program_of(cell, plan, approval, settings)

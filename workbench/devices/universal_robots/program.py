@@ -57,34 +57,38 @@ class UrProgram:
         return self.ticket + len(self.legs) + 1
 
 
-def program_of(
-    cell: Cell,
-    plan: Plan,
-    approval: Approval,
-    output: int,
-    grip_seconds: float,
-    silence: float,
-    blend: float = 0.0,
-    servo: Servo | None = None,
-    sends_inertia: bool = True,
-) -> UrProgram:
+@dataclass(frozen=True, slots=True)
+class ProgramSettings:
+    """What a program takes from the link's options.
+
+    Digital output `output` closes the gripper, or turns on the suction, which needs `grip_seconds`
+    [s].  The controller stops when nobody writes `ALIVE` for `silence` [s].  `blend` [m] is the
+    largest blend radius; at 0 the robot stops at each waypoint.  `servo` says how references along
+    each leg are followed, where they are streamed.  `sends_inertia` goes by `set_target_payload`;
+    older controllers have `set_payload` alone.
+    """
+
+    output: int
+    grip_seconds: float
+    silence: float
+    blend: float = 0.0
+    servo: Servo | None = None
+    sends_inertia: bool = True
+
+
+def program_of(cell: Cell, plan: Plan, approval: Approval, settings: ProgramSettings) -> UrProgram:
     """The program of a plan.
 
     Args:
         cell: with one arm of six joints.
         plan: made for it.
         approval: names the program.
-        output: digital output that closes the gripper, or turns on the suction.
-        grip_seconds: [s] what the gripper needs.
-        silence: [s] after which the controller stops when nobody writes `ALIVE`.
-        blend: [m] largest blend radius; at 0 the robot stops at each waypoint.
-        servo: how references along each leg are followed, where they are streamed.
-        sends_inertia: by `set_target_payload`; older controllers have `set_payload` alone.
+        settings: of the gripper, the corners and the controller.
 
     Raises:
         InputError: a joint of the plan is beyond the cell's limits, or there are too many legs.
     """
-    arm = cell.arms[0]
+    arm, blend, servo = cell.arms[0], settings.blend, settings.servo
     lower, upper, velocity = cell.robot.limits(arm.joints)
     # 0 is what a register holds that nobody has written.
     ticket = (int(approval.digest[:6], 16) + 1) * TICKETS
@@ -92,7 +96,7 @@ def program_of(
         "def workbench_plan():",
         *_begun_once(ticket),
         f"  write_output_integer_register({PROGRESS}, {ticket})",
-        f'  rtde_set_watchdog("input_int_register_{ALIVE}", {1 / silence:.3f}, "stop")',
+        f'  rtde_set_watchdog("input_int_register_{ALIVE}", {1 / settings.silence:.3f}, "stop")',
     ]
     flange = Flange(cell, arm) if blend and cell.zone else None
     if flange is not None:
@@ -109,10 +113,10 @@ def program_of(
             lines.append(f"  write_output_integer_register({PROGRESS}, {ticket + len(legs)})")
             if leg.holding is not holding:
                 holding = leg.holding
-                lines.append(f"  set_standard_digital_out({output}, {holding})")
-                lines.append(f"  sleep({grip_seconds:.3f})")
+                lines.append(f"  set_standard_digital_out({settings.output}, {holding})")
+                lines.append(f"  sleep({settings.grip_seconds:.3f})")
                 if (loads := plan.arm(arm.name).loads) is not None:
-                    lines.append(_payload(loads.carried(holding), sends_inertia))
+                    lines.append(_payload(loads.carried(holding), settings.sends_inertia))
             if servo is not None:
                 references.append(references_of(cell, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]

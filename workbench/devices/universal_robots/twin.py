@@ -13,7 +13,6 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 
 from workbench.devices.universal_robots import rtde
 from workbench.devices.universal_robots.following import Following
@@ -21,6 +20,7 @@ from workbench.devices.universal_robots.twin_rtde import RtdePort
 from workbench.devices.universal_robots.urscript import READ, Line, read_program
 from workbench.devices.universal_robots.ways import Positions, UrWay
 from workbench.model.errors import InputError
+from workbench.plugins.robot_link import Simulation
 
 DASHBOARD_PORT = 29999
 
@@ -49,43 +49,31 @@ class SimulatedUr:
     """Six axes and three ports; `run` serves until `stop`."""
 
     def __init__(
-        self,
-        host: str,
-        script_port: int,
-        start: Sequence[float],
-        *,
-        positions: Positions,
-        home_after: float = math.inf,
-        speed: float = 1.0,
-        faults: Sequence[str] = (),
-        record: Path | None = None,
-        trace: Path | None = None,
+        self, simulation: Simulation, start: Sequence[float], *, positions: Positions
     ) -> None:
         """Take the ports.
 
         Args:
-            host: address to listen on.
-            script_port: for programs; 0 takes a free one.
+            simulation: programs come to its port.  `home_after` [s] after a program was ended
+                somebody clears what has ended it, and the axes are where they were at first.  The
+                faults are of `FAULTS`; `protective-stop@3` is one in the third leg.  `record` takes
+                the programs that arrive.
             start: (6,) [rad] where the axes are.
             positions: of the flange, about which radii of blends are.
-            home_after: [s] so long after a program was ended somebody clears what has ended it, and
-                the axes are where they were at first.
-            speed: of motion; 1 is real time.
-            faults: of `FAULTS`; `protective-stop@3` is one in the third leg.
-            record: file for the programs that arrive.
-            trace: file for where the axes are.
 
         Raises:
             InputError: a fault is not known, or a port is taken.
         """
-        self._faults = dict(_fault(text) for text in faults)
-        self._speed, self._record, self._trace = speed, record, trace
+        self._faults = dict(_fault(text) for text in simulation.faults)
+        self._speed = simulation.speed
+        self._record, self._trace = simulation.record, simulation.trace
         self._over, self._ended, self._cut = threading.Event(), threading.Event(), threading.Event()
         self._lock = threading.Lock()
         # One program begins or ends at a time: one client sends them, another one stops.
         self._changing = threading.Lock()
         self._q = self._home = tuple(float(value) for value in start)
-        self._positions, self._home_after, self._left_at = positions, home_after, math.inf
+        self._positions, self._left_at = positions, math.inf
+        self._home_after = simulation.home_after
         self._registers: dict[int, int] = dict.fromkeys((rtde.PROGRESS, *rtde.BEGUN), 0)
         self._runtime, self._safety = rtde.STOPPED, NORMAL
         self._began = self._alive_at = time.monotonic()
@@ -96,16 +84,17 @@ class SimulatedUr:
         self.programs: list[str] = []
         self._listening: list[tuple[socket.socket, Callable[[socket.socket], None]]] = []
         for port, serve in (
-            (script_port, self._take_programs),
+            (simulation.port, self._take_programs),
             (rtde.RTDE_PORT, RtdePort(self._state, self._take_registers, self._receive).serve),
             (DASHBOARD_PORT, self._dashboard),
         ):
             try:
-                listener = socket.create_server((host, port))
+                listener = socket.create_server((simulation.host, port))
             except OSError as error:
                 self._close()
                 reason = error.strerror or error
-                raise InputError(f"{host}:{port} cannot be listened on: {reason}") from None
+                address = f"{simulation.host}:{port}"
+                raise InputError(f"{address} cannot be listened on: {reason}") from None
             listener.settimeout(POLL)
             self._listening.append((listener, serve))
         self.port: int = self._listening[0][0].getsockname()[1]

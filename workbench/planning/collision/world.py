@@ -243,9 +243,16 @@ class World:
         if self._by_coal:
             return None
         easy, others = self._split if among is None else self._split_of(among)
-        commons = self.pairs.commons
-        phase = easy, self._margins, commons, len(others) == 0
-        return edges_of(self._model, columns, base, resolution, *phase)
+        return edges_of(
+            self._model,
+            columns,
+            base,
+            resolution,
+            easy,
+            margins=self._margins,
+            commons=self.pairs.commons,
+            is_all=len(others) == 0,
+        )
 
     def count_parted(
         self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints

@@ -86,6 +86,7 @@ def plan_first_feasible(
     strategy: str,
     threshold: float,
     scan_digest: str,
+    *,
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[tuple[Plan, ...], Verdict]:

@@ -83,7 +83,7 @@ def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
     best = nowhere or refusal
     for q_grasp, T_world_tcp, clearance in solutions[:TRIES]:
         at = near.get(T_world_tcp.homogeneous.tobytes())
-        result = _complete(world, candidate, arm, q_grasp, T_world_tcp, clearance, at)
+        result = _complete(world, candidate, arm, q_grasp, T_world_tcp, room=clearance, near=at)
         if isinstance(result, Pick):
             return replace(result, solutions=tuple(q for q, _, _ in solutions))
         if best is None or _progress(result) >= _progress(best):
@@ -242,6 +242,7 @@ def _complete(
     arm: Arm,
     q_grasp: Floats,
     T_world_tcp: pin.SE3,
+    *,
     room: float,
     near: Floats | None,
 ) -> Pick | Verdict:

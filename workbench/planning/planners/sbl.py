@@ -114,7 +114,7 @@ def sbl(
     for iteration in range(iterations):
         tree = int(rng.integers(2))
         parent = _choose(roadmap, tree, lower, upper, rng)
-        new = _expand(roadmap, parent, lower, upper, weights, is_clear, rng)
+        new = _expand(roadmap, parent, lower, upper, weights, is_clear=is_clear, rng=rng)
         if new is None:
             continue
         other = _nearest(roadmap, new, 1 - tree, weights, rng)
@@ -151,6 +151,7 @@ def _expand(
     lower: Floats,
     upper: Floats,
     weights: Floats,
+    *,
     is_clear: EdgeCheck,
     rng: np.random.Generator,
 ) -> int | None:

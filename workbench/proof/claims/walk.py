@@ -31,7 +31,7 @@ from workbench.proof.claims.stages import (
 from workbench.proof.claims.table import PairTable, Situation, least_distance_allowed
 from workbench.proof.engine.pairs import Pairs
 from workbench.proof.engine.robot import Tree
-from workbench.proof.engine.search import SIGHT, TIGHT, Found, Nearest, search
+from workbench.proof.engine.search import SIGHT, TIGHT, Found, Nearest, SearchGoal, search
 from workbench.proof.engine.sets import Sets
 from workbench.proof.engine.space import Space
 
@@ -262,7 +262,12 @@ class Walk:
         way = sweep_path(np.concatenate(columns), path, motion, zone)
         asked = ((way, *waiting_fingers(self._tree, step)),)
         found = search(
-            self._space, step.base, asked, pairs, self._resolution, len(times), sight=FAR_SIGHT
+            self._space,
+            step.base,
+            asked,
+            pairs,
+            self._resolution,
+            SearchGoal(len(times), sight=FAR_SIGHT),
         )
         if found.gave_up:
             return
@@ -292,7 +297,9 @@ class Walk:
             if keeps_full_margin:
                 stated = np.maximum(stated, self._stated.clearance)
                 resolution = min(TIGHT, resolution)
-        found = search(self._space, step.base, sets, pairs, resolution, count, stated=stated)
+        found = search(
+            self._space, step.base, sets, pairs, resolution, SearchGoal(count, stated=stated)
+        )
         if found.is_less_than(stated):
             problem = ProofText.NEARER_THAN_STATED()
             self._violations.append(Violation(problem, arm_motion.arm.name, arm_motion.leg.name))
@@ -347,7 +354,7 @@ class Walk:
             shown = asked.pairs.among(asked.pairs.shown)
             pairs = shown.keeping(np.full(len(shown.rows), -np.inf))
             base, count = asked.step.base, len(asked.moving.path)
-            again = search(self._space, base, sets, pairs, TIGHT, count, within)
+            again = search(self._space, base, sets, pairs, TIGHT, SearchGoal(count, within))
             if not again.gave_up:
                 asked.found.bounds[close] = again.bounds[close]
             if again.nearest is not None and again.nearest.distance < within:

@@ -69,6 +69,21 @@ class Nearest:
     at: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchGoal:
+    """How many `waypoints` there are, and how well the distances after each are wanted.
+
+    `within` [m]: the nearest of all is wanted to this, whatever waypoint it follows; None: as
+    `SHARE`.  `stated` (w,) [m] are bounds that are only checked; None: they are wanted.  Up to
+    `sight` [m] distances are reported.
+    """
+
+    waypoints: int
+    within: float | None = None
+    stated: Floats | None = None
+    sight: float = SIGHT
+
+
 @dataclass(slots=True, eq=False)
 class Found:
     """What a search brings.
@@ -94,10 +109,7 @@ def search(
     sets: Sequence[tuple[Sets, ...]],
     pairs: Pairs,
     resolution: float,
-    waypoints: int,
-    within: float | None = None,
-    stated: Floats | None = None,
-    sight: float = SIGHT,
+    goal: SearchGoal,
 ) -> Found:
     """Look at all configurations of some sets.
 
@@ -107,14 +119,9 @@ def search(
         sets: each entry is a product: sets of different columns, every combination counts.
         pairs: what is compared, with what it has to keep.
         resolution: [m] see above.
-        waypoints: how many there are; `bounds` has a value after each.
-        within: [m] the nearest is wanted to this, whatever waypoint it follows; None: as `SHARE`.
-        stated: (w,) [m] bounds that are only looked whether they hold; None: they are wanted.
-        sight: [m] up to here distances are reported.
+        goal: `bounds` has a value after each of its waypoints.
     """
-    branch_and_bound = _Search(
-        space, base, pairs, resolution, _Wanted(waypoints, sight, within, stated)
-    )
+    branch_and_bound = _Search(space, base, pairs, resolution, _Wanted(goal))
     for blocks in sets:
         for some in product(*(block.runs(RUN) for block in blocks)):
             branch_and_bound.look(some)
@@ -130,10 +137,10 @@ class _Wanted:
     Goals are `by_waypoint` unless the nearest of all is wanted.
     """
 
-    def __init__(
-        self, waypoints: int, sight: float, within: float | None, stated: Floats | None
-    ) -> None:
-        self._within, self.stated = within, stated
+    def __init__(self, goal: SearchGoal) -> None:
+        self._within = within = goal.within
+        self.stated = stated = goal.stated
+        sight, waypoints = goal.sight, goal.waypoints
         self.by_waypoint = within is None
         self.nearest = [sight] * waypoints
         if stated is not None:

@@ -69,8 +69,6 @@ def approve(
     now: float,
     before: tuple[Vote, ...] = (),
     *,
-    is_unwatched: bool = False,
-    ran: str = "",
     manner: Manner = AS_PLANNED,
     row: Sequence[Proven] = (),
 ) -> Approval:
@@ -83,8 +81,6 @@ def approve(
         actor: the name of the person.
         now: seconds since the epoch.
         before: the votes of others that count along; the first of all votes decides the end.
-        is_unwatched: the plan was not played to its end before who approves it; on record.
-        ran: digest of the inventory of what runs here; on record.
         manner: at which share of the planned speed it is sent, and whether step by step.
         row: what the vote lets out after the plan, one after the other.
 
@@ -106,8 +102,6 @@ def approve(
         at=now,
         until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
         before=before,
-        is_unwatched=is_unwatched,
-        ran=ran,
         speed_share=manner[0],
         is_stepped=manner[1],
         row=tuple((proven_plan.plan.digest, proven_plan.proof.digest) for proven_plan in row),
@@ -245,11 +239,11 @@ def _approve(state: State, entry: Entry, vote: Approve) -> State:
             entry.actor,
             entry.at,
             before,
-            is_unwatched=bool(unseen),
-            ran="" if state.ran is None else state.ran.digest,
             manner=manner,
             row=state.row,
         )
+        ran = "" if state.ran is None else state.ran.digest
+        approval = replace(approval, is_unwatched=bool(unseen), ran=ran)
         message = StateText.APPROVED(plan=row_message(state), people=_names(votes))
         state = replace(state, phase=Phase.APPROVED, approval=approval)
     if words:

@@ -63,6 +63,7 @@ def edges_of(
     base: Floats,
     resolution: float,
     among: Ints,
+    *,
     margins: Floats,
     commons: Ints,
     is_all: bool,

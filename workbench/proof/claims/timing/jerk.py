@@ -57,13 +57,13 @@ def find_segment_over_jerk_limit(steps: Floats, times: Floats, limits: Limits, z
         pace = min(seconds_at(allowed, shares) / float(times.sum()), 1.0)
         tried.append((allowed, shares))
         peaks, row = peaks_for(allowed, shares, times)
-        if row < 0 and _is_one(steps, times, limits, zone, allowed, shares, peaks):
+        if row < 0 and _is_motion(steps, times, limits, zone, allowed, shares=shares, peaks=peaks):
             return -1
         farthest = max(farthest, row)
     for allowed, shares in tried:
         mixed, row = mixed_shares(allowed, shares, times)
         peaks, row = peaks_for(allowed, mixed, times) if row < 0 else (shares, row)
-        if row < 0 and _is_one(steps, times, limits, zone, allowed, mixed, peaks):
+        if row < 0 and _is_motion(steps, times, limits, zone, allowed, shares=mixed, peaks=peaks):
             return -1
         farthest = max(farthest, row)
     return farthest
@@ -77,12 +77,13 @@ def _changing(velocity: Floats, far: float, allowed: Floats) -> tuple[Floats, Fl
     return np.array([bends, seconds - 2.0 * bends, bends]), np.array([jerk, 0.0 * jerk, -jerk])
 
 
-def _is_one(
+def _is_motion(
     steps: Floats,
     times: Floats,
     limits: Limits,
     zone: float,
     allowed: Allowed,
+    *,
     shares: Floats,
     peaks: Floats,
 ) -> bool:
