@@ -98,7 +98,7 @@ COMPRESSED = (
 
 RUNS: Mapping[Use, Callable[[], None]] = {"seeing": see, "planning": plan}
 
-COMPILED: Mapping[Use, int] = {"seeing": 130, "planning": 95}
+COMPILED: Mapping[Use, int] = {"seeing": 220, "planning": 270}
 """About how many functions are compiled, those of numba itself included: only for the progress."""
 
 

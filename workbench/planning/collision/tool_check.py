@@ -164,7 +164,7 @@ class ToolCheck:
         T = T_world_tcp * arm.tool.T_flange_tcp.inverse()
         far = steps_along(0.0, most)
         places = T.translation + far[:, None] * way / most
-        R, keeps = np.array(T.rotation), self._on_ways
+        R, keeps = np.array(T.rotation, order="C"), self._on_ways
         k, code = first_contact(R, places, opening, number, keeps, around)
         if k < 0:
             return None

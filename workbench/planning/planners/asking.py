@@ -66,7 +66,8 @@ def look_up(a: Floats, b: Floats, edges: Edges, answers: RecordedAnswers) -> int
         return int(answers.known[number])
     answer = edge_answer(a, b, edges)
     if answer == ASK:
-        answers.edge[0], answers.edge[1] = a, b
+        for i in range(len(a)):
+            answers.edge[0, i], answers.edge[1, i] = a[i], b[i]
     else:
         answers.known[number] = answer == 1
         answers.asked[1] = number + 1

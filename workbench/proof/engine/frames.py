@@ -1,11 +1,14 @@
 """Compiled: where all bodies are at many configurations, and how far each may get from there."""
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
+
+FIRST = cast(int, np.int64(0))
+"""The number of a state or joint, with a type: numba compiles a function anew for a plain 0."""
 
 
 class JointTree(NamedTuple):
@@ -167,7 +170,7 @@ def poses(
     world = BodyPoses(turns, centres, places, axes, np.empty((count, number)))
     for k in range(count):
         for b in some:
-            world.moves[k, b] = bound_motion(k, int(b), 0, chain, bodies, world, spans)
+            world.moves[k, b] = bound_motion(k, int(b), FIRST, chain, bodies, world, spans)
     return world
 
 
@@ -188,7 +191,7 @@ def levers(
     for b in range(len(bodies.joints)):
         j = int(bodies.joints[b])
         while j != 0:
-            lever = 1.0 if chain.slides[j] else max_distance_to_axis(0, b, j, bodies, world)
+            lever = 1.0 if chain.slides[j] else max_distance_to_axis(FIRST, b, j, bodies, world)
             most[chain.columns[j]] = max(most[chain.columns[j]], lever)
             j = int(chain.parents[j])
     return most

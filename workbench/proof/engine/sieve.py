@@ -6,7 +6,14 @@ import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
-from workbench.proof.engine.frames import Bodies, BodyPoses, JointTree, SetExtents, bound_motion
+from workbench.proof.engine.frames import (
+    FIRST,
+    Bodies,
+    BodyPoses,
+    JointTree,
+    SetExtents,
+    bound_motion,
+)
 from workbench.proof.engine.plane import ROUNDING, apart
 
 PARALLEL = 1e-3
@@ -302,7 +309,7 @@ def gap(
     """
     Ra, Rb = world.turns[ka, a], world.turns[kb, b]
     ha, hb = bodies.halves[a], bodies.halves[b]
-    best, first, second = -np.inf, 0, 0
+    best, first, second = -np.inf, FIRST, FIRST
     for i in range(3):
         for j in range(3):
             scratch[j, i] = Ra[0, i] * Rb[0, j] + Ra[1, i] * Rb[1, j] + Ra[2, i] * Rb[2, j]

@@ -4,11 +4,15 @@ Most points are dropped as soon as some triangle is nearer than the farthest poi
 """
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numba import njit
 
 from workbench.model.geometry import Bools, Floats, Ints
+
+FIRST = cast(int, np.int64(0))
+"""The number of a triangle, with a type: numba compiles a function anew for a plain 0."""
 
 LEAF = 4
 """Triangles in a box that is not divided further."""
@@ -116,7 +120,7 @@ def _farthest(
     enough: float,
     too_far: float,
 ) -> tuple[float, int]:
-    far, marked, at, unknown, last = 0.0, 0.0, order[0], 0.0, 0
+    far, marked, at, unknown, last = 0.0, 0.0, order[0], 0.0, FIRST
     for i in order:
         limit = max(far, enough)
         if bounds[i] <= limit:

@@ -8,6 +8,8 @@ them); the search ends as soon as these tell on which side of the two limits it 
 Where two bodies are not clear that only go around pieces, these are checked.
 """
 
+from typing import cast
+
 import numpy as np
 from numba import njit
 
@@ -22,6 +24,9 @@ MOST_STEPS = 48
 
 CLOSE_ENOUGH = 1e-7
 """[m] Bounds that lie as close together count as the distance."""
+
+FIRST, ONE, TWO, THREE = cast(tuple[int, ...], (*map(np.int64, range(4)),))
+"""Arguments with a type of their own: numba compiles a function anew for each plain number."""
 
 
 @njit(cache=True)
@@ -134,7 +139,7 @@ def _side_of(
     x, y, z = c[a, 0] - c[b, 0], c[a, 1] - c[b, 1], c[a, 2] - c[b, 2]
     if x * x + y * y + z * z < 1e-18:
         x = 1.0
-    n = 0
+    n = FIRST
     below = -1.0
     for _ in range(MOST_STEPS):
         _support(a, k, R, c, cores, -x, -y, -z, 1.0, W, 4)
@@ -225,9 +230,9 @@ def _nearest(W: Floats, n: int) -> int:
             W[4, i] = W[0, i]
         return 1
     if n == 2:
-        return _on_edge(W, 0, 1)
+        return _on_edge(W, FIRST, ONE)
     if n == 3:
-        return _on_face(W, 0, 1, 2)
+        return _on_face(W, FIRST, ONE, TWO)
     return _in_solid(W)
 
 
@@ -250,10 +255,10 @@ def _on_edge(W: Floats, a: int, b: int) -> int:
     whole = aa - 2 * ab + bb
     t = (aa - ab) / whole if whole > 1e-24 else 0.0
     if t <= 0:
-        return _keep(W, a, a, a, 1, 1.0, 0.0, 0.0)
+        return _keep(W, a, a, a, ONE, 1.0, 0.0, 0.0)
     if t >= 1:
-        return _keep(W, b, b, b, 1, 1.0, 0.0, 0.0)
-    return _keep(W, a, b, b, 2, 1.0 - t, t, 0.0)
+        return _keep(W, b, b, b, ONE, 1.0, 0.0, 0.0)
+    return _keep(W, a, b, b, TWO, 1.0 - t, t, 0.0)
 
 
 @njit(cache=True)
@@ -266,28 +271,28 @@ def _on_face(W: Floats, a: int, b: int, c: int) -> int:
     d3, d4 = ab - bb, ab - bc
     d5, d6 = ac - bc, ac - cc
     if d1 <= 0 and d2 <= 0:
-        return _keep(W, a, a, a, 1, 1.0, 0.0, 0.0)
+        return _keep(W, a, a, a, ONE, 1.0, 0.0, 0.0)
     if d3 >= 0 and d4 <= d3:
-        return _keep(W, b, b, b, 1, 1.0, 0.0, 0.0)
+        return _keep(W, b, b, b, ONE, 1.0, 0.0, 0.0)
     vc = d1 * d4 - d3 * d2
     if vc <= 0 and d1 >= 0 and d3 <= 0:
         t = d1 / (d1 - d3)
-        return _keep(W, a, b, b, 2, 1.0 - t, t, 0.0)
+        return _keep(W, a, b, b, TWO, 1.0 - t, t, 0.0)
     if d6 >= 0 and d5 <= d6:
-        return _keep(W, c, c, c, 1, 1.0, 0.0, 0.0)
+        return _keep(W, c, c, c, ONE, 1.0, 0.0, 0.0)
     vb = d5 * d2 - d1 * d6
     if vb <= 0 and d2 >= 0 and d6 <= 0:
         t = d2 / (d2 - d6)
-        return _keep(W, a, c, c, 2, 1.0 - t, t, 0.0)
+        return _keep(W, a, c, c, TWO, 1.0 - t, t, 0.0)
     va = d3 * d6 - d5 * d4
     if va <= 0 and d4 - d3 >= 0 and d5 - d6 >= 0:
         t = (d4 - d3) / ((d4 - d3) + (d5 - d6))
-        return _keep(W, b, c, c, 2, 1.0 - t, t, 0.0)
+        return _keep(W, b, c, c, TWO, 1.0 - t, t, 0.0)
     whole = va + vb + vc
     if whole <= 0.0:  # three points on a line, which the edges have answered but for rounding
         return _on_edge(W, a, b)
     t, r = vb / whole, vc / whole
-    return _keep(W, a, b, c, 3, 1.0 - t - r, t, r)
+    return _keep(W, a, b, c, THREE, 1.0 - t - r, t, r)
 
 
 @njit(cache=True)

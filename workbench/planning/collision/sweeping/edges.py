@@ -14,7 +14,7 @@ from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.bounds import Boxes
 from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.sweeping.groups import Groups, groups_of
-from workbench.planning.collision.sweeping.look import IS_CLEAR, Model
+from workbench.planning.collision.sweeping.look import ANY, IS_CLEAR, Model
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 from workbench.planning.collision.sweeping.sweep import curve_swept
 from workbench.planning.kinematics.robot import JointTree
@@ -50,7 +50,7 @@ def edge_answer(a: Floats, b: Floats, edges: Edges) -> int:
         pending[0, 0, i], pending[0, 1, i], pending[0, 2, i] = a[i], (a[i] + b[i]) / 2, b[i]
     found, _ = curve_swept(
         edges.columns, edges.resolution, edges.groups, edges.margins, edges.commons, edges.model,
-        edges.scratch, False,
+        edges.scratch, ANY,
     )  # fmt: skip
     if found >= 0:
         return BLOCKED

@@ -1,6 +1,6 @@
 """One look: which pairs of bodies a motion around a state may bring too near to each other."""
 
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numba import njit
@@ -22,6 +22,9 @@ WIDE = 0.5
 checked for how far it moves, only for what touches; only a matter of speed."""
 
 IS_CLEAR, TOO_LONG = -1, -2
+
+FIRST, ANY, NAMED = cast(int, np.int64(0)), cast(bool, np.False_), cast(bool, np.True_)
+"""Arguments with a type of their own: numba compiles a function anew for each plain 0 or True."""
 
 
 class Model(NamedTuple):
@@ -93,7 +96,7 @@ def look_at(
                     continue
                 if apart >= 0.0:
                     beside = float(hub_rest[i, common] + hub_rest[j, common])
-                    drift = drift_of(i, j, i, j, common, True, True, beside, move, hub_c, twist)
+                    drift = drift_of(i, j, i, j, common, NAMED, NAMED, beside, move, hub_c, twist)
                     x, y, z = float(normal[0]), float(normal[1]), float(normal[2])
                     move = nearing(drift, a, b, x, y, z, R, half)
                     if apart >= margin + move:

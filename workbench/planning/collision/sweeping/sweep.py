@@ -8,7 +8,15 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.groups import Groups, groups_of, move_to_front
-from workbench.planning.collision.sweeping.look import IS_CLEAR, TOO_LONG, Model, look_at
+from workbench.planning.collision.sweeping.look import (
+    ANY,
+    FIRST,
+    IS_CLEAR,
+    NAMED,
+    TOO_LONG,
+    Model,
+    look_at,
+)
 from workbench.planning.collision.sweeping.scratch import Scratch, scratch_for
 
 NARROW = 0.03
@@ -46,7 +54,7 @@ def sweep_chain(
     """
     scratch = scratch_for(columns, base, model.tree, model.boxes, model.cores)
     groups = groups_of(among, margins, model.first, model.second, model.boxes.joint)
-    looks, curve = 0, 0
+    looks, curve = 0, FIRST
     while curve < len(points):
         last = _narrow(points, curve)
         if last > curve + 1:
@@ -60,7 +68,7 @@ def sweep_chain(
             for i in range(len(columns)):
                 scratch.pending[0, k, i] = points[curve, k, i]
         found, looked = curve_swept(
-            columns, resolution, groups, margins, commons, model, scratch, True
+            columns, resolution, groups, margins, commons, model, scratch, NAMED
         )
         looks += looked
         if found != IS_CLEAR:
@@ -114,7 +122,7 @@ def _is_box_clear(
         scratch.ahead[columns[i]] = 0.0
     for k in range(count):
         scratch.open_pairs[k] = -1 - groups.order[k]
-    found, kept, _ = look_at(0, count, count, margins, commons, model, groups, scratch, False)
+    found, kept, _ = look_at(FIRST, count, count, margins, commons, model, groups, scratch, ANY)
     return found == IS_CLEAR and kept == count
 
 
@@ -154,7 +162,7 @@ def curve_swept(
     for k in range(count):
         open_pairs[k] = -1 - groups.order[k]
     begins[0], sizes[0] = 0, count
-    used, last, at = count, 1, 0
+    used, last, at = count, 1, FIRST
     while at < last:
         for i in range(n):
             a, b, e = pending[at, 0, i], pending[at, 1, i], pending[at, 2, i]

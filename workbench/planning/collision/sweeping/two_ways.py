@@ -8,7 +8,7 @@ from numba import njit
 
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.sweeping.edges import Edges
-from workbench.planning.collision.sweeping.look import IS_CLEAR, TOO_LONG, look_at
+from workbench.planning.collision.sweeping.look import ANY, FIRST, IS_CLEAR, TOO_LONG, look_at
 
 
 @njit(cache=True)
@@ -36,7 +36,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
         for arm in range(2):
             share = float((ends // 2, ends % 2)[arm] * len(ways[arm]))
             curves[arm], _ = _put(ways[arm], share, share, n * arm, edges)
-        found, _, _ = _look(0, count, count, edges)
+        found, _, _ = _look(FIRST, count, count, edges)
         if found != IS_CLEAR:
             return found, curves, ends + 1
     # How far each arm has come, from and to, in curves: what waits to be looked at.
@@ -73,7 +73,7 @@ def ways_met(first: Floats, second: Floats, most: int, edges: Edges) -> tuple[in
 def _look(begin: int, asked: int, used: int, edges: Edges) -> tuple[int, int, float]:
     return look_at(
         begin, asked, used, edges.margins, edges.commons, edges.model, edges.groups, edges.scratch,
-        False,
+        ANY,
     )  # fmt: skip
 
 

@@ -11,6 +11,8 @@ motion passes from one waypoint to the next in less time.  Between given speeds 
 everything is possible between the fastest and the slowest motion, as mixtures of both.
 """
 
+from typing import cast
+
 import numpy as np
 from numba import njit
 
@@ -27,6 +29,9 @@ NEAR = 1e-9
 
 SHARES = np.array([1.0, 0.97, 0.93, 0.85, 0.75, 0.64, 0.5, 0.36, 0.2, 0.1, 0.03, 0.0])
 """Of the fastest squared speed at a waypoint, which are tried where simpler ways find nothing."""
+
+BEFORE, AFTER = cast(bool, np.True_), cast(bool, np.False_)
+"""Arguments with a type of their own: numba compiles a function anew for each plain one."""
 
 
 @njit(cache=True)
@@ -68,13 +73,13 @@ def _most(
 
     -1 where there is none.
     """
-    least, largest = _room(before, after, width, acceleration, most, True)
+    least, largest = _room(before, after, width, acceleration, most, BEFORE)
     if max(least, lower) <= min(largest, upper):
         return most
     # Where it leads to either end, or, with `lower` 0, from standing still, is known to be one.
     low = 0.0 if lower == 0.0 else -1.0
     for x in (lower, upper):
-        least, largest = _room(before, after, width, acceleration, x, False)
+        least, largest = _room(before, after, width, acceleration, x, AFTER)
         if least <= min(largest, most):
             low = max(low, min(largest, most))
     if low < 0.0:
@@ -84,7 +89,7 @@ def _most(
     for _ in range(HALVINGS):
         if high <= low * (1.0 + NEAR):
             break
-        least, largest = _room(before, after, width, acceleration, middle, True)
+        least, largest = _room(before, after, width, acceleration, middle, BEFORE)
         if max(least, lower) <= min(largest, upper):
             low = middle
         else:
@@ -129,7 +134,7 @@ def fastest(
         x[k] = _most(slopes[k], slopes[k + 1], widths[k], acceleration, x[k], 0.0, x[k + 1])
     x[0] = 0.0
     for k in range(last):
-        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, x[k], True)
+        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, x[k], BEFORE)
         x[k + 1] = max(min(x[k + 1], largest), 0.0)
     return x
 
@@ -158,7 +163,7 @@ def _between(
     lower, upper = np.zeros(last + 1), np.zeros(last + 1)
     lower[last] = upper[last] = end
     for k in range(last - 1, -1, -1):
-        low, high = _room(slopes[k], slopes[k + 1], widths[k], acceleration, lower[k + 1], False)
+        low, high = _room(slopes[k], slopes[k + 1], widths[k], acceleration, lower[k + 1], AFTER)
         upper[k] = _most(
             slopes[k], slopes[k + 1], widths[k], acceleration, most[k], lower[k + 1], upper[k + 1]
         )
@@ -170,9 +175,9 @@ def _between(
     quick, slow = np.zeros(last + 1), np.zeros(last + 1)
     quick[0] = slow[0] = min(max(start, lower[0]), upper[0])
     for k in range(last):
-        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, quick[k], True)
+        _, largest = _room(slopes[k], slopes[k + 1], widths[k], acceleration, quick[k], BEFORE)
         quick[k + 1] = max(min(largest, upper[k + 1]), lower[k + 1])
-        least, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, slow[k], True)
+        least, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, slow[k], BEFORE)
         slow[k + 1] = min(max(least, lower[k + 1]), upper[k + 1])
     return seconds(quick, widths), seconds(slow, widths)
 
@@ -197,7 +202,7 @@ def _onward(
     if halvings and planned > slow * (1.0 + NEAR):
         # The lower it ends, the longer it may take; no lower than where it only brakes.
         for k in range(len(widths)):
-            low, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, low, True)
+            low, _ = _room(slopes[k], slopes[k + 1], widths[k], acceleration, low, BEFORE)
         low = min(low, end)
         for _ in range(halvings):
             middle = (low + high) / 2.0
