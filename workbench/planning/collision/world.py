@@ -243,16 +243,9 @@ class World:
         if self._by_coal:
             return None
         easy, others = self._split if among is None else self._split_of(among)
-        return edges_of(
-            self._model,
-            columns,
-            base,
-            resolution,
-            easy,
-            margins=self._margins,
-            commons=self.pairs.commons,
-            is_all=len(others) == 0,
-        )
+        commons, is_all = self.pairs.commons, len(others) == 0
+        motion = self._model, columns, base, resolution, easy
+        return edges_of(*motion, margins=self._margins, commons=commons, is_all=is_all)
 
     def count_parted(
         self, points: Floats, columns: Ints, base: Floats, resolution: float, among: Ints
