@@ -124,6 +124,25 @@ class Network:
             raise RapidError("ERR_SOCK_ADDR_INUSE") from None
         device.address = (address, int(port))
 
+    def connect(
+        self, task: Task, place: Place, address: str, port: float, time: float | None
+    ) -> None:
+        """SocketConnect, to this machine alone: modules of others reach nothing else."""
+        device, link = _require_open(place)
+        if device.address is not None:
+            raise RapidError("ERR_SOCK_IS_BOUND")
+        if not address.startswith("127."):
+            raise RapidStop(f"SocketConnect: only 127.0.0.1 can be reached here, not {address}")
+        if not 1 <= port <= 65535:
+            raise RapidError("ERR_SOCK_ADDR_INVALID")
+        try:
+            link.connect((address, int(port)))
+        except BlockingIOError:
+            self._when(task, link, lambda: _is_connected(link), time)
+        except OSError:
+            raise RapidError("ERR_SOCK_CLOSED") from None
+        link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
     def listen(self, place: Place) -> None:
         """SocketListen."""
         device, link = _require_open(place)
@@ -263,6 +282,15 @@ def _require_open(place: Place) -> tuple[Device, socket.socket]:
     return device, device.link
 
 
+def _is_connected(link: socket.socket) -> bool:
+    """Whether a connection that was begun stands."""
+    if not select.select([], [link], [], 0)[1]:
+        return False
+    if error := link.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR):
+        raise ConnectionRefusedError(error, "refused")
+    return True
+
+
 def _bytes(data: list[float] | None, count: float | None) -> bytes:
     if data is None:
         raise RapidStop("SocketSend: nothing to say")
@@ -274,6 +302,7 @@ def natives(task: Task, network: Network) -> dict[str, Callable[..., Any]]:
     return {
         "socketcreate": network.create,
         "socketbind": network.bind,
+        "socketconnect": lambda *given: network.connect(task, *given),
         "socketlisten": network.listen,
         "socketaccept": lambda *given: network.accept(task, *given),
         "socketsend": lambda *given: network.send(task, *given),

@@ -57,6 +57,8 @@ MODULE Prelude
     ENDPROC
     PROC SocketBind(VAR socketdev Socket, string LocalAddress, num LocalPort)
     ENDPROC
+    PROC SocketConnect(VAR socketdev Socket, string Address, num Port \num Time)
+    ENDPROC
     PROC SocketListen(VAR socketdev Socket)
     ENDPROC
     PROC SocketAccept(VAR socketdev Socket, VAR socketdev ClientSocket \INOUT string ClientAddress \num Time)
