@@ -3,7 +3,7 @@
 import pytest
 
 from workbench.devices.pick_server.axes import axis_words
-from workbench.devices.pick_server.conversation import VERSION, Conversation
+from workbench.devices.pick_server.conversation import VERSION, PickConversation
 from workbench.devices.pick_server.lines import Form, line_bytes, words_of
 
 
@@ -17,7 +17,7 @@ class FailingDesk:
 
 @pytest.fixture
 def hear(planned):
-    talk = Conversation(axis_words(planned[0], Form()), session=7)
+    talk = PickConversation(axis_words(planned[0], Form()), session=7)
     talk.desk = FailingDesk()
 
     def hear(*words):

@@ -17,7 +17,7 @@ from workbench.gui.grasps.panel import GraspsPanel
 from workbench.gui.page.renderer import _needs_other_controls
 from workbench.gui.page.server import serve
 from workbench.gui.shared.colours import NIGHT_GRID, rgb_of
-from workbench.gui.shared.look import Held
+from workbench.gui.shared.look import DraggedThing
 from workbench.gui.shared.viser_server import open_viser
 from workbench.model.geometry import pose_from_rpy
 
@@ -128,7 +128,7 @@ def test_what_somebody_drags_is_let_go_when_control_is_taken_from_them(page, ben
     def drag_and_lose_control() -> None:
         wait_until(lambda: renderer._panels, "the controls")
         ((number, visitor),) = renderer._visitors.items()
-        held = Held(visitor.person.name, number, bench.state.cell.bin.T_world_bin)
+        held = DraggedThing(visitor.person.name, number, bench.state.cell.bin.T_world_bin)
         visitor.look.change(held=held)
         assert renderer._look.now.held is held
         bench.do(TakeControl(), "Ada")

@@ -9,7 +9,7 @@ from workbench.model.scan import Objection
 from workbench.perception.localization import judging
 from workbench.perception.localization.assessment import Assessment
 from workbench.perception.localization.choice import Choice, Rejection
-from workbench.perception.localization.judging import Judged, PartSearch, judge_choices
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.matching.sightings import Sighting
 
 TOLERANCE, SPREAD = 0.001, 0.00025
@@ -47,7 +47,7 @@ def judge(monkeypatch):
         parts: list[Assessment],
         ends: dict[int, int | None],
         rejected: list[Rejection] | None = None,
-    ) -> Judged:
+    ) -> JudgedChoice:
         def has_visible_boundary(depth_map, surface, pose, tolerance, is_other, **_) -> bool:
             number = int(pose[0, 3])
             beside = ends.get(number, number)
@@ -67,7 +67,7 @@ def judge(monkeypatch):
     return outcome
 
 
-def reasons(one: Judged) -> dict[int, Objection]:
+def reasons(one: JudgedChoice) -> dict[int, Objection]:
     return {int(each.pose[0, 3]): each.reason for each in one.choice.rejected}
 
 

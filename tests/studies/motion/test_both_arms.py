@@ -11,8 +11,8 @@ from workbench.studies.motion.both_arms import (
     HIGH,
     OMPL,
     OURS,
-    Attempt,
     BothArms,
+    PlanningAttempt,
     compare,
     figures,
     summary,
@@ -78,7 +78,7 @@ def test_rows_count_what_was_tried(both):
 
 def test_what_was_not_found_counts_with_its_time(both):
     ends = both.ends(0)
-    row = figures([Attempt(OURS, ends, 0.5, None, None)])
+    row = figures([PlanningAttempt(OURS, ends, 0.5, None, None)])
     assert (row["pairs"], row["solved"], row["median_ms"], row["motion"]) == (1, 0, 500.0, None)
     assert figures([])["median_ms"] is None
 

@@ -19,7 +19,7 @@ from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.perception.calibration.drift import DAY, Course
+from workbench.perception.calibration.drift import DAY, DriftHistory
 
 UNITS = np.array([1000.0] * 3 + [180 / np.pi] * 3)
 """Metres and radians in millimetres and degrees."""
@@ -90,7 +90,7 @@ def _form(cell: Cell, found: RecordedDrift) -> dict[str, Any]:
     }
 
 
-def _course_form(cell: Cell, course: Course) -> dict[str, Any]:
+def _course_form(cell: Cell, course: DriftHistory) -> dict[str, Any]:
     return {
         "thing": course.thing,
         "days": [_date(day) for day in course.days.tolist()],

@@ -45,7 +45,7 @@ class Reported:
     at: float
 
 
-class Conversation:
+class PickConversation:
     """What one server knows of its robot program, over all of its connections.
 
     Lifetime: as long as the server listens; `session` names it, so that a robot program notices

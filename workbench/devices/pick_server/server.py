@@ -6,7 +6,7 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 
 from workbench.devices.pick_server.axes import AxisWords
-from workbench.devices.pick_server.conversation import Conversation
+from workbench.devices.pick_server.conversation import PickConversation
 from workbench.devices.pick_server.lines import Form, LineBuffer
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import LinkError
@@ -40,7 +40,7 @@ class Server:
         Raises:
             LinkError: the address cannot be had.
         """
-        self.conversation = Conversation(axes)
+        self.conversation = PickConversation(axes)
         self._form, self._client = axes.form, client
         self._over = threading.Event()
         self._open = threading.BoundedSemaphore(MOST_CONNECTIONS)
@@ -87,7 +87,7 @@ class Server:
 
 
 def _answer_all(
-    link: socket.socket, conversation: Conversation, form: Form, over: threading.Event
+    link: socket.socket, conversation: PickConversation, form: Form, over: threading.Event
 ) -> None:
     """Answer line after line, until the connection ends or is another's."""
     lines, bad, waited, was_owner = LineBuffer(form), 0, 0.0, False

@@ -11,7 +11,7 @@ from workbench.gui.dragging.gizmo_drag import add_gizmo, follow
 from workbench.gui.dragging.verdicts import LiveVerdicts
 from workbench.gui.dragging.views import VerdictRoom, dragged_html
 from workbench.gui.scene.robot import place
-from workbench.gui.shared.look import Held, View
+from workbench.gui.shared.look import DraggedThing, View
 from workbench.gui.shared.movable_frames import ANGLES, shown_pose, typed_pose
 from workbench.gui.shared.own import Carried
 from workbench.gui.shared.visitor import Visitor
@@ -161,7 +161,7 @@ class PoseInputs:
         # From the numbers that are shown: what a person reads is what is meant.
         self._show_numbers(T)
         visitor = self._visitor
-        held = Held(visitor.person.name, visitor.number, self._typed_pose())
+        held = DraggedThing(visitor.person.name, visitor.number, self._typed_pose())
         visitor.look.change(held=None if is_over else held)
         if is_over:
             self._verdicts.end()

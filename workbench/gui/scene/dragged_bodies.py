@@ -9,7 +9,7 @@ from workbench.app.core.state import Phase
 from workbench.gui.scene.contacts import add_body
 from workbench.gui.scene.robot import place
 from workbench.gui.shared.colours import NOT_REPORTED
-from workbench.gui.shared.look import Held, View
+from workbench.gui.shared.look import DraggedThing, View
 from workbench.gui.shared.playback import in_hands
 from workbench.model.geometry import Mesh
 from workbench.planning.kinematics.robot import Kinematics
@@ -30,7 +30,7 @@ class DrawnHeld:
         self._frame: viser.FrameHandle | None = None
         self._name = ""
 
-    def draw(self, held: Held | None) -> None:
+    def draw(self, held: DraggedThing | None) -> None:
         """Show what is dragged now; None: nothing is."""
         if held is None or held.name != self._name:
             self._scene.remove_by_name("/held")

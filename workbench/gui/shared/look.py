@@ -35,7 +35,7 @@ AFTER_CYCLE = frozenset({Phase.DONE, Phase.FAULT})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class DraggedThing:
     """What somebody drags: `name` is the person's, `browser` theirs, `T_world_held` where it is."""
 
     name: str
@@ -77,7 +77,7 @@ class Look:
     searcher: int | None = None
     rejected: bool = False
     scan_colours: bool = False
-    held: Held | None = None
+    held: DraggedThing | None = None
     fixed: str = ""
 
     @property

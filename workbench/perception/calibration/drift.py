@@ -53,7 +53,7 @@ LEAK = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
+class DriftHistory:
     """What one thing tells, day after day.
 
     `days` (n,) number days since the epoch, `moved` (n, 6) [m, rad] is by how much the scanner
@@ -83,7 +83,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Estimate:
+class DriftEstimate:
     """A motion (6,) [m, rad] of the scanner and its information (6, 6) [1/m2, 1/rad2].
 
     Both are zero along what is not known; `count` sightings told it.
@@ -108,7 +108,7 @@ def known(information: Floats) -> Bools:
     return np.asarray((lost**2).sum(axis=1) < LEAK**2)
 
 
-def estimated(sightings: Sequence[ThingSighting]) -> Estimate:
+def estimated(sightings: Sequence[ThingSighting]) -> DriftEstimate:
     """The motion of the scanner that sightings tell by least squares, and how sure it is.
 
     Their own information says how directions compare; how large their errors are is taken from
@@ -130,10 +130,10 @@ def estimated(sightings: Sequence[ThingSighting]) -> Estimate:
     freedom = numbers - np.count_nonzero(is_held)
     spread = max(1.0, left / freedom) if freedom > 0 else 1.0
     back = axes / SCALE[:, None] ** 2
-    return Estimate(moved, (back * values[is_held]) @ back.T / spread, len(sightings))
+    return DriftEstimate(moved, (back * values[is_held]) @ back.T / spread, len(sightings))
 
 
-def courses(sightings: Sequence[ThingSighting]) -> tuple[Course, ...]:
+def courses(sightings: Sequence[ThingSighting]) -> tuple[DriftHistory, ...]:
     """Each thing day after day, what stands still first; parts are one thing, whichever they are.
 
     Args:
@@ -151,7 +151,9 @@ def courses(sightings: Sequence[ThingSighting]) -> tuple[Course, ...]:
     return tuple(_course(*key, by_thing[key], CHANCE / tests) for key in order)
 
 
-def _course(thing: str, kind: Kind, sightings: Sequence[ThingSighting], chance: float) -> Course:
+def _course(
+    thing: str, kind: Kind, sightings: Sequence[ThingSighting], chance: float
+) -> DriftHistory:
     by_day: defaultdict[int, list[ThingSighting]] = defaultdict(list)
     for sighting in sightings:
         by_day[int(sighting.at // DAY)].append(sighting)
@@ -174,4 +176,4 @@ def _course(thing: str, kind: Kind, sightings: Sequence[ThingSighting], chance: 
         change[axis] = last[-now:].mean() - first[:now].mean()
         deviation[axis] = np.hypot(np.sqrt(variance / now), LEAST[axis])
     is_significant = np.asarray(odds < chance)  # not where nothing is compared
-    return Course(thing, kind, days, moved, change, deviation, freedom, is_significant)
+    return DriftHistory(thing, kind, days, moved, change, deviation, freedom, is_significant)

@@ -18,8 +18,8 @@ from workbench.perception.calibration.drift import (
     DAY,
     MOST,
     PARTS,
-    Course,
-    Estimate,
+    DriftEstimate,
+    DriftHistory,
     courses,
     estimated,
 )
@@ -45,7 +45,7 @@ class Drift:
     reason to.  `parts` counts those that the robot has put down, and were seen again.
     """
 
-    courses: tuple[Course, ...]
+    courses: tuple[DriftHistory, ...]
     drifted: tuple[str, ...]
     is_bin_off: bool
     open: tuple[str, ...]
@@ -105,7 +105,7 @@ def _recent(put_down: list[ThingSighting], has_drifted: bool) -> list[ThingSight
     return [sighting for sighting in put_down if sighting.at // DAY >= days[0]]
 
 
-def estimate_from_parts(put_down: Sequence[ThingSighting]) -> Estimate:
+def estimate_from_parts(put_down: Sequence[ThingSighting]) -> DriftEstimate:
     """The motion of the scanner that parts tell, as sure as they agree.
 
     A part that has slipped in the hand is seen as exactly as one that has not; some may be from
@@ -128,14 +128,14 @@ def estimate_from_parts(put_down: Sequence[ThingSighting]) -> Estimate:
     return replace(found, information=(information + information.T) / 2)
 
 
-def _is_off(found: Estimate, prior: Floats) -> Bools:
+def _is_off(found: DriftEstimate, prior: Floats) -> Bools:
     """Where parts say of the scanner's pose what neither calibration nor chance explains."""
     variance = np.diag(prior) + np.diag(np.linalg.pinv(found.information, hermitian=True))
     odds = 2 * stdtr(max(found.count - 2, 1), -np.abs(found.moved) / np.sqrt(variance))
     return np.asarray((odds < CHANCE / 6) & found.is_known)
 
 
-def _as_change(found: Estimate, course: Course) -> Course:
+def _as_change(found: DriftEstimate, course: DriftHistory) -> DriftHistory:
     """The course of parts, with what they say of the scanner's pose as its change."""
     spread = np.sqrt(np.diag(np.linalg.pinv(found.information, hermitian=True)))
     unknown = np.where(found.is_known, 0.0, np.nan)
@@ -147,7 +147,7 @@ def _as_change(found: Estimate, course: Course) -> Course:
     )
 
 
-def _disagree(course: Course, other: Course) -> Bools:
+def _disagree(course: DriftHistory, other: DriftHistory) -> Bools:
     """Where (6,) two things say of the scanner what cannot both be so (Welch 1947)."""
     spread = np.hypot(course.deviation, other.deviation)
     odds = 2 * stdtr(
@@ -158,7 +158,7 @@ def _disagree(course: Course, other: Course) -> Bools:
 
 
 def _together(
-    prior: Floats, changes: Sequence[Course], by_parts: Estimate | None, distance: float
+    prior: Floats, changes: Sequence[DriftHistory], by_parts: DriftEstimate | None, distance: float
 ) -> tuple[Floats, Floats]:
     """The motion (6,) of the scanner and its covariance (6, 6) by all that is known.
 

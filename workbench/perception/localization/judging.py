@@ -58,14 +58,14 @@ class PartSearch:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Judged:
+class JudgedChoice:
     """A choice without what does not stand, and the log likelihood ratio [nat] of what does."""
 
     choice: Choice
     ratios: tuple[float, ...]
 
 
-def judge_choices(brought: Sequence[PartSearch]) -> list[Judged]:
+def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
     """The choices of all kinds without what does not stand beside the others."""
     areas = _areas(brought)
     names = sorted(areas)
@@ -103,7 +103,7 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[Judged]:
         # What goes vouched for others until now: they are asked again without it.
         objections |= ending
     return [
-        Judged(
+        JudgedChoice(
             without(search.choice, {i: why for (j, i), why in objections.items() if j == k}),
             tuple(ratio for (j, _), ratio in ratios.items() if j == k),
         )

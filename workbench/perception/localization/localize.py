@@ -42,7 +42,7 @@ from workbench.perception.localization.hypotheses import (
     SAME_DISTANCE,
     find_hypotheses,
 )
-from workbench.perception.localization.judging import Judged, PartSearch, judge_choices
+from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
 from workbench.perception.matching.maps import DepthMap, make_map
 from workbench.perception.matching.poses import distinct
@@ -93,7 +93,7 @@ def together(scan: Scan, brought: Sequence[PartSearch | PartSurface]) -> list[Pa
     ]
 
 
-def _conclude(scan: Scan, search: PartSearch, standing: Judged) -> PartSearchResult:
+def _conclude(scan: Scan, search: PartSearch, standing: JudgedChoice) -> PartSearchResult:
     choice = standing.choice
     order = sorted(range(len(choice.chosen)), key=lambda k: -choice.chosen[k].sighting.score)
     gains = tuple(choice.chosen[k].sighting.gain * search.depth_map.pitch**2 for k in order)

@@ -15,7 +15,7 @@ from workbench.model.messages.grasps import GripText
 from workbench.model.messages.message import Message
 from workbench.planning.grasps.cup import Cup
 from workbench.planning.grasps.grip_program import Contacts, GripProgram, Touch
-from workbench.planning.grasps.pads import Hold
+from workbench.planning.grasps.pads import PadContact
 
 GRAVITY = 9.81
 """[m/s2]"""
@@ -65,7 +65,7 @@ class Firmness:
         return self.share >= 1.0
 
 
-def finger_contacts(hold: Hold, travel: Floats, force: float, friction: float) -> Contacts:
+def finger_contacts(hold: PadContact, travel: Floats, force: float, friction: float) -> Contacts:
     """What two pads touch.
 
     Args:

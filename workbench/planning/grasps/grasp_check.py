@@ -19,7 +19,7 @@ from workbench.planning.grasps.firmness import (
     firmness,
     in_words,
 )
-from workbench.planning.grasps.pads import Hold, Pads, has_pads
+from workbench.planning.grasps.pads import PadContact, Pads, has_pads
 from workbench.planning.grasps.part_rays import centre_of_mass
 
 FindingKind = Literal[
@@ -70,7 +70,7 @@ class GraspCheck:
     findings: tuple[GraspFinding, ...]
     width: float | None
     clearance: float
-    hold: Hold | None = None
+    hold: PadContact | None = None
     firmness: Firmness | None = None
 
     @property
@@ -136,7 +136,7 @@ class GraspChecker:
             gone += max(distance, STEP)
         return worst, where, at
 
-    def hold(self, T_part_tcp: pin.SE3, opening: float | None = None) -> Hold | None:
+    def hold(self, T_part_tcp: pin.SE3, opening: float | None = None) -> PadContact | None:
         """What two fingers close on from `opening`, from the widest when not given."""
         if self.pads is None:
             return None
@@ -245,7 +245,7 @@ def _stroke_findings(grasp: Grasp, tool: Tool) -> list[GraspFinding]:
     return found
 
 
-def _hold_findings(grasp: Grasp, tool: Tool, hold: Hold | None) -> list[GraspFinding]:
+def _hold_findings(grasp: Grasp, tool: Tool, hold: PadContact | None) -> list[GraspFinding]:
     """Whether both pads lie on the part as the grasp says."""
     if hold is None:
         return [GraspFinding("contact", GripText.NOTHING_BETWEEN(), 0.0)]

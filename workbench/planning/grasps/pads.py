@@ -20,7 +20,7 @@ TOUCHING = 0.0004
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hold:
+class PadContact:
     """What two fingers close on.
 
     `width` [m] is the part's, from where the first finger meets it to where the second does;
@@ -83,7 +83,7 @@ class Pads:
             -tops(corners[1], hulls[1][1], self.grid, everywhere, 1.0)[0],
         )
 
-    def hold(self, mesh: Mesh, T_tcp_part: pin.SE3, opening: float) -> Hold | None:
+    def hold(self, mesh: Mesh, T_tcp_part: pin.SE3, opening: float) -> PadContact | None:
         """What the fingers meet when they close from `opening` [m]; None when one meets nothing.
 
         A part that is wider than `opening` is measured as far as it reaches through.
@@ -117,7 +117,7 @@ class Pads:
             for (_, normal), sense in zip(touched, (1.0, -1.0), strict=True)
         )
         normals = tuple(self.R_tcp_view @ normal for _, normal in touched)
-        return Hold(
+        return PadContact(
             opening - rooms[0] - rooms[1],
             (rooms[1] - rooms[0]) / 2,
             (touched[0][0], touched[1][0]),

@@ -20,7 +20,7 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.legs import grips
 from workbench.planning.collision.unknown_rolls import axis_of, room_of, turns_about
 from workbench.planning.grasps.grasp_check import FRICTION, ROUNDING, GraspChecker
-from workbench.planning.grasps.pads import Hold
+from workbench.planning.grasps.pads import PadContact
 
 DIGITS = 7
 """Decimals [m] by which hands are distinguished: what differs less is checked once."""
@@ -119,7 +119,7 @@ def _compare_holds(
     return _compare([hold for hold in holds if hold is not None], tool.press)
 
 
-def _compare(holds: list[Hold], press: float) -> Uneven | None:
+def _compare(holds: list[PadContact], press: float) -> Uneven | None:
     """What fingers hold at some turns and not at others; pads give way by `press` [m]."""
     widths, middles = [hold.width for hold in holds], [hold.offset for hold in holds]
     wide, aside = float(np.ptp(widths)), float(np.ptp(middles))

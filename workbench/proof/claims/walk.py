@@ -31,7 +31,7 @@ from workbench.proof.claims.stages import (
 from workbench.proof.claims.table import PairTable, Situation, least_distance_allowed
 from workbench.proof.engine.pairs import Pairs
 from workbench.proof.engine.robot import Tree
-from workbench.proof.engine.search import SIGHT, TIGHT, Found, Nearest, SearchGoal, search
+from workbench.proof.engine.search import SIGHT, TIGHT, Nearest, SearchGoal, SearchResult, search
 from workbench.proof.engine.sets import Sets
 from workbench.proof.engine.space import Space
 
@@ -69,7 +69,7 @@ class _Question:
     moving: MovingArm
     sets: tuple[tuple[Sets, ...], ...]
     pairs: Pairs
-    found: Found
+    found: SearchResult
     keeps_full_margin: bool
 
 

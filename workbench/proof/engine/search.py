@@ -85,7 +85,7 @@ class SearchGoal:
 
 
 @dataclass(slots=True, eq=False)
-class Found:
+class SearchResult:
     """What a search brings.
 
     `too_near` is a state at which two bodies are nearer than they may be; None when there is none.
@@ -110,7 +110,7 @@ def search(
     pairs: Pairs,
     resolution: float,
     goal: SearchGoal,
-) -> Found:
+) -> SearchResult:
     """Look at all configurations of some sets.
 
     Args:
@@ -176,7 +176,7 @@ class _Search:
         # Where little is to be kept, it must not be lost between two looks.
         finer = np.where(pairs.margins > 0.0, pairs.margins.clip(min=FINEST), resolution)
         self._fine = np.minimum(resolution, finer)
-        self.found, self._sight = Found(np.array(wanted.nearest)), wanted.nearest[0]
+        self.found, self._sight = SearchResult(np.array(wanted.nearest)), wanted.nearest[0]
 
     def is_over(self) -> bool:
         """Whether nothing more can change what comes of the search."""

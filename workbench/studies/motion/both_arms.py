@@ -43,7 +43,7 @@ class Ends:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Attempt:
+class PlanningAttempt:
     """One planner, one pair of ends: `processor` [s] it took, and the path (m, n) [rad] or None.
 
     `seconds` is how long the robot would take along the path.
@@ -120,7 +120,7 @@ class BothArms:
             if is_beside and side * p[1] > 0.0:
                 return q
 
-    def attempt(self, planner: str, ends: Ends, seed: int, seconds: float) -> Attempt:
+    def attempt(self, planner: str, ends: Ends, seed: int, seconds: float) -> PlanningAttempt:
         """Plan once, at most this many seconds of processor time, by `OURS` or `OMPL`."""
         world, rng = self.worlds[planner], np.random.default_rng(seed)
         began = processor_time()
@@ -129,15 +129,15 @@ class BothArms:
         found = way_in_step(world, self.arms, ends.start[None], ends.goal, rng, other)
         used = processor_time() - began
         if isinstance(found, Verdict):
-            return Attempt(planner, ends, used, None, None)
+            return PlanningAttempt(planner, ends, used, None, None)
         pace = pace_in_step(world, self.arms)
         times = compute_times(found, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
-        return Attempt(planner, ends, used, found, float(times[-1]))
+        return PlanningAttempt(planner, ends, used, found, float(times[-1]))
 
 
 def compare(
     both: BothArms, *, pairs: int, seed: int, seconds: float, report: Report
-) -> list[Attempt]:
+) -> list[PlanningAttempt]:
     """Every planner at every pair of ends, one after the other.
 
     The first is planned once before the clock starts: compiled code is loaded.
@@ -149,7 +149,7 @@ def compare(
         seconds: [s] of processor time that a plan may take.
         report: progress.
     """
-    attempts: list[Attempt] = []
+    attempts: list[PlanningAttempt] = []
     for number in range(-1, pairs):
         report(max(0, number) / pairs, "both arms")
         at = seed + max(0, number)
@@ -159,7 +159,7 @@ def compare(
     return attempts
 
 
-def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
+def summary(attempts: Sequence[PlanningAttempt]) -> list[dict[str, Any]]:
     """One row for each planner and kind of ends; see `figures`."""
     kinds = (
         ("all", attempts),
@@ -173,7 +173,7 @@ def summary(attempts: Sequence[Attempt]) -> list[dict[str, Any]]:
     ]
 
 
-def figures(attempts: Sequence[Attempt]) -> dict[str, Any]:
+def figures(attempts: Sequence[PlanningAttempt]) -> dict[str, Any]:
     """What attempts came to: processor time in ms, of all of them; `motion` in s, None for none."""
     ms = np.array([attempt.processor for attempt in attempts]) * 1000
     motions = [attempt.seconds for attempt in attempts if attempt.seconds is not None]
