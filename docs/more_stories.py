@@ -101,7 +101,7 @@ def cell(chrome: Browser, folder: Path) -> None:
         arm, q = now.arms[0], in_the_wall(now)
         at.screen.tab("Cell")
         at.screen.press("Jog")
-        at.screen.wait_for("Clear; nearest are")
+        at.screen.wait_for("Clear; nearest: ")
         for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
             box = field(at.screen, f"Axis {axis + 1} [deg]")
             box.fill(f"{sign * math.degrees(q[k]):.1f}")
@@ -173,7 +173,7 @@ def bin_moved(chrome: Browser, folder: Path) -> None:
         now = at.bench.state.cell
         T = now.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, math.radians(3)))
         at.bench.do(UseScan(synthesize(move_frame(now, BIN, T), (), seed=0)), "Ada")
-        at.screen.wait_for("from where the cell has it")
+        at.screen.wait_for("was it moved, or is the calibration old")
         at.shoot("bin_moved")
 
 

@@ -33,7 +33,7 @@ SOFT = (0.008, 0.035)
 DARKEST = 0.5
 """Of the image, 0..1."""
 
-SAMPLES = 20_000
+SAMPLES = 5_000
 """Points on each body."""
 
 MOST_PIXELS = 1000
@@ -81,7 +81,7 @@ def shade_of(cell: Cell) -> Shade | None:
         inside = np.all((at >= 0) & (at < pixels), axis=1)
         weights = 1.0 - (points[inside, 2] - height) / HIGH
         np.maximum.at(dark, tuple(at[inside].T), weights)
-    soft = sum(ndimage.gaussian_filter(_filled(dark), width / PIXEL) for width in SOFT) / len(SOFT)
+    soft = sum(ndimage.gaussian_filter(_close_gaps(dark), width / PIXEL) for width in SOFT) / len(SOFT)
     image = np.zeros((*pixels[::-1], 4), np.uint8)
     image[..., 3] = np.round(255 * DARKEST * np.clip(soft, 0.0, 1.0)).T
     middle = np.array([*(low + high) / 2, height + 0.0005])
@@ -94,6 +94,6 @@ def _surface(solid: Solid, T_world_owner: pin.SE3) -> trimesh.Trimesh:
     return surface
 
 
-def _filled(dark: Floats) -> Floats:
-    """Without the gaps between the points."""
+def _close_gaps(dark: Floats) -> Floats:
+    """The image (n, m) without the gaps between points."""
     return ndimage.grey_closing(dark, size=5)
