@@ -86,7 +86,7 @@ def test_a_part_goes_over_a_station_before_the_eyes_of_who_approves_it(
     is_over = first.arms[0].arm != second.arms[0].arm
     again = "hand over" if is_over else "regrasp"
     screen.tab("Plan")
-    blocks = screen.page.locator(".wb-block")
+    blocks = screen.page.locator(".wb-lanes .wb-block")
     expect(blocks).to_have_count(len(LEGS) + len(AFTER))
     by_time = sorted(
         blocks.all(),
