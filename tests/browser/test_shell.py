@@ -99,5 +99,5 @@ def test_a_fault_leaves_the_robots_words_and_the_name_of_the_cell_whole(shell):
     shell.hear({**STANDS, "robot": "Robot: fault", "kind": "bad", "fault": said, **CANNOT})
     cut = "one => one.scrollWidth > one.clientWidth"
     assert not shell.page.locator("#robot").evaluate(cut)
-    assert not shell.page.locator("header strong").evaluate(cut)
+    assert not shell.page.locator("header h1").evaluate(cut)
     assert shell.page.locator("#fault").bounding_box()["width"] >= 190

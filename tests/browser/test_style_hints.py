@@ -32,7 +32,7 @@ def test_a_grey_button_says_what_is_missing_and_each_number_which_it_is(screen, 
         numbers = row.locator(".mantine-NumberInput-root")
         assert [told(numbers.nth(k), "before") for k in range(3)] == list(names)
     # A slider with a number beside it is no such row.
-    screen.tab("Plan")
-    slider = screen.page.locator(".mantine-NumberInput-root:visible").first
-    assert told(slider, "before") == "none"
+    screen.tab("Cycle")
+    number = screen.page.locator(".mantine-Slider-root:visible + .mantine-NumberInput-root").first
+    assert told(number, "before") == "none"
     assert screen.errors == []

@@ -99,7 +99,7 @@ HOW: Mapping[type, str] = {
     bench.BenchSoak: "measuring.soak:soak",
     bench.BenchPage: "measuring.page.load:page_load",
     bench.BenchStalls: "measuring.page.stalls:stalls",
-    bench.BenchShort: "measuring.short:short",
+    bench.BenchShort: "measuring.short_benchmarks:short",
     studies.StudyLocalization: "measuring.studies:study_localization",
     studies.StudyModels: "measuring.models:study_models",
     studies.StudyScans: "measuring.scans:study_scans",

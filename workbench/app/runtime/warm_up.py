@@ -22,7 +22,11 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.clouds.scans import read_cloud
 from workbench.formats.meshes.pieces.surfaces import Surface
 from workbench.model.geometry import pose_from_rpy
+from workbench.perception.localization.eaten import without_background
+from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.localize import begin_search
 from workbench.perception.scene.floor_search import find_floor
+from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.scene.unexplained import unexplained
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -57,6 +61,10 @@ def see() -> None:
     find_parts(cell, {"scan": scan, "seed": 0}, silent, never)
     densify(scan.points[::40], 0.001)
     find_floor(scan.points)
+    scene = scene_model(scan, cell)
+    search = begin_search(scan, cell.parts[0], cell, detail=1.0, scene=scene)
+    if isinstance(search, PartSearch):
+        without_background(search.depth_map, 1, 0.001)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scan.pcd"
         file.write_bytes(COMPRESSED)

@@ -81,7 +81,9 @@ def shade_of(cell: Cell) -> Shade | None:
         inside = np.all((at >= 0) & (at < pixels), axis=1)
         weights = 1.0 - (points[inside, 2] - height) / HIGH
         np.maximum.at(dark, tuple(at[inside].T), weights)
-    soft = sum(ndimage.gaussian_filter(_close_gaps(dark), width / PIXEL) for width in SOFT) / len(SOFT)
+    soft = sum(ndimage.gaussian_filter(_close_gaps(dark), width / PIXEL) for width in SOFT) / len(
+        SOFT
+    )
     image = np.zeros((*pixels[::-1], 4), np.uint8)
     image[..., 3] = np.round(255 * DARKEST * np.clip(soft, 0.0, 1.0)).T
     middle = np.array([*(low + high) / 2, height + 0.0005])
