@@ -23,6 +23,9 @@ STEP = 0.01
 SPEEDS = {"0.25 x": 0.25, "0.5 x": 0.5, "1 x": 1.0, "2 x": 2.0, "4 x": 4.0}
 """Seconds of the plan in a second, by what the page calls them."""
 
+NAME = "Preview"
+"""Of its folder, whose heading is out of sight: it is a bar, not a group of a tab."""
+
 MARK = '<div class="wb-transport"></div>'
 """Has its folder laid over the foot of the scene, see `static/panel.css`."""
 
@@ -38,7 +41,7 @@ class Transport:
         self._visitor = visitor
         self._end = 0.0
         gui = visitor.gui
-        self._folder = gui.add_folder("Preview", visible=False)
+        self._folder = gui.add_folder(NAME, visible=False)
         with self._folder:
             gui.add_html(MARK)
             self._start = gui.add_button(TO_START, icon=viser.Icon.PLAYER_SKIP_BACK, color="gray")
