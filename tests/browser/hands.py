@@ -74,12 +74,21 @@ def unfold(screen, title: str) -> None:
     pause(screen.page, 400)
 
 
-def field(screen, label: str):
-    """The input beside a label; viser does not tie texts and sliders to theirs."""
-    row = screen.page.locator(
+def row_of(screen, label: str):
+    """What stands with a label; viser does not tie texts and sliders to theirs."""
+    return screen.page.locator(
         f"//label[normalize-space(.)='{label}']/ancestor::*[.//input][1]"
     ).locator("visible=true")
-    return row.locator("input:visible").last
+
+
+def field(screen, label: str):
+    """The input beside a label."""
+    return row_of(screen, label).locator("input:visible").last
+
+
+def slider_of(screen, label: str):
+    """The slider beside a label."""
+    return row_of(screen, label).get_by_role("slider")
 
 
 def typed(screen, label: str, value: object) -> None:

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hands import field, pause, settle, watch
+from hands import field, pause, settle, slider_of, watch
 from playwright.sync_api import expect
 
 from workbench.app.core.cycle.planning import WantThreshold
@@ -215,7 +215,7 @@ def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     expect(decides).to_have_text(
         "Coordinated, if quicker, for these parts: 1 of 1 pair apart (141 mm)"
     )
-    slider = screen.page.get_by_role("slider", name="Threshold [mm]")
+    slider = slider_of(screen, "Threshold [mm]")
     start, mouse = slider.bounding_box(), screen.page.mouse
     x, y = start["x"] + start["width"] / 2, start["y"] + start["height"] / 2
     mouse.move(x, y)
@@ -356,7 +356,7 @@ def test_scrubbing_moves_the_shared_picture_and_the_sliders_of_others(
     for each in (screen, other):
         each.tab("Plan")
         each.page.locator(".wb-now").wait_for()
-    slider = screen.page.get_by_role("slider", name="Time [s]")
+    slider = screen.page.get_by_role("slider").first
     slider.focus()
     for _ in range(5):
         slider.press("ArrowRight")
