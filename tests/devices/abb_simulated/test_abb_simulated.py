@@ -8,7 +8,9 @@ from patient import in_threads
 from waiting import wait_until
 
 from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.devices.abb_simulated.serve_program import ProgramClient
 from workbench.formats.cells.reading import read_cell
+from workbench.model.errors import LinkError
 from workbench.plugins.robot_link import Simulation
 
 
@@ -41,6 +43,22 @@ def test_unless_it_is_asked_for_they_stay_like_a_real_one(left_away):
     time.sleep(0.3)
     assert not controller._body.is_home()
     assert controller.state()["fault"] == "stopped by the client"
+
+
+class Reset:
+    """The connection of a client that has left with reports unread."""
+
+    def recv(self, count):
+        raise ConnectionResetError(104, "Connection reset by peer")
+
+
+def test_a_client_that_resets_the_connection_has_left_and_is_no_fault_after_its_plan():
+    client = object.__new__(ProgramClient)
+    client._client, client._motion = Reset(), None
+    assert not client._hear()
+    client._motion = object()
+    with pytest.raises(LinkError):
+        client._hear()
 
 
 def test_of_several_faults_the_first_is_told(left_away):

@@ -99,7 +99,11 @@ class ProgramClient:
 
     def _hear(self) -> bool:
         """Take what arrived; False when the client has left, as it may."""
-        data = self._client.recv(4096)
+        try:
+            data = self._client.recv(4096)
+        except ConnectionError:
+            # Who leaves with reports unread resets the connection.
+            data = b""
         if not data:
             if self._motion is not None:
                 raise LinkError(LEFT)
