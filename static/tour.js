@@ -110,7 +110,8 @@ function all(selector) {
 
 function button(says, within = 'button:not([role="tab"])') {
   const is = typeof says === "string" ? (text) => text === says : (text) => says.test(text);
-  return all(within).find((one) => is(one.textContent.trim()));
+  // Of two the one in the tab, which comes after the bar under the scene.
+  return all(within).findLast((one) => is(one.textContent.trim()));
 }
 
 function dialog() {

@@ -71,7 +71,7 @@ def test_a_bin_that_is_moved_takes_its_scanner_along():
 
 def test_twice_as_many_turns_lie_between_those_that_there_are():
     cell = read_cell("yumi")
-    more = apply_change(cell, BLEND_HALVINGS)
+    more = apply_change(cell, TURNS_CHANGE)
     (before,), (after,) = (one.parts[0].library.entries for one in (cell, more))
     assert np.rad2deg(sorted(after.angles)) == pytest.approx(np.arange(10) * 36.0)
     assert after.angles[:5] == before.angles
@@ -82,7 +82,7 @@ def with_entries(cell, entries):
     return replace(cell, parts=(replace(part, library=GraspLibrary(tuple(entries))),))
 
 
-BLEND_HALVINGS = ChangeText.MORE_TURNS()
+TURNS_CHANGE = ChangeText.MORE_TURNS()
 
 
 @pytest.mark.parametrize(
@@ -99,7 +99,7 @@ BLEND_HALVINGS = ChangeText.MORE_TURNS()
 def test_turns_are_added_between_those_that_people_have_authored(before, more):
     cell = read_cell("yumi")
     (pattern,) = cell.parts[0].library.entries
-    other = changed_by(with_entries(cell, [replace(pattern, angles=before)]), BLEND_HALVINGS)
+    other = changed_by(with_entries(cell, [replace(pattern, angles=before)]), TURNS_CHANGE)
     if more is None:
         assert other is None
         return

@@ -61,6 +61,13 @@ def test_what_a_late_piece_has_begun_is_had_by_a_smaller_request(start):
     assert one.written == ["late", "ab", "cd", "e", "late"]
 
 
+@pytest.mark.parametrize("address", ["192.0.2.1", "127.example.com", "localhost"])
+def test_a_module_connects_to_this_machine_and_to_no_other(start, address):
+    one = start(f'SocketCreate client; SocketConnect client,"{address}",5000;', SOCKETS)
+    wait_until(lambda: one.tasks["T"].stopped_by != "")
+    assert "only 127.0.0.1 can be reached" in one.tasks["T"].stopped_by
+
+
 def test_a_number_that_is_no_byte_stops_the_task_and_not_the_controller(start):
     one = start(SERVED + "SocketSend client\\Data:=wide;", SOCKETS + "VAR num wide{1}:=[300];")
     with connected(one):

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from workbench.gui.page.looks import BLEND_HALVINGS, KEYS, Looks, camera_of, centre_camera
+from workbench.gui.page.looks import DOUBLE_CLICK, KEYS, Looks, camera_of, centre_camera
 from workbench.gui.scene.stage import STAGE
 from workbench.gui.scene.surroundings import ASPECT, FIELD_OF_VIEW, first_look, interesting_points
 from workbench.gui.shared.look import Look
@@ -76,10 +76,10 @@ def test_what_is_clicked_twice_comes_into_the_middle_as_it_was_seen(visitor, sta
     above, down = floor + np.array([0.02, 0.0, 0.5]), np.array([0.0, 0.0, -1.0])
 
     looks._take_click(above, down, 1.0)
-    looks._take_click(above, down, 1.0 + 2 * BLEND_HALVINGS)
-    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 2.5 * BLEND_HALVINGS)
+    looks._take_click(above, down, 1.0 + 2 * DOUBLE_CLICK)
+    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 2.5 * DOUBLE_CLICK)
     assert np.array_equal(camera.position, position), "three single clicks"
-    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 3 * BLEND_HALVINGS)
+    looks._take_click(above, np.array([0.1, 0.0, -1.0]), 1.0 + 3 * DOUBLE_CLICK)
     assert abs(camera.look_at[2] - floor[2]) < 0.01
     np.testing.assert_allclose(camera.position - camera.look_at, position - centre)
     before = camera.look_at

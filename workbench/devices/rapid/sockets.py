@@ -131,7 +131,7 @@ class Network:
         device, link = _require_open(place)
         if device.address is not None:
             raise RapidError("ERR_SOCK_IS_BOUND")
-        if not address.startswith("127."):
+        if address != "127.0.0.1":
             raise RapidStop(f"SocketConnect: only 127.0.0.1 can be reached here, not {address}")
         if not 1 <= port <= 65535:
             raise RapidError("ERR_SOCK_ADDR_INVALID")

@@ -87,7 +87,7 @@ class MessageGate:
         async def serve_arrival(connection: Any) -> None:
             serve_one = connection._handle_incoming_message
 
-            async def forget_message(client_id: Any, message: Any) -> None:
+            async def take_message(client_id: Any, message: Any) -> None:
                 self._forget(client_id, message)
                 if problem := self._problem(client_id, message):
                     self._refuse(connection, message, problem)
@@ -98,7 +98,7 @@ class MessageGate:
                     # A rim: nobody waits for what comes of a message.
                     show_error(self._server._connected_clients.get(client_id), error)
 
-            connection._handle_incoming_message = forget_message
+            connection._handle_incoming_message = take_message
 
         async def forget_connection(connection: Any) -> None:
             for key in [key for key in self._typing if key[0] == connection.client_id]:

@@ -35,7 +35,7 @@ Camera = tuple[Floats, Floats]
 AROUND = 0.12
 """[m] What is seen at least around what is selected, to all sides."""
 
-BLEND_HALVINGS, SAME = 0.5, math.radians(1.0)
+DOUBLE_CLICK, SAME = 0.5, math.radians(1.0)
 """[s, rad] Two clicks within this time, and along rays that differ by no more, are a double one."""
 
 KEYS: Mapping[str, tuple[HotkeyKey, str]] = {
@@ -171,7 +171,7 @@ class Looks:
         """A person has clicked along a ray, of which each is (3,) [m] in the world, at [s]."""
         before, way = self._click
         ray = direction / np.linalg.norm(direction)
-        is_double = at - before <= BLEND_HALVINGS and ray @ way >= math.cos(SAME)
+        is_double = at - before <= DOUBLE_CLICK and ray @ way >= math.cos(SAME)
         self._click = (-math.inf, way) if is_double else (at, ray)
         point = pointed_at(self._view, origin, ray) if is_double and self._view else None
         if point is None:

@@ -66,7 +66,7 @@ def lanes_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words =
 
 
 def bands_html(cell: Cell, runs: tuple[Run, ...], seconds: float, words: Words = IN_ENGLISH) -> str:
-    """The lanes alone, to lie under the slider of the time, and how long the plan takes."""
+    """The lanes alone, to lie under the slider of the time."""
     lanes = "".join(_tracks(cell, runs, seconds, words))
     return f'<div class="wb-bands"><div>{lanes}</div></div>'
 

@@ -72,7 +72,8 @@ class Transport:
             self._draw_plan(new)
         if old is None or old.state is not state:
             problem = play_problem(self._visitor, state)
-            self._time.disabled = bool(problem)
+            for control in (self._time, self._speed, self._loops):
+                control.disabled = bool(problem)
             self._visitor.allow(self._start, problem)
             self._start.label = END_PREVIEW if self._ends_preview(state) else TO_START
         if new.runs and (old is None or old.runs is not new.runs or old.look.time != look.time):

@@ -2,7 +2,7 @@
 
 A pose that is right then has a rim all around through which the scan seems to look; one that is
 wrong has it on one side, or is looked through in its middle too.  So the width is measured at the
-parts that the first vote finds, and all of them must show it.  Background that lies so close beside
+parts that the first vote finds, and all of them must show it.  Background that lies so close to
 something nearer then counts as not measured: it is no evidence against a pose.  Free space seen
 further inside stays evidence.
 """
@@ -124,7 +124,7 @@ def eaten_width(sighting: Sighting, columns: int) -> float | None:
 
 
 def without_background(depth_map: DepthMap, width: int, step: float) -> DepthMap:
-    """The scan without what lies behind something nearer and close beside it.
+    """The scan without what lies behind something nearer and close to it.
 
     Args:
         depth_map: the scan.
@@ -133,7 +133,7 @@ def without_background(depth_map: DepthMap, width: int, step: float) -> DepthMap
     """
     if width == 0:
         return depth_map
-    is_left = ~_is_beside(depth_map.rays, depth_map.depth, depth_map.normals, width, step)
+    is_left = ~_is_near_edge(depth_map.rays, depth_map.depth, depth_map.normals, width, step)
     return replace(
         depth_map,
         depth=np.where(is_left, depth_map.depth, 0.0),
@@ -143,12 +143,12 @@ def without_background(depth_map: DepthMap, width: int, step: float) -> DepthMap
 
 
 @njit(cache=True)
-def _is_beside(
+def _is_near_edge(
     rays: Floats, depth: Floats, normals: Floats, width: int, step: float
 ) -> Bools:  # pragma: no cover (compiled)
     """Which pixels (rows, columns) are `step` [m] behind the plane of one within `width` pixels."""
     rows, columns = depth.shape
-    is_beside = np.zeros((rows, columns), np.bool_)
+    is_near_edge = np.zeros((rows, columns), np.bool_)
     for v in range(rows):
         for u in range(columns):
             z = depth[v, u]
@@ -157,12 +157,12 @@ def _is_beside(
             for b in range(max(v - width, 0), min(v + width + 1, rows)):
                 for a in range(max(u - width, 0), min(u + width + 1, columns)):
                     near = depth[b, a]
-                    if is_beside[v, u] or near == 0.0 or near > z - step:
+                    if is_near_edge[v, u] or near == 0.0 or near > z - step:
                         continue
                     off, facing = 0.0, 0.0
                     for k in range(3):
                         n = normals[b, a, k]
                         off += n * (rays[v, u, k] * z - rays[b, a, k] * near)
                         facing += n * n
-                    is_beside[v, u] = facing == 0.0 or off < -step
-    return is_beside
+                    is_near_edge[v, u] = facing == 0.0 or off < -step
+    return is_near_edge

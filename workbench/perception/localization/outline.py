@@ -86,11 +86,11 @@ def _outline(
                 continue
             for side in range(4):
                 dj, di = (0, 1, 0, -1)[side], (1, 0, -1, 0)[side]
-                beside = (j + (eaten + 1) * dj, i + (eaten + 1) * di)
+                outside = (j + (eaten + 1) * dj, i + (eaten + 1) * di)
                 beyond = (j + (eaten + BEYOND) * dj, i + (eaten + BEYOND) * di)
                 if eaten > 0 and not _is_drawn(shown, (j + eaten * dj, i + eaten * di)):
                     continue
-                if _is_drawn(shown, beside) or _is_drawn(shown, beyond):
+                if _is_drawn(shown, outside) or _is_drawn(shown, beyond):
                     continue
                 b, a = first_v + beyond[0], first_u + beyond[1]
                 if not (0 <= b < seen.depth.shape[0] and 0 <= a < seen.depth.shape[1]):
