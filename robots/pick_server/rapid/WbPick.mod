@@ -87,7 +87,6 @@ MODULE WbPick
     PROC move_hand(string hand,num opening)
         IF hand="open" THEN
             pick_open opening;
-            GripLoad load0;
             IF has_part AND NOT is_released THEN
                 ask "placed";
                 is_released:=TRUE;
@@ -95,7 +94,7 @@ MODULE WbPick
         ELSEIF hand="grip" THEN
             has_part:=pick_grip(opening);
         ENDIF
-        IF hand<>"open" GripLoad pick_load;
+        GripLoad pick_load;
     ENDPROC
 
     ! Opens the hand to this many mm.
@@ -114,6 +113,8 @@ MODULE WbPick
             pick_load.cog.x:=number_of(word{9});
             pick_load.cog.y:=number_of(word{10});
             pick_load.cog.z:=number_of(word{11});
+        ELSE
+            pick_load:=load0;
         ENDIF
     ENDPROC
 
