@@ -61,15 +61,7 @@ def _serve(host: str, script_port: int, sends: bool, say: Any) -> None:
         if not robot.isConnected():
             say(problem="the controller closed the link")
             return
-        say(
-            at=robot.getTimestamp(),
-            q=list(robot.getActualQ()),
-            mode=robot.getRobotMode(),
-            safety=robot.getSafetyStatusBits(),
-            runtime=robot.getRuntimeState(),
-            leg=robot.getOutputIntRegister(PROGRESS),
-            begun=[robot.getOutputIntRegister(register) for register in BEGUN],
-        )
+        say(**_read_state(robot))
         if not select.select([0], [], [], PERIOD)[0]:
             continue
         data = os.read(0, 1 << 20)
@@ -88,6 +80,23 @@ def _serve(host: str, script_port: int, sends: bool, say: Any) -> None:
                 finally:
                     board.stop()
                 say(stopping=True)
+
+
+def _read_state(robot: Any) -> dict[str, Any]:
+    """The values of one packet: a new one may come while the library hands them out one by one."""
+    while True:
+        at = robot.getTimestamp()
+        state = {
+            "at": at,
+            "q": list(robot.getActualQ()),
+            "mode": robot.getRobotMode(),
+            "safety": robot.getSafetyStatusBits(),
+            "runtime": robot.getRuntimeState(),
+            "leg": robot.getOutputIntRegister(PROGRESS),
+            "begun": [robot.getOutputIntRegister(register) for register in BEGUN],
+        }
+        if robot.getTimestamp() == at:
+            return state
 
 
 if __name__ == "__main__":
