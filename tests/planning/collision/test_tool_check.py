@@ -1,6 +1,7 @@
 """The tool alone in the bin: all ways of all hands at once, and each by itself."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +12,7 @@ from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Obstacle
 from workbench.perception.simulation.piles import drop_parts
+from workbench.planning.collision.hands import Hands, turns_of
 from workbench.planning.collision.legs import grips, openings
 from workbench.planning.collision.part_ways import kept_on_ways, steps_along
 from workbench.planning.collision.world import World
@@ -107,6 +109,32 @@ def test_a_body_that_is_not_convex_is_measured_one_by_one():
     told, by_one = compared(cell, pile, cell.arms[0])
     assert told == by_one
     assert any(isinstance(one[0], tuple) and one[0][1] == solid.name for one in told)
+
+
+def test_a_grasp_of_many_ways_fits_where_one_of_them_does():
+    cell = read_cell("yumi")
+    part, arm = read_part("parts/keyed_cylinder/full_bin"), cell.arms[0]
+    pile = drop_parts((part,) * 9, cell.bin, seed=4)
+    check = World(replace(cell, parts=(part,)), pile).tool_check
+    ways = [turns_of(arm.tool, grasp) for grasp in part.grasps]
+    arrays = zip(*(hands[1:] for hands in ways), strict=True)
+    R, p, opening, turn, cuts = map(np.concatenate, arrays)
+    each = Hands(np.arange(len(turn) + 1), R, p, opening, turn, cuts)
+    every = each._replace(first=np.array([0, len(turn)]))
+    fits = [check.free(arm, number, each) for number in range(len(pile))]
+    assert [bool(check.free(arm, number, every)[0]) for number in range(len(pile))] == [
+        bool(of_part.any()) for of_part in fits
+    ]
+    # Where some fit, others stand in the way of the palm before them.
+    assert any(of_part.any() and not of_part[0] for of_part in fits)
+    rows = [(number, k) for number in range(len(pile)) for k in range(len(part.grasps))]
+    told = check.fits(arm, part.grasps, rows)
+    by_grasp = [
+        of_part[begin:end].any()
+        for of_part in fits
+        for begin, end in pairwise(np.cumsum([0, *(len(hands.turn) for hands in ways)]).tolist())
+    ]
+    assert all(free or fit.pair is not None for free, fit in zip(by_grasp, told, strict=True))
 
 
 def test_no_hands_meet_nothing():

@@ -1,6 +1,8 @@
 """Parts dropped into a bin and left to settle: how they come to lie in production."""
 
 from collections.abc import Sequence
+from copy import copy
+from functools import lru_cache
 from itertools import cycle, islice
 from operator import mul
 
@@ -78,7 +80,7 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     falling = [kinds[id(part)][0] for part in parts]
     Ts_falling_part = [kinds[id(part)][1].inverse() for part in parts]
     count, radius = len(parts), max(map(radius_of, falling))
-    model = model_of(falling, bin)
+    model = copy(_model(tuple(falling), bin))
     most: tuple[Detection, ...] = ()
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng([seed, attempt])
@@ -96,6 +98,12 @@ def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection
     raise InputError(
         PileText.FALLEN_OUT(count=len(parts), parts=kinds_of(parts), attempts=ATTEMPTS)
     )
+
+
+@lru_cache(maxsize=4)
+def _model(parts: tuple[Part, ...], bin: Bin) -> mujoco.MjModel:
+    """The same parts fall again and again, and compiling takes as long as a part falls."""
+    return model_of(parts, bin)
 
 
 def _starts(

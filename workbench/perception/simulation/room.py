@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
@@ -22,7 +23,7 @@ def check_room(parts: Sequence[Part], bin: Bin) -> None:
     Raises:
         InputError: one is longer than the bin, or together they fill too much of it.
     """
-    for part in parts:
+    for part in dict.fromkeys(parts):
         if 2 * radius_of(around_frame(part)[0]) > float(np.linalg.norm(bin.size[:2])):
             size, room = (sides * 1000 for sides in (np.ptp(part.mesh.points, axis=0), bin.size))
             sizes = {"size": _sides(size), "room": _sides(room)}
@@ -44,6 +45,7 @@ def radius_of(part: Part) -> float:
     return float(np.linalg.norm(part.mesh.points, axis=1).max())
 
 
+@lru_cache(maxsize=16)
 def around_frame(part: Part) -> tuple[Part, pin.SE3]:
     """A part, without grasps, whose frame lies in it: physics turns it about that.
 

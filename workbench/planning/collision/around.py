@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.distances.cores import Cores
 from workbench.planning.collision.distances.gjk import TOUCHES, side
 from workbench.planning.collision.hands import NOTHING, Hands
@@ -102,6 +102,29 @@ def first_fits(
                 # No other opening moves what is in the way of the palm.
                 blocked[hands.turn[w]] = True
     return fits, met
+
+
+@njit(cache=True)
+def any_fits(hands: Hands, pieces: int, places: Places, margin: float, around: Around) -> Bools:
+    """Whether each grasp fits in any of its ways at one place (g,), quicker than `first_fits`.
+
+    Args:
+        hands: of the part.
+        pieces: of the part.
+        places: of one part.
+        margin: [m] kept to everything but the part itself.
+        around: tool and surroundings.
+    """
+    R, c, W = _scratch(around)
+    fits = np.zeros(len(hands.first) - 1, np.bool_)
+    last = np.full(2, -1)
+    for k in range(len(fits)):
+        for w in range(hands.first[k], hands.first[k + 1]):
+            _, code = _first_met(hands, w, 0, pieces, places, margin, around, False, last, R, c, W)
+            if code == NOTHING:
+                fits[k] = True
+                break
+    return fits
 
 
 @njit(cache=True)
