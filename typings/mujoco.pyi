@@ -3,7 +3,7 @@
 Angles in rad, lengths in m.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 
 import numpy as np
@@ -28,6 +28,12 @@ class mjtIntegrator(Enum):
 
 class mjtCone(Enum):
     mjCONE_ELLIPTIC = ...
+
+class mjtWarning(Enum):
+    mjWARN_CONTACTFULL = ...
+    mjWARN_CNSTRFULL = ...
+
+class FatalError(Exception): ...
 
 class _Option:
     timestep: float
@@ -69,6 +75,7 @@ class MjsBody:
     ) -> MjsGeom: ...
 
 class MjSpec:
+    memory: int
     option: _Option
     worldbody: MjsBody
     meshes: Sequence[object]
@@ -92,6 +99,9 @@ class _Named:
 class _Contacts:
     geom: NDArray[np.int32]
 
+class _Warning:
+    number: int
+
 class MjModel:
     opt: _Option
     body_pos: NDArray[np.float64]
@@ -108,6 +118,7 @@ class MjModel:
 
 class MjData:
     contact: _Contacts
+    warning: Mapping[mjtWarning, _Warning]
     qfrc_applied: NDArray[np.float64]
     xfrc_applied: NDArray[np.float64]
     xipos: NDArray[np.float64]

@@ -14,6 +14,7 @@ from workbench.model.errors import InputError
 from workbench.model.geometry import Mesh
 from workbench.model.part import GraspLibrary
 from workbench.model.symmetry import Symmetry
+from workbench.perception.simulation import physics
 from workbench.perception.simulation.physics import LONGEST, LOST, come_to_rest, model_of
 from workbench.perception.simulation.piles import OUTSIDE, drop_parts
 from workbench.perception.simulation.room import radius_of
@@ -127,3 +128,9 @@ def test_a_part_whose_origin_is_far_off_falls_like_others_and_is_unloaded_like_o
         for a, b in zip(rest, pile[1:], strict=True)
     ]
     assert np.median(moved) < 0.005
+
+
+def test_contacts_for_which_there_is_no_memory_are_an_error(cell, part, monkeypatch):
+    monkeypatch.setattr(physics, "MEMORY", 1 << 17)
+    with pytest.raises(InputError, match="touch at too many points"):
+        drop_parts((replace(part),) * 20, cell.bin, seed=3)

@@ -19,7 +19,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, print_json, print_table, progress
 from workbench.formats.files.shipped import folders
 from workbench.formats.meshes.cad_files import SeveralSolids, is_unusual
-from workbench.formats.parts.new_part import check_name
+from workbench.formats.parts.new_part import HEAVIEST, LIGHTEST, check_name
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError
 
@@ -29,7 +29,7 @@ def import_part(typed: PartImport) -> int:
     check_name(typed.name)
     check_number("--density", typed.density, *DENSITIES)
     if typed.mass_g is not None:
-        check_number("--mass-g", typed.mass_g, 0.001, 1e6)
+        check_number("--mass-g", typed.mass_g, LIGHTEST * 1000, HEAVIEST * 1000)
     if (typed.into / typed.name).exists():
         raise FileError(typed.into / typed.name, "is there already; choose another name")
     try:

@@ -10,6 +10,7 @@ class PileText(Text, subject="pile"):
     TOO_LARGE = "part {part} of {size} mm is too large for the bin of {room} mm"
     TOO_MANY = "{count} parts {parts} do not fit into the bin; take {most} or fewer"
     FALLEN_OUT = "{count} parts {parts} did not stay in the bin in {attempts} attempts; take fewer"
+    CONTACTS = "the parts touch at too many points for the physics; take fewer parts"
     NO_GRASP = "part {part} has no grasp, so nothing can take it; create one first"
     NO_TOOL = (
         "no tool of cell {cell} fits a grasp of part {part}: all {count} grasps are refused, most "

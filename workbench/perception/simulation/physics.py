@@ -6,7 +6,9 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
+from workbench.model.errors import InputError
 from workbench.model.geometry import Box, Capsule, Cylinder, Mesh, Solid, Sphere, finest
+from workbench.model.messages.parts import PileText
 from workbench.model.part import Bin, Part
 from workbench.perception.views.surfaces import triangles_of
 
@@ -18,6 +20,9 @@ MOST_PIECES = 32
 MEMORY = 1 << 28
 """[bytes] For contacts: where it does not suffice MuJoCo drops some, and parts fall through the
 floor.  Its own estimate is too small for flat parts of many pieces.  Only what is used is taken."""
+
+FULL = (mujoco.mjtWarning.mjWARN_CONTACTFULL, mujoco.mjtWarning.mjWARN_CNSTRFULL)
+"""Warnings of MuJoCo that it has dropped contacts."""
 
 LONGEST = 4.0
 """[s] of simulated time after the last drop, if the parts do not come to rest before."""
@@ -52,7 +57,7 @@ def model_of(
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.noslip_iterations = no_slip
-    spec.memory = MEMORY  # pyright: ignore[reportAttributeAccessIssue]  # not in its stubs
+    spec.memory = MEMORY
     for solid in (*bin.solids, *around):
         add_solid(spec, spec.worldbody, solid)
     for number, part in enumerate(parts):
@@ -110,11 +115,25 @@ def add_solid(spec: mujoco.MjSpec, body: mujoco.MjsBody, solid: Solid) -> mujoco
     return geom
 
 
+def advance(model: mujoco.MjModel, data: mujoco.MjData, steps: int = 1) -> None:
+    """Let `steps` of `TIMESTEP` pass.
+
+    Raises:
+        InputError: memory does not suffice for the contacts, so where parts lie is not known.
+    """
+    try:
+        mujoco.mj_step(model, data, nstep=steps)
+    except mujoco.FatalError:
+        raise InputError(PileText.CONTACTS()) from None
+    if any(data.warning[kind].number for kind in FULL):
+        raise InputError(PileText.CONTACTS())
+
+
 def come_to_rest(model: mujoco.MjModel, data: mujoco.MjData, radius: float) -> None:
     """Let time pass until all parts lie still, or fall; `radius` [m] is that of the largest."""
     speed, place = data.qvel.reshape(-1, 6), data.qpos.reshape(-1, 7)
     for _ in range(round(LONGEST / TIMESTEP / 25)):
-        mujoco.mj_step(model, data, nstep=25)
+        advance(model, data, 25)
         there = np.abs(speed[place[:, 2] > LOST]) * ([1.0] * 3 + [radius] * 3)
         if there.max(initial=0.0) < CONVERGED:
             break

@@ -18,6 +18,7 @@ from workbench.model.part import Bin, Part
 from workbench.model.scan import ALL_KINDS, Detection
 from workbench.perception.simulation.physics import (
     TIMESTEP,
+    advance,
     come_to_rest,
     model_of,
     poses_of,
@@ -140,7 +141,7 @@ def _settle(
         state[number, 3:] = attitude
         data.qvel[6 * number : 6 * number + 6] = 0.0
         model.body_gravcomp[number + 1] = 0.0
-        mujoco.mj_step(model, data, nstep=round(BETWEEN_DROPS / TIMESTEP))
+        advance(model, data, round(BETWEEN_DROPS / TIMESTEP))
     come_to_rest(model, data, radius)
     return poses_of(data)
 

@@ -8,7 +8,13 @@ import pinocchio as pin
 
 from workbench.model.cell import Cell
 from workbench.model.part import Part
-from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
+from workbench.perception.simulation.physics import (
+    TIMESTEP,
+    advance,
+    come_to_rest,
+    model_of,
+    poses_of,
+)
 from workbench.perception.simulation.room import radius_of
 
 BETWEEN = 0.5
@@ -49,7 +55,7 @@ def let_go(cell: Cell, parts: Sequence[tuple[Part, pin.SE3]]) -> tuple[pin.SE3, 
         state[number, 3:] = (turn.w, turn.x, turn.y, turn.z)
         data.qvel[6 * number : 6 * number + 6] = 0.0
         model.body_gravcomp[number + 1] = 0.0
-        mujoco.mj_step(model, data, nstep=round(BETWEEN / TIMESTEP))
-    mujoco.mj_step(model, data, nstep=round(AFTER / TIMESTEP))
+        advance(model, data, round(BETWEEN / TIMESTEP))
+    advance(model, data, round(AFTER / TIMESTEP))
     come_to_rest(model, data, radius)
     return tuple(cell.bin.T_world_bin * T for T in poses_of(data))

@@ -10,7 +10,13 @@ import pinocchio as pin
 from workbench.model.cell import Cell
 from workbench.model.part import Bin, Part
 from workbench.model.scan import Detection
-from workbench.perception.simulation.physics import TIMESTEP, come_to_rest, model_of, poses_of
+from workbench.perception.simulation.physics import (
+    TIMESTEP,
+    advance,
+    come_to_rest,
+    model_of,
+    poses_of,
+)
 from workbench.perception.simulation.room import around_frame, radius_of
 
 LIFT_SPEED = 0.25
@@ -56,7 +62,7 @@ def unloaded(
         state[row] = _numbers(T_bin_world * pile[number].T_world_part * Ts_part_frame[number])
     for T in _evenly([T * Ts_part_frame[taken] for T in way]):
         data.mocap_pos[0], data.mocap_quat[0] = np.split(_numbers(T_bin_world * T), [3])
-        mujoco.mj_step(model, data)
+        advance(model, data)
     # What is out of the bin for good must not hold up those that fall.
     data.mocap_pos[0] = (0.0, 0.0, 10.0)
     come_to_rest(model, data, max(map(radius_of, parts)))
