@@ -130,7 +130,8 @@ def test_a_part_whose_origin_is_far_off_falls_like_others_and_is_unloaded_like_o
     assert np.median(moved) < 0.005
 
 
-def test_contacts_for_which_there_is_no_memory_are_an_error(cell, part, monkeypatch):
+def test_contacts_for_which_there_is_no_memory_are_an_error(cell, part, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log where it runs
     monkeypatch.setattr(physics, "MEMORY", 1 << 17)
     with pytest.raises(InputError, match="touch at too many points"):
         drop_parts((replace(part),) * 20, cell.bin, seed=3)

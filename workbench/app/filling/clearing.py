@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from workbench.app.filling.families import Family, Pile, family_of
 from workbench.app.filling.hand import Hand
-from workbench.app.filling.work import CHECK, REACH, WORLD
+from workbench.app.filling.work import CHECK, FALL, REACH, WORLD
 from workbench.model.candidate import Pick, Reason
 from workbench.model.cell import Cell
 from workbench.model.messages.changes import FillText
@@ -94,8 +94,8 @@ def clear_collisions(
         if not gone:
             return taken, why
         taken += len(gone)
+        hands[0].grower.work.add(FALL * len(rest) ** 2)
         rest = _without(cell, rest, gone)
-        hands[0].grower.work.add_fall(cell.parts[0], len(rest))
     return taken, []
 
 

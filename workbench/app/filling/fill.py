@@ -16,7 +16,7 @@ from workbench.app.filling.clearing import Stays, clear_collisions
 from workbench.app.filling.hand import hands_for
 from workbench.app.filling.keeping import Kept, select_families
 from workbench.app.filling.naming import make_name
-from workbench.app.filling.work import WORK, Work
+from workbench.app.filling.work import FALL, WORK, Work
 from workbench.formats.meshes.repair import examine_surface
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
@@ -184,7 +184,7 @@ def _piles(cell: Cell, part: Part, seed: int, work: Work) -> Iterator[tuple[Dete
             if not counts and count > 1:
                 counts = [max(1, count // 2)]
             continue
-        work.add_fall(part, count)
+        work.add(FALL * count**2)
         number += 1
         yield pile
     assert problem is not None

@@ -1,16 +1,14 @@
 """The budget of a filling in counted work: it ends the same on every machine.
 
-A point is about 1 ms of processor time on two quiet cores of an AMD EPYC.
+A point is 0.8 to 1.3 ms of processor time on two shared cores of an AMD EPYC.
 """
 
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.part import Part
-from workbench.perception.simulation.physics import falling_solids
 from workbench.plugins.progress import Cancelled, Report, silent
 from workbench.plugins.progress import never as nobody
 
-WORK = 52_000.0
+WORK = 48_000.0
 """Points of a filling."""
 
 WAY, PIECE = 0.0045, 0.00004
@@ -25,9 +23,8 @@ GRIP, TRIANGLE = 3.4, 0.0008
 REACH, CHECK = 2.0, 0.2
 """An arm that is tried at a part, and each check of collisions in that."""
 
-FALL, SOLID = 1.4, 0.16
-"""A pair of parts that fall together, each with itself included, and as much more for each solid
-by which a part is simulated."""
+FALL = 1.2
+"""A pair of parts that fall or settle together, each part with itself included."""
 
 WORLD = 0.6
 """A piece of a part in a world of collisions."""
@@ -57,10 +54,6 @@ class Work:
     def add(self, points: float) -> None:
         """Count some work."""
         self.done += points
-
-    def add_fall(self, part: Part, count: int) -> None:
-        """Count a fall of `count` parts into the bin, or that they come to lie anew."""
-        self.add((FALL + SOLID * len(falling_solids(part))) * count**2)
 
     def is_over(self, share: float = 1.0) -> bool:
         """Whether a share of the budget is spent.

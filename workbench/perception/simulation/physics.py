@@ -66,7 +66,7 @@ def model_of(
         else:
             body = spec.worldbody.add_body(name=str(number), gravcomp=1.0)  # until it falls
             body.add_freejoint()
-        for solid in falling_solids(part):
+        for solid in _solids(part):
             add_solid(spec, body, solid)
     model = spec.compile()
     # Pieces may overlap, so their volumes tell how the mass is spread but not how much it is.
@@ -77,7 +77,7 @@ def model_of(
     return model
 
 
-def falling_solids(part: Part) -> tuple[Solid, ...]:
+def _solids(part: Part) -> tuple[Solid, ...]:
     """What falls: a part's pieces, or what goes around them where they are many."""
     pieces = finest(part.pieces)
     return pieces if len(pieces) <= MOST_PIECES else part.pieces

@@ -105,8 +105,8 @@ def first_fits(
 
 
 @njit(cache=True)
-def any_fits(hands: Hands, pieces: int, places: Places, margin: float, around: Around) -> Bools:
-    """Whether each grasp fits in any of its ways at one place (g,), quicker than `first_fits`.
+def which_fit(hands: Hands, pieces: int, places: Places, margin: float, around: Around) -> Bools:
+    """Which ways fit at one place (w,), twice as fast as `first_fits`: any pair that meets will do.
 
     Args:
         hands: of the part.
@@ -116,14 +116,11 @@ def any_fits(hands: Hands, pieces: int, places: Places, margin: float, around: A
         around: tool and surroundings.
     """
     R, c, W = _scratch(around)
-    fits = np.zeros(len(hands.first) - 1, np.bool_)
+    fits = np.empty(len(hands.turn), np.bool_)
     last = np.full(2, -1)
-    for k in range(len(fits)):
-        for w in range(hands.first[k], hands.first[k + 1]):
-            _, code = _first_met(hands, w, 0, pieces, places, margin, around, False, last, R, c, W)
-            if code == NOTHING:
-                fits[k] = True
-                break
+    for w in range(len(fits)):
+        _, code = _first_met(hands, w, 0, pieces, places, margin, around, False, last, R, c, W)
+        fits[w] = code == NOTHING
     return fits
 
 

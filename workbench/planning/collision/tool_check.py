@@ -13,7 +13,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Grasp
-from workbench.planning.collision.around import Around, Places, any_fits, first_contact, first_fits
+from workbench.planning.collision.around import Around, Places, first_contact, first_fits, which_fit
 from workbench.planning.collision.bodies import tool_shapes
 from workbench.planning.collision.distances.measuring import distance
 from workbench.planning.collision.hands import Hands, hands_of
@@ -140,7 +140,12 @@ class ToolCheck:
         if not around.cores.known.all():
             return np.ones(count, bool)  # a closer look follows
         places = self._places([number], hands, around)
-        return any_fits(hands, len(self._still.pieces[number]), places, self._margin, around)
+        pieces = len(self._still.pieces[number])
+        if len(hands.turn) == count:
+            return which_fit(hands, pieces, places, self._margin, around)
+        every = np.arange(count)
+        ways, _ = first_fits(hands, every, 0 * every, pieces, places, self._margin, around)
+        return ways >= 0
 
     def on_way(
         self, arm: Arm, T_world_tcp: pin.SE3, opening: float, number: int, way: Floats
