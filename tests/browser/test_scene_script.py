@@ -97,7 +97,7 @@ def test_the_second_click_of_a_double_click_presses_no_other_button(stub):
 
 
 def test_the_text_of_a_button_is_away_from_its_press_until_the_pointer_has_left_it(stub):
-    page, scene = stub
+    _, scene = stub
     around, scan = scene.locator("#around"), scene.get_by_role("button", name="Scan")
     scan.click()
     expect(around).to_have_attribute("data-pressed", "")
