@@ -24,6 +24,7 @@ const scene = document.getElementById("scene");
 let left = null;     // where the focus was last in HTML that may be written anew
 let timer = null;
 let clicked = null;  // the button that was clicked last
+let held = null;     // around the button that was clicked, until the pointer leaves it
 let chosen = "";     // what says which row of a table is chosen
 
 const here = () => scene.contentDocument;
@@ -147,6 +148,21 @@ function pressed(event) {
   if (!isMeant) take(event);
 }
 
+function hold(event) {
+  // What a press brings appears beside the button: the button's own text does not cover it.
+  const button = event.isTrusted && event.target.closest(".mantine-Button-root");
+  if (!button || event.detail === 0) return;
+  letGo();
+  held = button.parentElement;
+  held.dataset.pressed = "";
+}
+
+function letGo(event) {
+  if (!held || held.contains(event?.target)) return;
+  delete held.dataset.pressed;
+  held = null;
+}
+
 function keepStop(list, stop, item) {
   for (const one of every(item, list)) {
     one.tabIndex = one === stop ? 0 : -1;
@@ -190,6 +206,8 @@ function listen() {
   here().addEventListener("pointerdown", pointed, true);
   here().addEventListener("keydown", typed, true);
   here().addEventListener("click", pressed, true);
+  here().addEventListener("click", hold, true);
+  here().addEventListener("pointerover", letGo, true);
   new MutationObserver(() => { timer ??= setTimeout(dress, WAIT_MS); }).observe(here(), {
     childList: true, subtree: true, attributes: true, attributeFilter: ["aria-hidden", "aria-selected", "aria-pressed"],
   });

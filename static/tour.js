@@ -11,7 +11,10 @@ const GAP = 16;       // pixels between the card and what it stands beside
 
 const EDGE = 8;       // and to the edge of the window
 
-const LEGEND = 96;    // below the legend, where the card hides nothing that moves
+const LEGEND = 96;    // below the legend, where there is no room beside it
+
+const WIDE = 560;     // the card lies flat over the top of the scene, at most so wide
+const NARROW = 304;   // and at least
 
 // Buttons that say a number or a name beside: known by what stands before it.
 const RUN = beginning("Run step {waits} of {steps}: {words}");
@@ -30,8 +33,9 @@ const STEPS = [
     says: word("Open the tab Cycle and press the button Plan in group 3. Every grasp is tested with each arm, the "
       + "motion is planned, and a second, independent program checks it. If no plan comes out, scan another seed.") },
   { name: "judge", title: word("See why grasps fail"), on: word("Candidates"), isLook: true, isAside: true,
-    row: ".wb-rows .wb-table tbody tr", says: word("The tab Candidates lists each grasp with its verdict. Click a row: "
-      + "the scene shows the hand there. What a refused hand would hit is red.") },
+    rows: [".wb-rows .wb-table tbody .wb-refused", ".wb-rows .wb-table tbody tr"],
+    says: word("The tab Candidates lists each grasp with its verdict. Click a row that was refused: the scene shows "
+      + "the hand there, and what it would hit in red.") },
   { name: "preview", title: word("Watch the preview"), on: word("Cycle"), press: [word("Pause"), word("Play")],
     isAside: true, says: word("Open the tab Cycle, press Play, and watch the see-through robot to the end. Nothing "
       + "is sent. You can approve only what you have watched.") },
@@ -39,7 +43,8 @@ const STEPS = [
     says: word("Press Approve, read the figures of the plan, type your name, and press the button with your name. "
       + "The approval holds for this plan and for one sending.") },
   { name: "send", title: word("Send"), on: word("Cycle"), press: [RUN, word("Send")], isAside: true,
-    says: word("Press Send, and the simulated robot moves. Stop, at the right end of the bar, works at any time.") },
+    says: word("Press Send, and the simulated robot moves. While it moves, Stop is red at the top right, whichever "
+      + "tab is open, and ends the motion.") },
 ];
 
 const FAULT = { title: word("A fault came up"), press: [word("Acknowledge")],
@@ -50,9 +55,12 @@ const ASKED = { title: word("Is this your first visit?"),
   says: word("A tour leads through one pick on the simulated cell: from the scan to the robot that moves. You press "
     + "everything yourself, and leave when you like. Press T to move the focus here.") };
 
-const OVER = { title: word("That was a pick"),
-  says: word("If a pick failed, scroll down in the tab Cycle and press Failed. Scan begins the next pick. "
-    + "Tour, in the bar above, shows these steps again.") };
+const OVER = { title: word("That was a pick"), isAside: true,
+  says: word("If a pick failed, report it in the tab Cycle, under Result of each pick. Next cycle, below Scan, begins "
+    + "the next pick. Tour, in the bar above, shows these steps again.") };
+
+// The bar under the scene has a Play, too: the steps speak of the one in the tab.
+const UNDER_SCENE = ".mantine-Paper-root:has(> div > div > div > div > .wb-transport)";
 
 const at = (id) => document.getElementById(id);
 const [card, ring, call, go, leave, scene] = ["card", "ring", "tour", "go", "leave", "scene"].map(at);
@@ -110,8 +118,7 @@ function all(selector) {
 
 function button(says, within = 'button:not([role="tab"])') {
   const is = typeof says === "string" ? (text) => text === says : (text) => says.test(text);
-  // Of two the one in the tab, which comes after the bar under the scene.
-  return all(within).findLast((one) => is(one.textContent.trim()));
+  return all(within).find((one) => is(one.textContent.trim()) && !one.closest(UNDER_SCENE));
 }
 
 function dialog() {
@@ -123,7 +130,12 @@ function control(step) {
   const within = dialog() && step.dialog;
   const pressed = (step.press ?? []).map((one) => button(one)).find(Boolean);
   return (within && (button(step.dialog, '[role="dialog"] button') || all('[role="dialog"] input')[0]))
-    || (step.row && all(step.row)[0]) || pressed || button(step.on, '[role="tab"]') || null;
+    || rows(step)[0] || pressed || button(step.on, '[role="tab"]') || null;
+}
+
+function rows(step) {
+  // Those it speaks of, or any where there are none of these.
+  return (step.rows ?? []).map((selector) => all(selector)).find((found) => found.length) ?? [];
 }
 
 function look(step) {
@@ -133,7 +145,7 @@ function look(step) {
     else if (isOpen) seen.add(step.name);
   }
   const isChosen = scene.contentDocument.querySelector(".wb-row-chosen");
-  if (step.name === "judge" && isChosen && all(step.row).length) seen.add(step.name);
+  if (step.name === "judge" && isChosen && rows(step).length) seen.add(step.name);
 }
 
 function isDone(step) {
@@ -179,7 +191,7 @@ function draw() {
   put("count", number ? word("Step {number} of {count}", { number, count: steps.length }) : "");
   put("title", step.title);
   put("says", step.says);
-  const target = step.press || step.row ? control(step) : null;
+  const target = step.press || step.rows ? control(step) : null;
   put("go", step === ASKED ? word("Begin") : word("Show me"));
   put("leave", step === ASKED ? word("Not now") : step === OVER ? word("Close") : word("Leave the tour"));
   go.hidden = step === OVER;
@@ -204,6 +216,13 @@ function place(target, isAside) {
     .map((one) => one.getBoundingClientRect());
   const left = frame.left + Math.min(...beside.map((one) => one.left)) - GAP - card.offsetWidth;
   const right = frame.left + Math.max(...beside.map((one) => one.right)) + GAP;
+  const isFlat = isAside && !dialog() && layFlat(frame);
+  if (!isFlat) card.style.removeProperty("width");
+  card.dataset.flat = isFlat;
+  if (isFlat) {
+    card.dataset.side = "none";
+    return;
+  }
   const fits = isAside && !dialog() ? "none" : left >= EDGE ? "left" : right + card.offsetWidth <= frame.right - EDGE ? "right" : "none";
   card.dataset.side = ringed ? fits : "none";
   const middle = frame.top + (box ? box.top + box.height / 2 : card.offsetHeight / 2 + 4 * GAP);
@@ -212,6 +231,17 @@ function place(target, isAside) {
   set(card, { left: fits === "left" ? left : fits === "right" ? right : frame.left + EDGE,
     top: fits === "none" ? frame.top + LEGEND : top });
   card.style.setProperty("--at", `${middle - top - 2}px`);
+}
+
+function layFlat(frame) {
+  // What the step speaks of is in the scene: the card lies over its sky, between legend and controls.
+  const legend = all(".wb-mode")[0]?.getBoundingClientRect();
+  const begins = frame.left + (legend ? legend.right : 0) + GAP;
+  const ends = frame.left + all(".wb-strip")[0].getBoundingClientRect().left - GAP;
+  const width = Math.min(WIDE, ends - begins);
+  if (width < NARROW) return false;
+  set(card, { left: ends - width, top: frame.top + EDGE, width });
+  return true;
 }
 
 function set(element, places) {

@@ -80,7 +80,7 @@ def test_a_search_for_grasps_of_parts_left_can_be_stopped_and_begun_again(
         screen.press("Add grasps for the parts left")
         screen.wait_for("50%")
         screen.shoot("learning_3_under_way")
-        screen.press("Stop")
+        screen.press("Cancel")
         screen.wait_for("Stopped: nothing was added.")
     assert bench.state.cell.parts[0].library.entries == before
 

@@ -133,17 +133,17 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
 
 def test_going_on_after_a_cycle_stops_at_the_approval(screen, bench, robot, reaches, wait):
     run_to_plan(screen, reaches)
-    expect(screen.button("Go on")).to_be_disabled()
+    expect(screen.button("Next cycle")).to_be_disabled()
     seen(bench)
     approve(screen, "Anna")
     reaches("approved")
     screen.press("Send")
     done = reaches("done")
     told = len(robot.configurations)
-    screen.press("Go on")
+    screen.press("Next cycle")
     wait(lambda: bench.state.phase == "planned" and bench.state.job is None, "the next plan")
     screen.wait_for("The plan has not been played to its end; play it first.")
-    expect(screen.button("Go on")).to_be_disabled()
+    expect(screen.button("Next cycle")).to_be_disabled()
     expect(screen.button("Approve")).to_be_disabled()
     expect(field(screen, "Seed")).to_have_value("1")
     state = bench.state

@@ -85,7 +85,7 @@ def test_a_row_is_watched_approved_and_sent_and_gone_on_with(
     screen.wait_for("part-4 picked")
     screen.shoot("r5-done")
 
-    screen.press("Go on")
+    screen.press("Next cycle")
     again = bench.wait(lambda state: state.phase is Phase.PLANNED and state.job is None, 600)
     assert again.plan is not None and again.plan is not first.plan
     assert again.sent_before == () and again.approval is None

@@ -22,6 +22,7 @@ SCENE = """
 <button onclick="hidden = true; other.hidden = false; said.textContent += 'Send '">Send</button>
 <button id="other" hidden onclick="said.textContent += 'Go on '">Go on</button>
 <p id="said"></p>
+<div id="around"><button class="mantine-Button-root">Scan</button></div>
 <div><div id="told"></div><div id="rows" style="height: 90px; overflow-y: auto">
 <table class="wb-long-table"><tbody></tbody></table></div></div>
 <script>
@@ -93,6 +94,19 @@ def test_the_second_click_of_a_double_click_presses_no_other_button(stub):
     page.wait_for_timeout(600)
     scene.get_by_role("button", name="Go on").click()
     expect(scene.locator("#said")).to_have_text("Send Go on")
+
+
+def test_the_text_of_a_button_is_away_from_its_press_until_the_pointer_has_left_it(stub):
+    _, scene = stub
+    around, scan = scene.locator("#around"), scene.get_by_role("button", name="Scan")
+    scan.click()
+    expect(around).to_have_attribute("data-pressed", "")
+    scan.evaluate("scan => { scan.disabled = true }")
+    scan.hover(force=True)
+    expect(around).to_have_attribute("data-pressed", "")
+    scene.locator("#said").evaluate("said => { said.textContent = 'here' }")
+    scene.locator("#said").hover()
+    expect(around).not_to_have_attribute("data-pressed", "")
 
 
 def test_a_row_that_is_chosen_stays_in_sight_where_its_table_gets_smaller(stub):

@@ -50,7 +50,7 @@ class GoOnButton:
         """
         self._visitor, self._seed, self._wanted = visitor, seed, wanted
         gui = visitor.gui
-        self.button = gui.add_button("Go on", icon=viser.Icon.REPEAT, hint=SAYS)
+        self.button = gui.add_button("Next cycle", icon=viser.Icon.REPEAT, hint=SAYS)
         self._line = gui.add_html("", visible=False)
         self.button.on_click(lambda _: self._on_pressed())
 

@@ -80,7 +80,7 @@ class CoverageControls:
             self._cancelled.set()
             return
         self._cancelled.clear()
-        self._is_looking, self._look.label = True, "Stop"
+        self._is_looking, self._look.label = True, "Cancel"
         threading.Thread(target=self._work, name="coverage", daemon=True).start()
 
     def _work(self) -> None:

@@ -31,7 +31,7 @@ class FillControls:
             hint="Tries what the tools can hold in simulated piles of the part, and adds families "
             "of grasps by what each takes. Takes about a minute.",
         )
-        stop = gui.add_button("Stop", icon=viser.Icon.X, color="gray", disabled=True)
+        stop = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", disabled=True)
         self._search = GraspSearch(visitor, begin, stop, self._find, editing.notify)
 
     def show(self) -> None:

@@ -22,9 +22,11 @@ from workbench.words.words import Words
 
 FRAMED = (
     ".wb-mode b{display:none}"
+    "div:has(> button .icon-tabler-hand-stop){display:none}"
+    "div:has(> button .icon-tabler-send){grid-column:3}"
     "@font-face{font-family:Inter;font-weight:100 900;src:url(/static/inter.woff2)}"
 )
-"""The page around the scene shows the mode, and its server has the font."""
+"""The page around the scene shows the mode and has Stop, and its server has the font."""
 
 
 class Header:

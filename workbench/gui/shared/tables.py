@@ -255,8 +255,9 @@ def _row_html(candidate: Candidate, button: str, words: Words) -> str:
     verdict, kind = candidate.verdict, candidate.verdict.kind
     pair = " · ".join(verdict.pair) if verdict.pair is not None else words.render(verdict.note)
     distance = "" if verdict.distance is None else mm(verdict.distance)
+    refused = "" if verdict.is_ok else ' class="wb-refused"'
     return (
-        f'<tr title="{escape(words.render(verdict.message))}" {clickable(button)}>'
+        f'<tr{refused} title="{escape(words.render(verdict.message))}" {clickable(button)}>'
         f"<td>{candidate.detection + 1}</td>"
         f'<td translate="no">{escape(candidate.grasp.name)}</td>'
         f'<td translate="no">{escape(candidate.arm)}</td>'

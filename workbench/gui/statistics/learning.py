@@ -34,7 +34,7 @@ class LearningControls:
             "adds families of grasps that take them. Undo takes them back.",
             visible=False,
         )
-        stop = gui.add_button("Stop", icon=viser.Icon.X, color="gray", visible=False)
+        stop = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", visible=False)
         self._search = GraspSearch(visitor, begin, stop, self._find, self._offer)
 
     def show(self, view: View) -> None:
