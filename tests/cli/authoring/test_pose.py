@@ -1,12 +1,14 @@
 """`workbench cell pose`: what a pendant shows, and why it shows something else."""
 
 import json
+import shutil
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from workbench.formats.cells.reading import read_cell
+from workbench.formats.files.shipped import find
 from workbench.formats.poses.conventions import convention
 from workbench.model.geometry import pose_from_rpy
 from workbench.planning.kinematics.posture_check import base_poses
@@ -43,6 +45,21 @@ def test_a_pose_is_printed_as_the_pendant_of_a_maker_shows_it(say, robot):
     flange, tcp, _ = (convention("kuka").pose(each["shown"]) for each in form["poses"])
     assert np.allclose(flange.homogeneous, at(robot)["flange"].homogeneous, atol=1e-6)
     assert np.allclose(tcp.homogeneous, at(robot)["tcp"].homogeneous, atol=1e-6)
+
+
+def test_joints_are_those_that_a_controller_shows_which_counts_in_its_own_way(say, robot, tmp_path):
+    folder = shutil.copytree(find("robots", "tx2_90"), tmp_path / "tx2_90")
+    text = (folder / "cell.toml").read_text()
+    rows = np.eye(6, dtype=int)
+    rows[2, 1] = -1
+    text = text.replace("[[arm]]\n", f"[[arm]]\naxis_coupling = {rows.tolist()}\n")
+    (folder / "cell.toml").write_text(text.replace("abb-socket", "pick-server"))
+    shown = [*JOINTS[:2], JOINTS[2] - JOINTS[1], *JOINTS[3:]]
+    words = ("cell", "pose", folder / "cell.toml", "--json", "--joints-deg", *shown)
+    form = json.loads(say(*words).out)
+    assert form["joints_deg"] == shown
+    flange = convention(form["format"]).pose(form["poses"][0]["shown"])
+    assert np.allclose(flange.homogeneous, at(robot)["flange"].homogeneous, atol=1e-6)
 
 
 def test_home_is_shown_when_no_joints_are_given(say):

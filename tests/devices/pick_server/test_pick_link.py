@@ -8,6 +8,7 @@ import pytest
 from pick_scenes import Program, Sent, another, elsewhere, program, spoiled
 from waiting import wait_until
 
+from workbench.devices.pick_server import server as serving
 from workbench.devices.pick_server.link import PickServer
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.robot import AxisMapping
@@ -179,6 +180,33 @@ def test_bytes_that_come_late_twice_or_never_change_nothing(planned):
             assert len(heard) == len(set(heard)) and receipts[-1].done == receipts[-1].total
         robot.close()
     assert len(set(robot.plans)) == 5 and min(counts.values()) > 0, counts
+
+
+def test_a_server_is_there_for_its_next_user_whenever_the_one_before_last_had_ended(
+    planned, monkeypatch
+):
+    cell, ends = elsewhere(planned[0]), []
+
+    class Timer:
+        def __init__(self, seconds, end, given):
+            ends.append(lambda: end(*given))
+
+        def start(self):
+            pass
+
+    monkeypatch.setattr(serving.threading, "Timer", Timer)
+    with PickServer().server_of(cell) as first:
+        pass
+    with PickServer().server_of(cell) as second:
+        pass
+    ends[0]()
+    with PickServer().server_of(cell) as third:
+        pass
+    assert first is second is third
+    ends[2]()
+    with PickServer().server_of(cell) as fourth:
+        assert fourth is not third
+    ends[3]()
 
 
 def test_another_link_refuses_a_controller_that_counts_otherwise(planned):

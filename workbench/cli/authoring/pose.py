@@ -6,6 +6,7 @@ import pinocchio as pin
 from workbench.cli.arguments.cell import CellPose
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
+from workbench.devices.pick_server.axes import from_controller, to_controller
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.poses.conventions import PoseConvention, convention
 from workbench.model.cell import Arm, Cell
@@ -52,11 +53,11 @@ def _configuration(cell: Cell, arm: Arm, joints: tuple[float, ...]) -> Floats:
         raise InputError(
             f"--joints-deg needs {len(arm.joints)} numbers for the {arm.name} arm, not {joints}"
         )
-    return arm.from_axes(np.asarray(joints) * _axis_units(cell, arm))
+    return from_controller(arm, np.asarray(joints) * _axis_units(cell, arm))
 
 
 def _axes_deg(cell: Cell, arm: Arm, q: Floats) -> list[float]:
-    return [round(float(x), 4) + 0.0 for x in arm.to_axes(q) / _axis_units(cell, arm)]
+    return [round(float(x), 4) + 0.0 for x in to_controller(arm, q) / _axis_units(cell, arm)]
 
 
 def _axis_units(cell: Cell, arm: Arm) -> Floats:

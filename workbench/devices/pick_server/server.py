@@ -4,6 +4,7 @@ import socket
 import threading
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 
 from workbench.devices.pick_server.axes import AxisWords
 from workbench.devices.pick_server.conversation import PickConversation
@@ -24,7 +25,7 @@ GREETING = 10.0
 POLL = 0.2
 
 LINGER = 3.0
-"""[s] A server that nobody uses listens so long: what comes next uses the same conversation."""
+"""[s] A server listens this long after its last use: the next user has the same conversation."""
 
 
 class Server:
@@ -112,8 +113,17 @@ def _answer_all(
                 return
 
 
+@dataclass(slots=True)
+class Shared:
+    """A server, how many use it now, and how many times it was taken into use."""
+
+    server: Server
+    users: int = 0
+    uses: int = 0
+
+
 _LOCK = threading.Lock()
-_SERVERS: dict[tuple[str, int], tuple[Server, int]] = {}
+_SERVERS: dict[tuple[str, int], Shared] = {}
 
 
 @contextmanager
@@ -125,27 +135,29 @@ def listening(cell: Cell, axes: AxisWords, client: str) -> Generator[Server]:
     """
     address = _address(cell.controller)
     with _LOCK:
-        server, users = _SERVERS.get(address, (None, 0))
-        if server is None:
-            server = Server(*address, axes, client)
-        _SERVERS[address] = server, users + 1
+        shared = _SERVERS.get(address)
+        if shared is None:
+            shared = _SERVERS[address] = Shared(Server(*address, axes, client))
+        shared.users += 1
+        shared.uses += 1
     try:
-        yield server
+        yield shared.server
     finally:
         with _LOCK:
-            _SERVERS[address] = server, _SERVERS[address][1] - 1
-        timer = threading.Timer(LINGER, _close_unused, (address, server))
+            shared.users -= 1
+            timer = threading.Timer(LINGER, _close_unused, (address, shared, shared.uses))
         timer.daemon = True
         timer.start()
 
 
-def _close_unused(address: tuple[str, int], server: Server) -> None:
+def _close_unused(address: tuple[str, int], shared: Shared, uses: int) -> None:
+    """Close a server that nobody uses, nor has used since."""
     with _LOCK:
-        if _SERVERS.get(address) != (server, 0):
+        if _SERVERS.get(address) is not shared or shared.users or shared.uses != uses:
             return
         del _SERVERS[address]
         # Nobody else may listen there before this one has ended.
-        server.close()
+        shared.server.close()
 
 
 def _address(controller: Controller) -> tuple[str, int]:
