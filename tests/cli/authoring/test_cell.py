@@ -77,6 +77,17 @@ def test_what_speaks_against_a_cell_is_told(say, changed, old, new, expected):
     assert expected in said.out
 
 
+def test_home_is_shown_as_a_controller_shows_it_that_counts_in_its_own_way(say, tmp_path):
+    folder = shutil.copytree(find("robots", "tx2_90"), tmp_path / "cell")
+    path = folder / "pick_server.toml"
+    offsets = "[[arm]]\naxis_offsets = [0, -90, 0, 0, 0, 0]\n"
+    path.write_text(path.read_text().replace("[[arm]]\n", offsets))
+    said = say("cell", "check", path)
+    assert "axes before axis_coupling and axis_offsets" in said.out
+    assert "home as the controller shows it: 0, -90, 90, 0, 90, 0" in said.out
+    assert "as the controller" not in say("cell", "check", "tx2_90").out.partition("counts them")[2]
+
+
 def test_show_names_all_that_is_there(say):
     said = say("cell", "show", "tx2_90")
     assert said.code == 0

@@ -9,6 +9,7 @@ from workbench.app.picking.pallets import pallet_problems, pallets_of
 from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.cell import CellCheck
+from workbench.cli.authoring.pose import shown_axes
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
@@ -64,11 +65,17 @@ def check_cell(typed: CellCheck) -> int:
         return SUCCESS if not problems else NO_PLAN
     print(f"cell {cell.name}, digest {cell.digest[:12]}, parts: {_names(cell)}")
     for arm in cell.arms:
+        counted = "as the controller counts them"
+        if arm.mapping is not None:
+            counted = "before axis_coupling and axis_offsets"
         print_table(
-            f"{arm.name} arm: axes as the controller counts them",
+            f"{arm.name} arm: axes {counted}",
             ("axis", "joint", "lower deg", "upper deg", "speed deg/s", "home deg"),
             _axes(cell, arm),
         )
+        if arm.mapping is not None:
+            shown = ", ".join(f"{value:g}" for value in shown_axes(cell, arm, arm.home))
+            print(f"home as the controller shows it: {shown}")
     print_table(
         "Reach: tool straight down over a grid in the bin, and the places",
         ("arm", "poses in the bin", "clear", "in collision", "out of reach", "places reached"),

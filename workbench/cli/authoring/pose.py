@@ -31,13 +31,13 @@ def pose(typed: CellPose) -> int:
     ]
     causes = () if T_shown is None else causes_of(kinematics, arm, q, T_shown)
     if typed.json:
-        form = {"arm": arm.name, "joints_deg": _axes_deg(cell, arm, q), "format": typed.format}
+        form = {"arm": arm.name, "joints_deg": shown_axes(cell, arm, q), "format": typed.format}
         form |= {"numbers": list(written.names)}
         form |= {"poses": [{"what": what, "shown": _round_pose(written, T)} for what, T in rows]}
         form |= {"causes": [_form(written, cause) for cause in causes]}
         print_json(form)
     else:
-        joints = ", ".join(f"{value:g}" for value in _axes_deg(cell, arm, q))
+        joints = ", ".join(f"{value:g}" for value in shown_axes(cell, arm, q))
         title = f"{arm.name} arm of {cell.name} at {joints} deg, as {written.maker} shows it"
         table = [(what, *_digits(written, T)) for what, T in rows]
         print_table(title, ("what", *written.names), table)
@@ -56,7 +56,8 @@ def _configuration(cell: Cell, arm: Arm, joints: tuple[float, ...]) -> Floats:
     return from_controller(arm, np.asarray(joints) * _axis_units(cell, arm))
 
 
-def _axes_deg(cell: Cell, arm: Arm, q: Floats) -> list[float]:
+def shown_axes(cell: Cell, arm: Arm, q: Floats) -> list[float]:
+    """A configuration (n,) [rad, m], chain order, as the controller shows it: degrees and mm."""
     return [round(float(x), 4) + 0.0 for x in to_controller(arm, q) / _axis_units(cell, arm)]
 
 
