@@ -11,6 +11,10 @@ const SILENT_MS = 6000;  // the server says something every 2 s: after this it i
 const LOOK_MS = 200;  // between two looks at what the scene says of itself
 const SCHEME = "workbench-scheme";  // cookie: the page is light or dark
 
+const PANEL = "workbench-panel";    // cookie: how wide the controls are
+const TOUCH = "workbench-touch";    // cookie: controls are large, whatever the pointer is
+const MOTION = "workbench-motion";  // cookie: the system asks for less motion
+
 const LOOKS = 4;      // in a row: what comes with the next message is not gone yet
 const AWAY = word("No connection: Stop may not reach the robot. Trying again.");
 
@@ -19,6 +23,7 @@ const NOT_STOPPED = `${word("Not stopped:")} `;
 const stop = document.getElementById("stop");
 const line = document.getElementById("link");
 const scene = document.getElementById("scene");
+const touch = document.getElementById("touch");
 
 const SILENT = word("the server does not answer. Use the emergency stop.");
 
@@ -27,6 +32,7 @@ let stopped = null;   // what is done when it answers a stop
 let isHere = false;   // whether what the bar says is news
 let hasRobot = true;  // until the server says otherwise
 let unseen = 0;       // looks in a row at which the searches that are compared were out of sight
+let width = 0;        // of the controls at the last look
 let stood = "";       // what the robot did when the bar was last told of it
 
 function leave() {
@@ -175,6 +181,19 @@ function compare(page) {
   if (unseen === LOOKS) page.getElementById(marked.dataset.ends)?.click();
 }
 
+function keepWidth(page) {
+  // Whoever has pulled them wider or narrower finds them so next time; not where they fill the window.
+  const panel = page.querySelector(".mantine-ScrollArea-root:has(.wb-head)");
+  const now = Math.round(panel?.getBoundingClientRect().width ?? 0);
+  const isPulled = width > 0 && now > 0 && now !== width && innerWidth === page.defaultView.innerWidth;
+  if (isPulled && innerWidth > 768) remember(PANEL, now);
+  width = now;
+}
+
+function remember(name, value) {
+  document.cookie = `${name}=${value}; path=/; max-age=31536000; samesite=strict`;
+}
+
 function look() {
   // The mode is the scene's: what one moves by hand there, only that page knows.
   const shown = scene.contentDocument?.querySelector(".wb-mode");
@@ -185,6 +204,7 @@ function look() {
       takeScheme();
     }
     compare(scene.contentDocument);
+    keepWidth(scene.contentDocument);
   }
 }
 
@@ -194,23 +214,47 @@ function takeScheme() {
   if (!scheme || !document.getElementById("wait").hidden) return;
   document.documentElement.dataset.scheme = scheme;
   // The server makes the next page of this browser alike.
-  document.cookie = `${SCHEME}=${scheme}; path=/; max-age=31536000; samesite=strict`;
+  remember(SCHEME, scheme);
+}
+
+function enlarge(isWanted) {
+  for (const page of [document, scene.contentDocument]) {
+    page?.documentElement?.toggleAttribute("data-touch", isWanted);
+  }
+  touch.setAttribute("aria-pressed", isWanted);
+}
+
+function cookie(name) {
+  return document.cookie.split("; ").find((one) => one.startsWith(`${name}=`))?.split("=")[1];
+}
+
+function isLarge() {
+  // Until its person has chosen: as the pointer wants it.
+  const wanted = cookie(TOUCH);
+  return wanted ? wanted === "large" : matchMedia("(pointer: coarse)").matches;
 }
 
 function follow() {
   const root = scene.contentDocument?.documentElement;
   if (!root) return;
   root.lang = document.documentElement.lang;
+  enlarge(isLarge());
   new MutationObserver(takeScheme).observe(root, { attributes: true });
   scene.contentWindow.focus();
 }
 
 // Until the scene says how it looks: as it was last, or as the system wants it.
-const chosen = document.cookie.split("; ").find((one) => one.startsWith(`${SCHEME}=`))?.split("=")[1];
+const chosen = cookie(SCHEME);
 if (chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches) {
   document.documentElement.dataset.scheme = "dark";
   document.cookie = `${SCHEME}=dark; path=/; samesite=strict`;
 }
+remember(MOTION, matchMedia("(prefers-reduced-motion: reduce)").matches ? "less" : "full");
+enlarge(isLarge());
+touch.addEventListener("click", () => {
+  remember(TOUCH, isLarge() ? "small" : "large");
+  enlarge(isLarge());
+});
 stop.addEventListener("click", halt);
 setInterval(look, LOOK_MS);
 scene.addEventListener("load", follow);

@@ -186,6 +186,37 @@ def test_a_system_that_is_dark_gets_a_dark_page(users, start, new_context):
     expect(root).to_have_attribute("data-mantine-color-scheme", "light")
 
 
+def test_the_width_of_the_controls_and_their_size_are_remembered(users, start, window, wait):
+    front = start[0]()
+    window.log_in(front.url, "Otto", PASSWORD)
+    window.sees_the_scene()
+    page, panel = window.page, window.scene.locator(".mantine-ScrollArea-root:has(.wb-head)")
+
+    def width():
+        return panel.bounding_box()["width"]
+
+    box, before = panel.bounding_box(), width()
+    page.mouse.move(box["x"] - 1, box["y"] + 400)
+    page.mouse.down()
+    page.mouse.move(box["x"] - 121, box["y"] + 400, steps=6)
+    page.mouse.up()
+    wait(lambda: width() > before + 80, "wider controls")
+    wider = width()
+    touch = page.get_by_role("button", name="Touch")
+    touch.click()
+    scan = window.scene.get_by_role("button", name="Scan", exact=True)
+    wait(lambda: scan.bounding_box()["height"] >= 44, "buttons for fingers")
+    page.wait_for_timeout(500)
+    page.reload()
+    window.sees_the_scene()
+    wait(lambda: abs(width() - wider) < 3, "the width that they had")
+    wait(lambda: scan.bounding_box()["height"] >= 44, "buttons for fingers again")
+    expect(touch).to_have_attribute("aria-pressed", "true")
+    touch.click()
+    wait(lambda: scan.bounding_box()["height"] < 44, "buttons for a mouse")
+    assert window.errors == []
+
+
 TABS = ("Cycle", "Candidates", "Plan", "Robot")
 SIZES = ((1280, 720), (1920, 1080), (1024, 700))
 

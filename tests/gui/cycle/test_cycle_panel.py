@@ -76,3 +76,13 @@ def test_an_approval_that_was_used_holds_until_no_time(states):
         assert "Approved by Anna" in text and "until" not in text and "run out" not in text
     late = approval_line(replace(states.approved, phase=Phase.APPROVED), NOW + 9e9, "")
     assert "run out" in late
+
+
+def test_a_browser_that_comes_back_begins_with_the_parts_and_the_seed_asked_for(panel, visitor):
+    panel._parts.value, panel._seed.value = 8, 5
+    panel._wanted_scan()
+    again = CyclePanel(visitor)
+    assert (again._parts.value, again._seed.value) == (8, 5)
+    again._parts.value = 0
+    again._wanted_scan()
+    assert visitor.look.now.scan_asked == (8, 5), "only what can be asked for"

@@ -11,7 +11,7 @@ from workbench.app.core.people import Person, Role
 from workbench.studies.load.raw_browser import PROTOCOL, raw_browser
 from workbench.web.page.conversation import MOST_REFUSED
 from workbench.web.page.rate_limit import AT_ONCE
-from workbench.web.page.relay import Upstream
+from workbench.web.page.relay import Upstream, panel_width
 from workbench.web.server import ServerOptions, serve_front
 
 GIZMO = {"name": "/gizmo", "wxyz": (1.0, 0.0, 0.0, 0.0)}
@@ -61,6 +61,14 @@ def test_what_a_browser_says_of_itself_does_not_count(front, scene):
 
     run(look())
     assert scene.people == [Person("Vera", Role.VIEWER)]
+
+
+@pytest.mark.parametrize(
+    ("cookie", "width"),
+    [("620", "620"), ("319", ""), ("1201", ""), ("+620", ""), ("6.2e2", ""), ("٦٢٠", ""), ("", "")],
+)
+def test_a_width_of_the_controls_is_a_number_of_pixels_within_bounds(cookie, width):
+    assert panel_width(cookie) == width
 
 
 def test_without_a_login_there_is_no_websocket(front, users, said):

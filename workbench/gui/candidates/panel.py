@@ -7,6 +7,7 @@ from functools import partial
 import viser
 
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.colours import KINDS
 from workbench.gui.shared.look import View
@@ -47,6 +48,7 @@ class CandidatesPanel:
         """
         self._visitor = visitor
         self._redraw = redraw
+        self._flight = CameraFlight(visitor)
         self._order = self._drawn = CandidateOrder()
         self._shown: tuple[int, ...] = ()
         gui = visitor.gui
@@ -202,3 +204,6 @@ class CandidatesPanel:
         visitor.own.change(thing="")
         chosen = None if look.now.candidate == shown[place] else shown[place]
         look.change(candidate=chosen, pose=0, by=None)
+        candidates = visitor.bench.state.candidates or ()
+        if chosen is not None and chosen < len(candidates):
+            self._flight.fly_to(candidates[chosen].T_world_tcp.translation)

@@ -69,15 +69,21 @@ class CyclePanel:
         with group(gui, "1 · Scan"):
             self._recipe = RecipeInput(visitor, self._follow_recipe)
             gui.add_html(ROW)
+            parts, seed = visitor.look.now.scan_asked
             self._kind = gui.add_dropdown(
                 "Which part", _kinds(visitor.cell), hint="Falls into the simulated bin."
             )
             self._parts = gui.add_number(
-                "Parts", 2, min=1, max=MOST_PARTS, step=1, hint="How many parts fall into the bin."
+                "Parts",
+                parts,
+                min=1,
+                max=MOST_PARTS,
+                step=1,
+                hint="How many parts fall into the bin.",
             )
             self._seed = gui.add_number(
                 "Seed",
-                0,
+                seed,
                 min=0,
                 max=SEED_LIMIT - 1,
                 step=1,
@@ -254,7 +260,10 @@ class CyclePanel:
         return self._wanted_scan(), self._wanted_parts(), self._wanted_plan()
 
     def _wanted_scan(self) -> TakeScan:
-        return TakeScan(whole(self._seed.value), whole(self._parts.value), self._kind.value)
+        parts, seed = whole(self._parts.value), whole(self._seed.value)
+        if parts in range(1, MOST_PARTS + 1) and seed in range(SEED_LIMIT):
+            self._visitor.look.change(scan_asked=(parts, seed))
+        return TakeScan(seed, parts, self._kind.value)
 
     def _wanted_bin(self) -> Command:
         state = self._visitor.bench.state

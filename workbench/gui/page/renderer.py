@@ -34,7 +34,12 @@ from workbench.gui.scene.picture import ScenePicture
 from workbench.gui.shared.calibrating import solve
 from workbench.gui.shared.look import Look, Pose, SharedLook, View
 from workbench.gui.shared.playback import Run, timeline
-from workbench.gui.shared.viser_server import language_of, person_of, wants_dark
+from workbench.gui.shared.viser_server import (
+    language_of,
+    panel_width_of,
+    person_of,
+    wants_dark,
+)
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.counting import EntryCounter
 from workbench.gui.texts.page import PageText
@@ -314,6 +319,8 @@ class Renderer:
         with client.atomic():
             title = PageText.CELL(name=view.state.cell.name)
             client.gui.set_panel_label(visitor.words.render(title))
+            if width := panel_width_of(client):
+                client.gui.main_panel.set_width(width)
             header = Header(visitor, self._theme, self._style)
             scenes = (OwnScene(visitor), FilmScene(visitor))
             panels = (header, *scenes, *tabs_of(visitor, self._woken.set, header.transport.slider))

@@ -13,6 +13,7 @@ from workbench.app.core.cycle.parts import UseDetections
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.formats.files.whole_files import sent_name
 from workbench.gui.dragging.pose_inputs import PoseInputs
+from workbench.gui.drawing.flight import CameraFlight
 from workbench.gui.help.groups import group
 from workbench.gui.parts.keeping import KeepInputs
 from workbench.gui.parts.views import (
@@ -62,6 +63,7 @@ class PartsPanel:
     def __init__(self, visitor: Visitor):
         """Add the controls."""
         self._visitor = visitor
+        self._flight = CameraFlight(visitor)
         self._chosen: Detection | None = None
         self._shown: tuple[Detection, ...] = ()
         self._sent: object = None
@@ -200,6 +202,7 @@ class PartsPanel:
         state, shown = self._visitor.bench.state, self._shown
         if number < len(shown):
             self._chosen = shown[number]
+            self._flight.fly_to(self._chosen.T_world_part.translation)
             self._visitor.admit(self._veto, state, UseDetections)
             self._draw(shown)
 

@@ -57,7 +57,8 @@ class Look:
     found, by its number, which the browser `searcher` has chosen; `rejected` says whether the poses
     that the last search rejected are shown, `scan_colours` whether a scan is in its own colours, if
     it has some; `held` is what somebody drags at this moment; `fixed` is the digest of the cell
-    that the fix has made which was applied last.
+    that the fix has made which was applied last; `scan_asked` is the number of parts and the seed
+    of the scan that was asked for last, with which a browser that comes begins.
     """
 
     time: float = 0.0
@@ -79,6 +80,7 @@ class Look:
     scan_colours: bool = False
     held: DraggedThing | None = None
     fixed: str = ""
+    scan_asked: tuple[int, int] = (2, 0)
 
     @property
     def real_moment(self) -> Mapping[str, Any]:

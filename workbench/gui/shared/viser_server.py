@@ -42,6 +42,7 @@ POLICY_VIOLATION = 1008
 
 KEY, USER, ROLE = "X-WB-Key", "X-WB-User", "X-WB-Role"
 LANGUAGE, SCHEME = "X-WB-Language", "X-WB-Scheme"
+MOTION, PANEL = "X-WB-Motion", "X-WB-Panel"
 """Headers by which the front shows its key and says whom it brings; the name is URL-quoted."""
 
 WAITING = 32 * 1024
@@ -134,10 +135,25 @@ def language_of(client: viser.ClientHandle) -> str:
 
 def wants_dark(client: viser.ClientHandle) -> bool:
     """Whether a browser wants a dark page, as the front says."""
+    return _wish(client, SCHEME) == "dark"
+
+
+def wants_less_motion(client: viser.ClientHandle) -> bool:
+    """Whether a browser's system asks for little motion, as the front says."""
+    return _wish(client, MOTION) == "less"
+
+
+def panel_width_of(client: viser.ClientHandle) -> int | None:
+    """How wide this browser's controls were last [pixels], as the front says."""
+    width = _wish(client, PANEL)
+    return int(width) if width.isdecimal() else None
+
+
+def _wish(client: viser.ClientHandle, header: str) -> str:
     connection = client._viser_server._websock_server._live_connections.get(client.client_id)
     if connection is None or connection.request is None:
-        return False
-    return connection.request.headers.get(SCHEME) == "dark"
+        return ""
+    return str(connection.request.headers.get(header, ""))
 
 
 def person_of(client: viser.ClientHandle) -> Person:
@@ -244,7 +260,7 @@ def _look_at(request: Request, secret: str | None) -> Response | None:
     """The answer to a request without the key, or None; a server without one believes no names."""
     headers = request.headers
     if secret is None:
-        for name in (KEY, USER, ROLE, LANGUAGE, SCHEME):
+        for name in (KEY, USER, ROLE, LANGUAGE, SCHEME, MOTION, PANEL):
             if name in headers:
                 del headers[name]
         return None

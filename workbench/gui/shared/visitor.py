@@ -23,7 +23,13 @@ from workbench.gui.shared.look import CLOCK, PLAYBACK, SharedLook, SteeredLook, 
 from workbench.gui.shared.own import OwnLook
 from workbench.gui.shared.tables import make_text_css, named_css, primary_css
 from workbench.gui.shared.views import sentence
-from workbench.gui.shared.viser_server import buttons_of, element_id, language_of, person_of
+from workbench.gui.shared.viser_server import (
+    buttons_of,
+    element_id,
+    language_of,
+    person_of,
+    wants_less_motion,
+)
 from workbench.model.cell import Cell
 from workbench.model.errors import CommandRefused, WorkbenchError
 from workbench.model.messages.message import Message, plain
@@ -79,6 +85,11 @@ class Visitor:
     def words(self) -> Words:
         """The words of this browser's language."""
         return words_of(language_of(self.client))
+
+    @cached_property
+    def wants_less_motion(self) -> bool:
+        """Whether the system of this browser asks for little motion."""
+        return wants_less_motion(self.client)
 
     @property
     def is_recorded(self) -> bool:

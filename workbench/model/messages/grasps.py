@@ -37,7 +37,10 @@ class GripText(Text, subject="grip"):
 class FixText(Text, subject="fix"):
     """Small changes that make a refused candidate work."""
 
-    NONE = "nearest fix: none of the small changes tested helps"
+    NONE = (
+        "no fix found: neither turns up to {turn} deg, {back} mm less depth, shifts up to "
+        "{slide} mm, nor fingers {opening} mm less or more open"
+    )
     NEAREST = (
         "nearest fix: {arm} arm, {part} by {grasp}: {change}; reach and collisions were tested, "
         "the grip was not"

@@ -63,7 +63,9 @@ class Fix:
 def fix_words(fix: Fix | None) -> Message:
     """A fix as the command line and the page say it: for which candidate, and what was tried."""
     if fix is None:
-        return FixText.NONE()
+        return FixText.NONE(
+            turn=TURNS[-1], back=BACK_OFFS[-1], slide=SLIDES[-1], opening=OPENINGS[-1]
+        )
     candidate = fix.candidate
     return FixText.NEAREST(
         arm=candidate.arm,

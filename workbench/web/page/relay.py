@@ -7,6 +7,7 @@ never passed on.
 
 import asyncio
 import hashlib
+import re
 import socket
 import zlib
 from collections.abc import Mapping
@@ -59,6 +60,12 @@ PROTOCOL = "viser-v"
 
 SCHEME_COOKIE = "workbench-scheme"
 """Whether a browser wants the page light or dark; `static/shell.js` sets it."""
+
+MOTION_COOKIE, PANEL_COOKIE = "workbench-motion", "workbench-panel"
+"""Whether its system asks for less motion; how wide its controls were last [pixels]."""
+
+NARROWEST, WIDEST = 320, 1200
+"""[pixels] Of the controls."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,6 +197,8 @@ class Relay:
         wishes = {
             "X-WB-Language": language_of(request),
             "X-WB-Scheme": "dark" if request.cookies.get(SCHEME_COOKIE) == "dark" else "light",
+            "X-WB-Motion": "less" if request.cookies.get(MOTION_COOKIE) == "less" else "full",
+            "X-WB-Panel": panel_width(request.cookies.get(PANEL_COOKIE, "")),
         }
         try:
             async with asyncio.timeout(ANSWER_SECONDS):
@@ -245,3 +254,9 @@ def _protocol(request: web.Request) -> str | None:
     return next(
         (protocol.strip() for protocol in offered if protocol.strip().startswith(PROTOCOL)), None
     )
+
+
+def panel_width(cookie: str) -> str:
+    """The width of the controls [pixels] that a cookie states; empty where it states none."""
+    is_width = re.fullmatch(r"[0-9]{3,4}", cookie) and NARROWEST <= int(cookie) <= WIDEST
+    return cookie if is_width else ""
