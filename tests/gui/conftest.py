@@ -183,6 +183,7 @@ def visitor(bench, monkeypatch):
         client_id=1,
         gui=server.gui,
         scene=server.scene,
+        camera=SimpleNamespace(update_timestamp=0.0),  # the browser has said nothing of it yet
         told=told,
         add_notification=lambda title, text, **_: told.append(text),
     )
