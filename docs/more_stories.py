@@ -173,7 +173,7 @@ def bin_moved(chrome: Browser, folder: Path) -> None:
         now = at.bench.state.cell
         T = now.bin.T_world_bin * pose_from_rpy((0.015, 0.0, 0.0), (0.0, 0.0, math.radians(3)))
         at.bench.do(UseScan(synthesize(move_frame(now, BIN, T), (), seed=0)), "Ada")
-        at.screen.wait_for("was it moved, or is the calibration old")
+        at.screen.wait_for("it was moved, or the scanner is not calibrated")
         at.shoot("bin_moved")
 
 
