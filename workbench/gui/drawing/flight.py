@@ -15,6 +15,9 @@ FLIGHT, FRAMES = 0.25, 8
 NEAR, FAR = 0.35, 0.9
 """[m] The camera ends between these away from what was chosen: it sees the hand and the bin."""
 
+TINY = 1e-9
+"""[m] A camera that stands at the point it looks at has no direction."""
+
 Camera = tuple[Floats, Floats]
 """Position of a camera and the point it looks at, each (3,) [m]."""
 
@@ -23,7 +26,7 @@ def camera_near(seen: Camera, point: Floats) -> Camera:
     """The camera that looks at a point (3,) [m] along the same direction, from not too far."""
     position, centre = seen
     away = position - centre
-    distance = float(np.linalg.norm(away))
+    distance = max(float(np.linalg.norm(away)), TINY)
     return point + away / distance * float(np.clip(distance, NEAR, FAR)), point
 
 

@@ -39,7 +39,7 @@ class FixText(Text, subject="fix"):
 
     NONE = (
         "no fix found: neither turns up to {turn} deg, {back} mm less depth, shifts up to "
-        "{slide} mm, nor fingers {opening} mm less or more open"
+        "{slide} mm, nor, for grippers, fingers {opening} mm less or more open"
     )
     NEAREST = (
         "nearest fix: {arm} arm, {part} by {grasp}: {change}; reach and collisions were tested, "
