@@ -244,6 +244,8 @@ class Policy:
     says where there is no room, as long as so much is left on each side of its grip; None: as the
     grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
     but one: the others may move; 0: any two are taken.  `picks`: plans in a row after one scan.
+    `as_needed`: where no plan comes out, one is searched by
+    `derived.policies.widened`.
     """
 
     margin: float = 0.005
@@ -268,14 +270,7 @@ class Policy:
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
     release: float = field(default_factory=lambda: 0.01, metadata=LATER)
     picks: int = field(default_factory=lambda: 1, metadata=LATER)
-
-
-POLICIES: Mapping[str, Policy] = {
-    "thorough": Policy(lifts=LIFT_NAMES, least_air=0.0015, pair_gap=0.01),
-    "quick": Policy(),
-}
-"""Policies by how bins are emptied: with all lifts, and fingers as open as there is room, or with
-the usual lift and each grasp as it is stated."""
+    as_needed: bool = field(default_factory=lambda: True, metadata=LATER)
 
 
 def picks_problem(policy: Policy) -> Message | None:

@@ -13,7 +13,8 @@ from workbench.formats.robots.urdf import read_urdf
 from workbench.formats.robots.urdf_package import write_package
 from workbench.formats.robots.xacro_files import expand_xacro, is_xacro
 from workbench.model.calibration import CalibrationRecord
-from workbench.model.cell import POLICIES, Fixture
+from workbench.model.cell import Fixture
+from workbench.model.derived.policies import POLICIES
 from workbench.model.digest import digest_of
 from workbench.model.errors import FileError
 from workbench.model.geometry import Mesh, Solid, pose_from_rpy

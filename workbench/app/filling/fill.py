@@ -19,6 +19,7 @@ from workbench.app.filling.naming import make_name
 from workbench.app.filling.work import FALL, WORK, Work
 from workbench.formats.meshes.repair import examine_surface
 from workbench.model.cell import Cell
+from workbench.model.derived.policies import widened
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
@@ -98,7 +99,8 @@ def filled(
         JobCancelled: `cancelled` said so.
     """
     began = processor_time()
-    cell = replace(cell, parts=(part,))
+    policy = widened(cell.policy) if cell.policy.as_needed else cell.policy
+    cell = replace(cell, parts=(part,), policy=policy)
     check_room((part,), cell.bin)
     check_mesh(part)
     work = Work(most, report, cancelled)

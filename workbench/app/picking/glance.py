@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 import pinocchio as pin
 
-from workbench.app.picking.pipeline import NOTHING, levels_of
+from workbench.app.picking.pipeline import NOTHING
 from workbench.model.candidate import Reason, Verdict
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Bools, Floats, Ints, put
@@ -32,6 +32,7 @@ from workbench.planning.picking.propose import (
     grasps_of,
     groups,
     is_taken_there,
+    levels_of,
     try_grasps,
 )
 from workbench.planning.picking.put_down import ways_at_places

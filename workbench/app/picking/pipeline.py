@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
-from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.cell import LIFT_NAMES, Cell, PlanOverrides, Policy
 from workbench.model.derived.by_recipe import strategies_of
+from workbench.model.derived.policies import widened
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
@@ -20,7 +21,7 @@ from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
 from workbench.planning.picking.least_time import least_cycle
 from workbench.planning.picking.lifts import lift_message
-from workbench.planning.picking.propose import propose
+from workbench.planning.picking.propose import is_spare, levels_of, propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
@@ -29,13 +30,16 @@ from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
+FIRST_SEARCH = 0.7
+"""Share of the progress for the search by the policy itself, before that by the widened one."""
+
+TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
+"""What fingers that arrive less open may mend."""
+
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 
 TRIED, JUDGED = 0.2, 0.75
 """Shares of a look at candidates after which the hands were tried, and all candidates judged."""
-
-ENOUGH = 2
-"""Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
 
 def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
@@ -56,7 +60,8 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
 
     Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
     when no plan comes out of those before them, or one for fewer arms than could work; where one
-    arm has work already, they get no more than half of the time.
+    arm has work already, they get no more than half of the time.  Where no plan comes out of all,
+    one is searched by `widened`, unless the policy says not to.
 
     Args:
         cell: with its parts and policy.
@@ -79,51 +84,89 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         raise InputError(Refusal.NO_PARTS())
     check_strategy(cell, strategy)
     policy = overrides.on(cell.policy)
-    stages = _Stages()
-    world = World(cell, detections, obstacles, policy)
-    now = processor_time()
-    world.deadline, half = now + policy.seconds, now + policy.seconds / 2
-    threshold = cell.policy.threshold if threshold is None else threshold
+    asked = _Asked(
+        strategy,
+        cell.policy.threshold if threshold is None else threshold,
+        avoided,
+        seed,
+        within(report, 0.0, FIRST_SEARCH),
+        cancelled,
+        processor_time() + policy.seconds,
+    )
     scene = Scene(scan_digest, detections, obstacles)
+    stages = _Stages()
+    result = _plan(World(cell, detections, obstacles, policy), scene, asked, stages)
+    if not _may_widen(cell, policy, result.candidates) or result.plan is not None:
+        return result
+    asked = replace(asked, report=within(report, FIRST_SEARCH, 1.0))
+    stages = _Stages(dict(result.seconds))
+    wider = _plan(World(cell, detections, obstacles, widened(policy)), scene, asked, stages)
+    return result if wider.plan is None else wider
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """What a plan is asked for; `deadline` [s] of processor time ends the search."""
+
+    strategy: str
+    threshold: float
+    avoided: Mapping[int, Message]
+    seed: int
+    report: Report
+    cancelled: Cancelled
+    deadline: float
+
+
+def _may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> bool:
+    """Whether other lifts, or fingers less open, could take what was refused."""
+    if not policy.as_needed:
+        return False
+    reasons = {candidate.verdict.reason for candidate in candidates}
+    has_fingers = any(arm.tool.fingers for arm in cell.arms)
+    is_tight = policy.least_air is None and has_fingers
+    has_lifts = set(policy.lifts) != set(LIFT_NAMES)
+    return (has_lifts and Reason.EXTRACT_BLOCKED in reasons) or (
+        is_tight and not reasons.isdisjoint(TIGHT)
+    )
+
+
+def _plan(world: World, scene: Scene, asked: _Asked, stages: "_Stages") -> PlanResult:
+    """Search a plan in a world, one level of priorities after the other; see `plan_pick`."""
+    world.deadline = asked.deadline
+    half = processor_time() + (asked.deadline - processor_time()) / 2
     looked = _Looked()
     results: list[PlanResult] = []
-    levels = levels_of(cell)
+    levels = levels_of(world.cell)
     for number, level in enumerate(levels):
         # The last tenth is for the proof.
-        part = within(report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
-        found = _without(
-            avoided, propose(world, priorities=level, looked=_counting(part, cancelled))
-        )
+        report = within(asked.report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
+        found = propose(world, priorities=level, looked=_counting(report, asked.cancelled))
         stages.end("propose")
         # One arm alone would do: what is left of the time is for its plan.
-        until = half if looked.picks and strategy == "auto" else world.deadline
-        _judge(world, found, looked, seed=seed, report=part, cancelled=cancelled, until=until)
+        until = half if looked.picks and asked.strategy == "auto" else world.deadline
+        _judge(
+            world,
+            _without(asked.avoided, found),
+            looked,
+            seed=asked.seed,
+            report=report,
+            cancelled=asked.cancelled,
+            until=until,
+        )
         stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
-        if not is_last and not has_enough_picks(world, looked.picks, strategy, threshold, avoided):
+        if not is_last and not has_enough_picks(
+            world, looked.picks, asked.strategy, asked.threshold, asked.avoided
+        ):
             continue
-        results = []
-        for attempt in BOTH if strategy == "both" else (strategy,):
-            own, plans, verdict = stages.branch(), (), _summary(looked.candidates)
-            if looked.picks:
-                part(JUDGED, ProgressText.MOTION())
-                plans, verdict = plan_first_feasible(
-                    world,
-                    looked.picks,
-                    attempt,
-                    threshold,
-                    scan_digest,
-                    seed=seed,
-                    cancelled=cancelled,
-                )
-                own.end("route")
-            if plans:
-                report(0.9, ProgressText.PROOF())
-            results.append(_result(world, scene, looked, plans, verdict, own))
+        wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
+        if looked.picks:
+            report(JUDGED, ProgressText.MOTION())
+        results = [_attempt(world, scene, looked, asked, name, stages.branch()) for name in wanted]
         if any(result.plan is not None for result in results):
             break
         stages.began = working_time()
-    return best_of(cell, results)
+    return best_of(world.cell, results)
 
 
 @dataclass(slots=True)
@@ -146,17 +189,30 @@ class _Stages:
         return _Stages(dict(self.seconds))
 
 
-def _result(
+def _attempt(
     world: World,
     scene: Scene,
     looked: "_Looked",
-    plans: Sequence[Plan],
-    verdict: Verdict,
+    asked: _Asked,
+    strategy: str,
     stages: _Stages,
 ) -> PlanResult:
-    """Prove the first of some plans that holds, and bound its cycle from below."""
-    plan, proof, bound = None, None, 0.0
+    """Plan by one strategy, prove, and bound the cycle from below."""
+    plan, proof, bound, verdict = None, None, 0.0, _summary(looked.candidates)
+    plans: tuple[Plan, ...] = ()
+    if looked.picks:
+        plans, verdict = plan_first_feasible(
+            world,
+            looked.picks,
+            strategy,
+            asked.threshold,
+            scene.scan_digest,
+            seed=asked.seed,
+            cancelled=asked.cancelled,
+        )
+        stages.end("route")
     if plans:
+        asked.report(0.9, ProgressText.PROOF())
         plan, proof = _proven(world.cell, scene, plans)
         stages.end("prove")
         bound = least_cycle(world, plan, looked.picks)
@@ -186,17 +242,6 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
             why = PlanNote.QUICKER_REFUSED(violation=first.violations[0].message)
             return replace(plan, notes=(*plan.notes, why)), proof
     return plans[0], first
-
-
-def levels_of(cell: Cell) -> list[frozenset[int]]:
-    """Priorities of grasps that are checked together: spares only when nothing before them does.
-
-    Those below 0 are spares, each priority by itself.
-    """
-    every = {grasp.priority for part in cell.parts for grasp in part.grasps}
-    usual = frozenset(priority for priority in every if priority >= 0)
-    spares = [frozenset({priority}) for priority in sorted(every, reverse=True) if priority < 0]
-    return [usual, *spares] if usual or not spares else spares
 
 
 def check_strategy(cell: Cell, strategy: str) -> None:
@@ -255,17 +300,25 @@ def judge(
     cancelled: Cancelled = never,
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
-    world, looked = World(cell, detections, obstacles), _Looked()
-    found = propose(world, looked=_counting(report, cancelled))
-    _judge(
-        world,
-        found,
-        looked,
-        seed=seed,
-        report=report,
-        cancelled=cancelled,
-        until=world.deadline,
-    )
+
+    def looked_by(policy: Policy) -> _Looked:
+        world, looked = World(cell, detections, obstacles, policy), _Looked()
+        found = propose(world, looked=_counting(report, cancelled))
+        _judge(
+            world,
+            found,
+            looked,
+            seed=seed,
+            report=report,
+            cancelled=cancelled,
+            until=world.deadline,
+        )
+        return looked
+
+    looked = looked_by(cell.policy)
+    if not looked.picks and _may_widen(cell, cell.policy, looked.candidates):
+        wider = looked_by(widened(cell.policy))
+        looked = wider if wider.picks else looked
     return tuple(looked.candidates)
 
 
@@ -312,7 +365,7 @@ def _judge(
             others = looked.working.setdefault((candidate.arm, candidate.detection), [])
             if processor_time() > until:
                 verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
-            elif _is_spare(candidate, others):
+            elif is_spare(candidate, others):
                 note = VerdictNote.SPARE(grasp=others[0].grasp.name)
                 verdict = Verdict(Reason.DISABLED, verdict.stage, note=note)
             else:
@@ -326,18 +379,6 @@ def _judge(
         if verdict is not candidate.verdict:
             candidate = replace(candidate, verdict=verdict)
         looked.candidates.append(candidate)
-
-
-def _is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
-    """Whether nobody needs a grasp any more, since others of the same arm and part work.
-
-    Grasps of a priority below 0 are for parts that nothing else takes: they are checked only
-    then, and `ENOUGH` of them that work will do.
-    """
-    if candidate.grasp.priority >= 0 or not working:
-        return False
-    before = working[0].grasp.priority > candidate.grasp.priority
-    return before or len(working) >= ENOUGH
 
 
 def _describe(world: World, pick: Pick) -> Message:

@@ -26,7 +26,8 @@ from workbench.formats.klampt.world_reader import (
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
 from workbench.formats.robots.urdf_package import simplify_robot
-from workbench.model.cell import POLICIES, Arm, Cell, ScannerMount
+from workbench.model.cell import Arm, Cell, ScannerMount
+from workbench.model.derived.policies import POLICIES
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin

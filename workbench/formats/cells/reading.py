@@ -27,7 +27,6 @@ from workbench.model.cell import (
     LIFT_NAMES,
     MOST_PICKS,
     ORDER_NAMES,
-    POLICIES,
     Arm,
     Cell,
     Fixture,
@@ -36,6 +35,7 @@ from workbench.model.cell import (
     ScannerMount,
     picks_problem,
 )
+from workbench.model.derived.policies import POLICIES
 from workbench.model.errors import FileError, InputError
 from workbench.model.part import Bin, Part, Region
 from workbench.model.robot import Link, Robot
@@ -274,12 +274,15 @@ def _lifts(table: Table, usual: tuple[LiftName, ...]) -> tuple[LiftName, ...]:
 
 def _policy(table: Table) -> tuple[Policy, int]:
     """The policy, and how many people have to approve."""
-    usual = POLICIES[table.text("emptying", "quick", among=tuple(POLICIES))]
+    usual = POLICIES[table.text("emptying", "as-needed", among=tuple(POLICIES))]
 
     def length(key: str, default: float, high: float) -> float:
         return table.number(key, default * 1000, low=0, high=high) / 1000
 
     air = length("least_air_mm", 0.0, 1000)
+    lifts = _lifts(table, usual.lifts)
+    # Whoever names some lifts wants no others.
+    is_limited = table.has("lifts") and set(lifts) != set(LIFT_NAMES)
     policy = Policy(
         margin=length("margin_mm", usual.margin, 1000),
         near_margin=length("near_margin_mm", usual.near_margin, 1000),
@@ -304,7 +307,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         approval_minutes=table.number(
             "approval_minutes", usual.approval_minutes, low=0.1, high=24 * 60
         ),
-        lifts=_lifts(table, usual.lifts),
+        lifts=lifts,
+        as_needed=usual.as_needed and not is_limited,
         pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
         least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),

@@ -18,12 +18,15 @@ from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.whole_files import file_name, make_folder, write_whole
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_package import write_package, write_srdf
-from workbench.model.cell import POLICIES, Arm, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
+from workbench.model.derived.policies import POLICIES
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
 from workbench.model.part import DOWN, PartPlace, Station
 from workbench.model.recipes.recipe import names_of
 from workbench.model.robot import ArmScanner
 from workbench.plugins.options import Options
+
+EMPTYING = "thorough: all lifts, fingers as open as there is room; as-needed; quick"
 
 PutMesh = Callable[[str, bytes], str]
 """Name, content of an STL file [m] -> the file it was put into, beside the cell file."""
@@ -126,9 +129,10 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"planner = {text(policy.planner)}"
     yield f"iterations = {policy.iterations}"
     yield f"order = {text(policy.order)}"
-    usual = _base(policy)
+    name = _base(policy)
+    usual = POLICIES[name]
     if usual != Policy():
-        yield 'emptying = "thorough"  # all lifts, fingers as open as there is room; or "quick"'
+        yield f"emptying = {text(name)}  # {EMPTYING}"
     for key in ("sink", "release"):
         if getattr(policy, key) != getattr(usual, key):
             yield f"{key}_mm = {number(getattr(policy, key) * 1000)}"
@@ -146,11 +150,12 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 
-def _base(policy: Policy) -> Policy:
-    """The named policy that one is made from."""
-    thorough = POLICIES["thorough"]
+def _base(policy: Policy) -> str:
+    """The name of the policy that one is made from."""
     # What is written as nothing at all cannot be said on top of it.
-    return Policy() if policy.least_air is None or len(policy.lifts) == 1 else thorough
+    if policy.least_air is not None and len(policy.lifts) > 1:
+        return "thorough"
+    return "as-needed" if policy.as_needed else "quick"
 
 
 def _scanner(cell: Cell, put_mesh: PutMesh) -> Iterator[str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Policy
 from workbench.model.geometry import Bools, Floats
 from workbench.model.part import Grasp
 from workbench.planning.collision.around import Around, Places, first_contact, first_fits, which_fit
@@ -47,9 +47,11 @@ class ToolCheck:
     Lifetime: as long as the surroundings.
     """
 
-    def __init__(self, surroundings: Surroundings) -> None:
+    def __init__(self, surroundings: Surroundings, policy: Policy | None = None) -> None:
+        """Check by a policy; None: by that of the cell."""
         cell = surroundings.cell
-        self._margin, self._least_air = cell.policy.near_margin, cell.policy.least_air
+        policy = policy or cell.policy
+        self._margin, self._least_air = policy.near_margin, policy.least_air
         self._on_ways = kept_on_ways(cell)
         self._still = surroundings
         self._around: dict[str, Around] = {}

@@ -89,7 +89,7 @@ class World:
     @cached_property
     def tool_check(self) -> ToolCheck:
         """The tools alone, without arms, among the same bodies."""
-        return ToolCheck(self.surroundings)
+        return ToolCheck(self.surroundings, self.policy)
 
     @cached_property
     def part_ways(self) -> PartWays:

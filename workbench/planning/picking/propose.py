@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import Arm
+from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Floats, Solid
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp
@@ -26,6 +26,9 @@ _OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 
 Looked = Callable[[int, int], object]
 """Told after each hand that was tried: how many were, of how many."""
+
+ENOUGH = 2
+"""Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
 
 def propose(
@@ -199,3 +202,26 @@ def _unfit(grasp: Grasp, arm: Arm) -> Verdict | None:
         note = VerdictNote.STROKE(opening=grasp.opening, low=low, high=high)
         return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=note)
     return None
+
+
+def levels_of(cell: Cell) -> list[frozenset[int]]:
+    """Priorities of grasps that are checked together: spares only when nothing before them does.
+
+    Those below 0 are spares, each priority by itself.
+    """
+    every = {grasp.priority for part in cell.parts for grasp in part.grasps}
+    usual = frozenset(priority for priority in every if priority >= 0)
+    spares = [frozenset({priority}) for priority in sorted(every, reverse=True) if priority < 0]
+    return [usual, *spares] if usual or not spares else spares
+
+
+def is_spare(candidate: Candidate, working: Sequence[Candidate]) -> bool:
+    """Whether nobody needs a grasp any more, since others of the same arm and part work.
+
+    Grasps of a priority below 0 are for parts that nothing else takes: they are checked only
+    then, and `ENOUGH` of them that work will do.
+    """
+    if candidate.grasp.priority >= 0 or not working:
+        return False
+    before = working[0].grasp.priority > candidate.grasp.priority
+    return before or len(working) >= ENOUGH

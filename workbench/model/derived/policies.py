@@ -1,0 +1,24 @@
+"""Named policies, and the wider one by which a plan is searched as needed."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from workbench.model.cell import LIFT_NAMES, Policy
+
+LEAST_AIR = 0.0015
+"""[m] Left on each side of a part where fingers arrive as open as there is room."""
+
+POLICIES: Mapping[str, Policy] = {
+    "thorough": Policy(lifts=LIFT_NAMES, least_air=LEAST_AIR, pair_gap=0.01),
+    "as-needed": Policy(),
+    "quick": Policy(as_needed=False),
+}
+"""Policies by how bins are emptied: with all lifts, and fingers as open as there is room; so only
+where no plan comes out otherwise; or never so, but with the usual lift and as grasps state."""
+
+
+def widened(policy: Policy) -> Policy:
+    """The policy with all lifts, its own first, and fingers as open as there is room."""
+    others = tuple(name for name in LIFT_NAMES if name not in policy.lifts)
+    air = LEAST_AIR if policy.least_air is None else policy.least_air
+    return replace(policy, lifts=(*policy.lifts, *others), least_air=air)
