@@ -231,7 +231,9 @@ def test_a_cell_says_how_it_empties_bins_by_one_word_and_its_own_keys_come_first
     folder: Path,
 ) -> None:
     digest = read_cell(folder).digest
-    assert read_cell(with_policy(folder, 'emptying = "quick"')).digest == digest
+    assert read_cell(with_policy(folder, 'emptying = "as-needed"')).digest == digest
+    quick = read_cell(with_change(folder, '"as-needed"', '"quick"'))
+    assert not quick.policy.as_needed and quick.digest != digest
     with_change(folder, 'emptying = "quick"\n', "")
     policy = read_cell(with_policy(folder, 'emptying = "thorough"')).policy
     assert (policy.lifts, policy.least_air, policy.pair_gap) == (LIFT_NAMES, 0.0015, 0.01)
@@ -239,6 +241,12 @@ def test_a_cell_says_how_it_empties_bins_by_one_word_and_its_own_keys_come_first
     assert (read_cell(own).policy.lifts, read_cell(own).policy.least_air) == (("up",), 0.0015)
     with pytest.raises(FileError, match="quick"):
         read_cell(with_change(folder, '"thorough"', '"slow"'))
+
+
+def test_who_names_some_lifts_wants_no_others(folder: Path) -> None:
+    assert not read_cell(with_policy(folder, 'lifts = ["up"]')).policy.as_needed
+    every = ", ".join(f'"{name}"' for name in LIFT_NAMES)
+    assert read_cell(with_change(folder, '["up"]', f"[{every}]")).policy.as_needed
 
 
 def test_a_cell_that_names_no_other_lift_has_the_digest_of_before(folder: Path) -> None:

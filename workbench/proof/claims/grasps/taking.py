@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.policies import LEAST_AIR
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.messages.message import Message
 from workbench.model.messages.proofs import ProofText
@@ -114,6 +115,8 @@ def _opening(leg: Leg, wanted: float) -> Message:
 def _fits(opening: float, grasp: Grasp, arm: Arm, cell: Cell) -> bool:
     """Whether fingers may have this opening [m]: that of the grasp, or less by the policy."""
     air, least = cell.policy.least_air, grasp.opening
+    if air is None and cell.policy.as_needed:
+        air = LEAST_AIR
     if air is not None and arm.tool.fingers:
         least = min(grasp.opening, grasp.grip + 2 * air)
     return least - OPENING <= opening <= grasp.opening + OPENING
