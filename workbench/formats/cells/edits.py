@@ -258,6 +258,8 @@ def _edit_policy(document: Any, old: Policy, new: Policy) -> None:
     changed: dict[str, Any] = {}
     if old.lifts != new.lifts:
         changed["lifts"] = list(new.lifts)
+        if new.as_needed and "emptying" not in document.get("policy", {}):
+            changed["emptying"] = "as-needed"
     if old.near_margin != new.near_margin:
         changed["near_margin_mm"] = shorts([new.near_margin * 1000])[0]
     if changed:

@@ -281,8 +281,9 @@ def _policy(table: Table) -> tuple[Policy, int]:
 
     air = length("least_air_mm", 0.0, 1000)
     lifts = _lifts(table, usual.lifts)
-    # Whoever names some lifts wants no others.
-    is_limited = table.has("lifts") and set(lifts) != set(LIFT_NAMES)
+    # Whoever names some lifts, and nothing else, wants no others.
+    is_limited = set(lifts) != set(usual.lifts) and set(lifts) != set(LIFT_NAMES)
+    is_limited = is_limited and not table.has("emptying")
     policy = Policy(
         margin=length("margin_mm", usual.margin, 1000),
         near_margin=length("near_margin_mm", usual.near_margin, 1000),

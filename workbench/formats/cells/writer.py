@@ -131,7 +131,7 @@ def _policy(cell: Cell) -> Iterator[str]:
     yield f"order = {text(policy.order)}"
     name = _base(policy)
     usual = POLICIES[name]
-    if usual != Policy():
+    if usual != Policy() or policy.lifts != usual.lifts:
         yield f"emptying = {text(name)}  # {EMPTYING}"
     for key in ("sink", "release"):
         if getattr(policy, key) != getattr(usual, key):
