@@ -8,8 +8,9 @@ from numba import njit, uint64
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
 from workbench.perception.matching.maps import DepthMap, Seen
-from workbench.perception.matching.registration import Triple, transformed
+from workbench.perception.matching.registration import transformed
 from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.views.motions import Triple, dot
 from workbench.perception.views.rendering import rendered
 
 
@@ -326,14 +327,9 @@ def _says(
     if depth == 0.0:
         return HIDDEN, np.nan
     # Along the normal; negative is behind the surface.
-    off = _dot(n, ray) * (depth - predicted)
+    off = dot(n, ray) * (depth - predicted)
     if off < -tolerance:
         return VIOLATED, off
-    if off <= tolerance and is_foreground and _dot(n, measured) > AGREEING:
+    if off <= tolerance and is_foreground and dot(n, measured) > AGREEING:
         return EXPLAINED, off
     return HIDDEN, off if is_foreground else np.nan
-
-
-@njit(cache=True)
-def _dot(a: Triple, b: Triple) -> float:  # pragma: no cover (compiled)
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

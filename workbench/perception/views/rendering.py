@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, uint64
 
 from workbench.model.geometry import Floats, Ints
+from workbench.perception.views.motions import motion_of, moved
 
 NARROW = 6
 """[pixels] Of triangles up to this width all pixels around are tried: that is less work than to
@@ -45,8 +46,9 @@ def rendered(
     rows, columns = rays.shape[:2]
     seen = np.empty((len(vertices), 5))  # x, y, z, and x, y in pixels
     low_u, high_u, low_v, high_v = np.inf, -np.inf, np.inf, -np.inf
+    motion = motion_of(T)
     for k in range(len(vertices)):
-        x, y, z = _moved(T, vertices[k, 0], vertices[k, 1], vertices[k, 2])
+        x, y, z = moved(motion, (vertices[k, 0], vertices[k, 1], vertices[k, 2]))
         if z <= 1e-9:  # reaches behind the camera
             return 0, 0, np.empty((0, 0)), np.empty((0, 0), np.int32), np.empty((0, 3))
         u, v = x / z * focal + column, y / z * focal + row
@@ -124,18 +126,6 @@ def rendered(
             length = side * np.sqrt(n0 * n0 + n1 * n1 + n2 * n2)
             planes[k, 0], planes[k, 1], planes[k, 2] = n0 / length, n1 / length, n2 / length
     return first_v, first_u, depth, hit, planes
-
-
-@njit(cache=True, inline="always")
-def _moved(
-    T: Floats, x: float, y: float, z: float
-) -> tuple[float, float, float]:  # pragma: no cover (compiled)
-    """A point [m] moved by the pose `T` (4, 4)."""
-    return (
-        T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
-        T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
-        T[2, 0] * x + T[2, 1] * y + T[2, 2] * z + T[2, 3],
-    )
 
 
 @njit(cache=True)
