@@ -56,6 +56,7 @@ from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
+    PosesRefusal,
     Refusal,
     ValueRefusal,
 )
@@ -65,6 +66,7 @@ from workbench.model.messages.states import (
     ControlText,
     LeftText,
     NextText,
+    PosesText,
     RowStop,
     StateText,
     TaskText,
@@ -110,6 +112,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     RowStop,
     NextText,
     Refusal,
+    PosesRefusal,
     ChangeRefusal,
     ControlRefusal,
     ValueRefusal,
@@ -146,6 +149,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ScanText,
     ObjectionText,
     ScaleText,
+    PosesText,
     AheadText,
     JobText,
     LinkText,
