@@ -2,7 +2,9 @@
 
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+# Python itself compiles the tenth of all modules that is ever imported, when it first is.
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile \
+	--constraint constraints.txt
 INSTALL := $(PIP) --no-build-isolation --editable
 
 # Shared libraries that Open3D and Pinocchio expect from the system.
@@ -14,7 +16,8 @@ BROWSER := chromium-headless-shell fonts-dejavu-core
 STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
 
 # What `make test` leaves to `make test-all`: what takes longest for what it finds, and the tabs of
-# the page by themselves; the cycle through the page stays.
+# the page by themselves; the cycle through the page stays.  Single tests of other files have the
+# mark `extensive`.
 EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	app/emptying/test_bound.py app/evidence/test_forged_zips.py app/filling/test_fill.py \
 	app/picking/test_regrasp.py app/runtime/test_ahead.py app/runtime/test_killed.py \
@@ -95,7 +98,7 @@ run: $(VENV)/.compiled
 
 test: $(VENV)/.test $(VENV)/.compiled
 	@bash setup/debian.sh $(BROWSER) $(STAND_INS)
-	$(BIN)/python -m pytest $(WORKERS) $(if $(ARGS),,$(EXTENSIVE:%=--ignore=tests/%)) $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) $(if $(ARGS),,-m "not extensive" $(EXTENSIVE:%=--ignore=tests/%)) $(ARGS)
 
 # Watching which lines run makes Python a third slower.
 test-all:
@@ -103,7 +106,7 @@ test-all:
 	@$(MAKE) test-portable
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
-	$(BIN)/python -m pytest $(WORKERS) $(SLOW:%=--ignore=tests/%) $(ARGS)
+	$(BIN)/python -m pytest $(WORKERS) -m "not extensive" $(SLOW:%=--ignore=tests/%) $(ARGS)
 
 foreign: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python tests/foreign/bring.py

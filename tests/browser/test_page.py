@@ -131,6 +131,7 @@ def test_a_cycle_by_clicking_sends_exactly_the_approved_plan(screen, bench, robo
     assert screen.errors == []
 
 
+@pytest.mark.extensive
 def test_going_on_after_a_cycle_stops_at_the_approval(screen, bench, robot, reaches, wait):
     run_to_plan(screen, reaches)
     expect(screen.button("Next cycle")).to_be_disabled()
@@ -156,6 +157,7 @@ def test_going_on_after_a_cycle_stops_at_the_approval(screen, bench, robot, reac
     assert screen.errors == []
 
 
+@pytest.mark.extensive
 def test_a_browser_that_comes_back_sees_the_same_state(screen, bench, reaches):
     screen.press("Scan")
     reaches("scanned")
@@ -170,6 +172,7 @@ def test_a_browser_that_comes_back_sees_the_same_state(screen, bench, reaches):
     expect(screen.button("Plan")).to_be_disabled()
 
 
+@pytest.mark.extensive
 def test_keys_scan_find_plan_and_turn_the_page_dark(screen, reaches):
     keyboard = screen.page.keyboard
     for key, phase in (("n", "scanned"), ("f", "localized"), ("p", "planned")):
@@ -194,6 +197,7 @@ def test_what_the_rules_would_refuse_cannot_be_pressed(screen, reaches):
     expect(screen.button("Send")).to_be_disabled()
 
 
+@pytest.mark.extensive
 def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     bench, monkeypatch, open_screen, reaches, tmp_path, wait
 ):
@@ -238,6 +242,7 @@ def test_the_threshold_is_said_while_it_is_dragged_and_asked_for_once(
     assert screen.errors == []
 
 
+@pytest.mark.extensive
 def test_a_refusal_is_told_in_the_browser_that_asked(screen, open_screen, bench, reaches):
     run_to_plan(screen, reaches)
     seen(bench)
@@ -297,6 +302,7 @@ def test_a_stop_ends_the_sending_and_waits_for_a_person(screen, bench, robot, re
     screen.page.locator('.wb-strip[data-phase="idle"]').wait_for()
 
 
+@pytest.mark.extensive
 def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, reaches):
     screen.page.get_by_label("Seed", exact=True).fill("28")
     screen.press("Scan")
@@ -321,6 +327,7 @@ def test_a_coordinated_plan_is_played_approved_and_run(screen, bench, robot, rea
     assert [part.is_picked for part in done.part_reports] == [True, True]
 
 
+@pytest.mark.extensive
 def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):
     state = run_to_plan(screen, reaches)
     screen.tab("Candidates")
@@ -348,6 +355,7 @@ def test_the_table_is_sorted_and_filtered_by_clicking(screen, bench, reaches):
     assert set(verdicts) == {"ok"}
 
 
+@pytest.mark.extensive
 def test_scrubbing_moves_the_shared_picture_and_the_sliders_of_others(
     screen, open_screen, reaches, wait
 ):

@@ -1,5 +1,6 @@
 """What the style sheet tells beside viser's controls: hints of buttons, names of numbers."""
 
+import pytest
 from playwright.sync_api import Locator
 
 
@@ -8,6 +9,7 @@ def told(element: Locator, beside: str) -> str:
     return element.evaluate(f"one => getComputedStyle(one, '::{beside}').content").strip('"')
 
 
+@pytest.mark.extensive
 def test_a_grey_button_says_what_is_missing_and_each_number_which_it_is(screen, wait):
     box = screen.button("Plan").locator("..")
     assert told(box, "after") == "none"

@@ -6,6 +6,8 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 
@@ -14,6 +16,7 @@ PAGE = (ROOT / "docs" / "part_places.md").read_text(encoding="utf-8")
 NESTS = ROOT / "robots" / "yumi" / "nests.toml"
 
 
+@pytest.mark.extensive
 def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, capsys):
     """In one process, which has the compiled code already: the commands are those of the page."""
     block, _ = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)

@@ -55,6 +55,7 @@ def test_a_plan_begins_and_ends_at_the_view_and_its_housing_is_proven(cell: Cell
     assert any("left camera" in (violation.pair or ()) for violation in proof.violations)
 
 
+@pytest.mark.extensive
 def test_the_demonstration_runs_from_the_view_to_placed_parts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

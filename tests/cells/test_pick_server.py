@@ -3,6 +3,8 @@
 import json
 import tomllib
 
+import pytest
+
 from workbench.cli.main import main
 from workbench.formats.files.shipped import find
 
@@ -19,6 +21,7 @@ def test_it_is_the_cell_of_the_tx2_90_but_for_its_controller():
     assert asking == other
 
 
+@pytest.mark.extensive
 def test_a_demo_places_what_its_program_was_given(tmp_path, capsys):
     cell = str(FOLDER / "pick_server.toml")
     words = ["demo", "--cell", cell, "--sessions", str(tmp_path), "--speed", "50"]

@@ -66,6 +66,7 @@ def only(cell, name):
     return replace(cell, bin=replace(cell.bin, regions=regions))
 
 
+@pytest.mark.extensive
 def test_both_compartments_of_the_page_are_picked_from_beside_their_divider(folder):
     cell, files = read_cell(folder), read(folder, PAGE.parents[1] / "parts")
     assert [one.name for one in cell.bin.regions] == ["left", "right"]

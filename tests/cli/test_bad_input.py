@@ -364,6 +364,7 @@ def sends_garbage(link: socket.socket) -> None:
     link.recv(200)
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("talks", "protocol"),
     [

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from workbench.formats.plans.plan_files import read_plan
 from workbench.formats.plans.pose_files import read_poses
@@ -77,6 +78,7 @@ def test_one_arm_when_asked_for(line, say, tmp_path):
             assert not out.exists()
 
 
+@pytest.mark.extensive
 def test_a_second_opinion_is_asked_where_the_bin_is_known(line, say, tmp_path):
     """By the poses and the scan; a plan that knows less of the bin than they do is refused."""
     for known in (("--poses", line.poses), ("--scan", line.scan)):

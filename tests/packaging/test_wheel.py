@@ -132,6 +132,7 @@ def test_the_first_demo_waits_for_no_compiler(first_demo):
     assert str(NOTE) not in shown
 
 
+@pytest.mark.extensive
 @pytest.mark.timeout(PATIENCE)
 def test_who_may_not_write_where_it_is_installed_waits_for_none_either(venv, first_demo, tmp_path):
     own = tmp_path / "own"
@@ -167,6 +168,7 @@ def acme_device(venv, first_demo, tmp_path_factory):
     device.stdout.close()
 
 
+@pytest.mark.extensive
 @pytest.mark.timeout(PATIENCE)
 def test_a_package_of_somebody_else_runs_the_demo_with_its_own_devices(venv, acme_device, tmp_path):
     where = "from workbench.formats.files.shipped import find; print(find('robots', 'yumi'))"
@@ -213,6 +215,7 @@ for layer in (formats, perception, planning):
 """
 
 
+@pytest.mark.extensive
 @pytest.mark.timeout(PATIENCE)
 def test_all_that_is_compiled_was_compiled_before_the_first_task(venv, first_demo):
     said = said_in(venv, COMPILED).splitlines()

@@ -82,6 +82,7 @@ def test_the_suggested_poses_are_seen_and_different(yumi, poses):
     assert np.abs(poses[0] - poses[1]).max() > 0.1
 
 
+@pytest.mark.extensive
 def test_a_scanner_that_hangs_elsewhere_is_found(yumi, observations):
     mount = replace(yumi.scanner, T_world_scanner=yumi.scanner.T_world_scanner * WRONG)
     wrong = replace(yumi, scanner=mount)

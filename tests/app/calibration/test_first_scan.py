@@ -41,6 +41,7 @@ def off(cell: Cell, T: pin.SE3) -> tuple[float, float]:
     return float(np.linalg.norm(apart.translation)), float(np.linalg.norm(pin.log3(apart.rotation)))
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("unit", ["m", "mm", "inch"])
 @pytest.mark.parametrize("axes", CLOUD_AXES)
 def test_unit_and_axes_are_found_and_read_right_from_then_on(cell, scan, tmp_path, unit, axes):

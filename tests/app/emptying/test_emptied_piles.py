@@ -30,6 +30,7 @@ def found(cell, told):
     return emptied_piles(cell, ASKED, lambda done, note: told.append((done, note)), never)
 
 
+@pytest.mark.extensive
 def test_looks_beside_a_motion_are_told_where_the_scanner_sees_then(found, cell):
     assert all(one.beside == () for one in found.emptying.piles)
     seeing = replace(cell, scanner=replace(cell.scanner, while_moving=True))

@@ -1,5 +1,7 @@
 """Why a part stayed."""
 
+import pytest
+
 from workbench.app.emptying.remaining_parts import left_in
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
@@ -13,6 +15,7 @@ def lying(cell, x: float) -> Detection:
     return Detection(cell.parts[0].name, T)
 
 
+@pytest.mark.extensive
 def test_parts_are_named_as_they_fell_with_the_verdict_that_got_furthest():
     cell = read_cell("yumi")
     # The second one lies within the first: nothing can take either.

@@ -87,6 +87,7 @@ def test_a_page_runs_and_fetches_nothing_whatever_a_session_holds(tables):
     assert b"default-src 'none'" in page
 
 
+@pytest.mark.extensive
 def test_the_printed_report_is_the_same_each_time_and_breaks_no_line_off(tables):
     pages = pdf_pages("Evidence", [*tables, EVIL])
     assert pages.startswith(b"%PDF-")

@@ -126,6 +126,7 @@ BOMBS = {
 """Small files that claim, or would take, more memory than there is."""
 
 
+@pytest.mark.extensive
 def test_a_bomb_fails_and_leaves_nothing(bench, own):
     for number, (file, content) in enumerate(BOMBS.items()):
         bench.do(ImportPart("brick", file, np.frombuffer(content, np.uint8)), "ada")

@@ -22,6 +22,7 @@ def washer():
     return replace(read_part("puck"), name="washer", mesh=Mesh(ring.vertices, ring.faces))
 
 
+@pytest.mark.extensive
 def test_a_part_that_is_found_is_large_enough(cell):
     seen = visibility(cell, read_part("bracket"))
     assert seen.is_enough and seen.pixels > 5000

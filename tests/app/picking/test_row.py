@@ -77,6 +77,7 @@ def test_all_parts_that_lie_alone_are_taken_in_a_row_each_once(cell, apart, row)
     assert row.plan.digest == asked(cell, apart, 1).plan.digest, "the first is as ever"
 
 
+@pytest.mark.extensive
 def test_both_strategies_have_a_row_each_and_either_comes_again_when_asked_for(cell, apart):
     both = asked(cell, apart, 2, strategy="both")
     (other,) = both.beside

@@ -71,6 +71,7 @@ def done(bench):
     return state
 
 
+@pytest.mark.extensive
 def test_a_drawn_gripper_is_carried_takes_a_part_and_is_saved(bench, tmp_path, path):
     before, arm = bench.state.cell, bench.state.cell.arms[0].name
     bench.do(AddTool(arm, like_the_yumis()), "ada")

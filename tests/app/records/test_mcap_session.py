@@ -49,6 +49,7 @@ def messages(session):
     return dict(found)
 
 
+@pytest.mark.extensive
 def test_every_message_is_what_its_schema_says(session):
     jsonschema = pytest.importorskip("jsonschema", reason="jsonschema is not installed")
     judges, count = {}, 0

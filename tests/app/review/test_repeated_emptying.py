@@ -15,6 +15,7 @@ from workbench.model.errors import CommandRefused
 from workbench.plugins.progress import never, silent
 
 
+@pytest.mark.extensive
 def test_what_is_on_record_is_what_comes_out_again(tmp_path):
     cell, asked = read_cell("yumi"), TryEmptying(count=3, piles=1, seed=13)
     bench = Bench(cell, Journal(tmp_path / "session"), effects=Idle)

@@ -94,6 +94,7 @@ def told(sessions, cell):
     return recorded_drift(folders, cell, lambda done, note: None)
 
 
+@pytest.mark.extensive
 def test_a_scanner_that_was_knocked_is_told_and_taken_over(cell, sessions):
     found = told(sessions, cell)
     assert (found.sessions, found.scans, found.problems) == (10, 10, ())

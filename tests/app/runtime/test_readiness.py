@@ -72,6 +72,7 @@ def test_other_sources_are_not_ready(folder, monkeypatch, tmp_path):
     assert not is_ready("planning")
 
 
+@pytest.mark.extensive
 def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tmp_path):
     """Also in files that did not change: code of those that did was compiled into them."""
     package = tmp_path / "package"
@@ -104,6 +105,7 @@ def test_what_was_compiled_of_other_sources_is_forgotten(folder, monkeypatch, tm
     assert kept and sorted(tmp_path.rglob("outer*.nbc")) == kept, "it is of these sources"
 
 
+@pytest.mark.extensive
 def test_a_script_runs_nothing_that_was_compiled_before_an_update(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     place = next(iter(compiled_code._find_caches()))

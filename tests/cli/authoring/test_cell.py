@@ -44,6 +44,7 @@ def test_the_form_tells_reach_by_arm(say):
         assert arm["bin"]["clear"] > 150
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [

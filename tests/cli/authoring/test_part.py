@@ -34,6 +34,7 @@ def test_a_box_becomes_a_part_with_grasps(say, box):
     assert again.code == 2 and "is there already" in again.problem
 
 
+@pytest.mark.extensive
 def test_import_and_check_say_one_figure_of_pieces_that_are_too_large(say, box):
     slot = (((0, 0, 5), (60, 40, 10)), ((-25, 0, 20), (10, 40, 20)), ((25, 0, 20), (10, 40, 20)))
     bodies = []
@@ -78,6 +79,7 @@ def test_a_part_without_grasps_does_not_pass(say, box):
     assert told["watertight"] and told["coverage"]["share"] == 0.0
 
 
+@pytest.mark.extensive
 def test_import_and_check_say_in_a_sentence_how_exact_the_bodies_are(say, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     trimesh.creation.annulus(14, 16.5, 60).export("tube.stl")

@@ -34,6 +34,7 @@ def test_a_cad_file_of_another_size_is_said_to_be_one(monkeypatch, scan, tmp_pat
     assert "bracket" not in said
 
 
+@pytest.mark.extensive
 def test_what_is_found_is_drawn_over_the_scan(monkeypatch, scan, tmp_path):
     there = LocalizationResult((Detection("keyed_cylinder", read_cell("yumi").bin.T_world_bin),))
     monkeypatch.setattr(look, "find_parts", lambda *_, **__: there)

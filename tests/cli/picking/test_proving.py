@@ -139,6 +139,7 @@ def test_what_the_poses_of_a_halcon_file_are_of_can_be_said(say, line, command, 
     assert said.code == 2 and "no part 'washer'" in said.problem
 
 
+@pytest.mark.extensive
 def test_a_plan_for_another_way_to_move_is_refused_with_what_to_do(line, say, tmp_path):
     """It rounds corners, and takes less time than stops do."""
     plan, words = tmp_path / "plan.json", ("plan", "yumi", "--poses", line.poses)

@@ -106,6 +106,7 @@ def test_a_cell_that_does_not_say_what_moves_is_refused(say, poses, tmp_path):
         assert told.code == 2 and "need a pair_gap_mm in [policy]" in told.problem
 
 
+@pytest.mark.extensive
 def test_a_bin_is_emptied_by_rows_and_by_single_picks_to_compare(say, path):
     typed = ("study", "emptying", path, "--parts", 4, "--scenes", 1, "--seed", 3)
     told = say(*typed, "--picks", 3, "--json")

@@ -34,6 +34,7 @@ def cell_file(folder, of, **controller):
     return file
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("name", LINKS)
 def test_each_link_starts_as_demo_starts_it_and_reports_where_the_robot_stands(name, tmp_path):
     for link, library in LIBRARIES.items():

@@ -54,6 +54,7 @@ def robot(tmp_path):
     process.stdout.close()
 
 
+@pytest.mark.extensive
 def test_both_are_told_approved_and_sent(files, robot, say):
     plans = [files / "plan.json", files / "plan-2.json"]
     words, record = robot
@@ -68,6 +69,7 @@ def test_both_are_told_approved_and_sent(files, robot, say):
     assert record.read_text()
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("names", "problem"),
     [

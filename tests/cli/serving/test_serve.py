@@ -107,6 +107,7 @@ class TestASessionThatGoesOn:
         bench.close()
         return ("--session", str(journal.folder))
 
+    @pytest.mark.extensive
     def test_it_is_where_it_ended(self, serving, token):
         url = re.search(r"http://[^/\s]+", serving)[0]
         request = urllib.request.Request(
@@ -116,6 +117,7 @@ class TestASessionThatGoesOn:
             state = json.load(answer)
         assert (state["phase"], state["detections"]) == ("localized", 1)
 
+    @pytest.mark.extensive
     def test_is_only_looked_at_where_another_program_writes_to_it(self, serving, words, tmp_path):
         before = entries_of(words[1])
         with serve(tmp_path, *words) as second:
@@ -124,6 +126,7 @@ class TestASessionThatGoesOn:
             assert "to look at only" in page
         assert entries_of(words[1]) == before
 
+    @pytest.mark.extensive
     @pytest.mark.parametrize(
         "tampering",
         [

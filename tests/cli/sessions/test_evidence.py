@@ -142,6 +142,7 @@ def test_a_bundle_is_not_written_into_the_session(say, example):
     assert (said.code, "lies in the session" in said.err) == (2, True)
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("out", [".", "/"])
 def test_a_folder_is_no_name_for_a_bundle(say, example, tmp_path, monkeypatch, out):
     monkeypatch.chdir(tmp_path)

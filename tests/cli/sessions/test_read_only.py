@@ -37,6 +37,7 @@ def medium(tmp_path):
     return Path(shutil.copytree(EXAMPLE, tmp_path / "medium"))
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("words", "says"),
     [

@@ -98,6 +98,7 @@ def holds(places: list[np.ndarray], place: np.ndarray) -> bool:
     return any(np.linalg.norm(one - place) < 0.002 for one in places)
 
 
+@pytest.mark.extensive
 def test_parts_that_only_one_scanner_sees_are_found_in_all_scans_together(halves, tmp_path):
     truth = [one.T_world_part.translation for one in pile_of(halves, "", PARTS, seed=SEED)]
     request = ScanRequest(SEED, PARTS)

@@ -65,6 +65,7 @@ print("all taken")
 """
 
 
+@pytest.mark.extensive
 def test_a_recording_may_be_left_while_it_plays_as_often_as_one_likes(recording):
     # In a process of its own, which the library ended when it was stopped while it played.
     command = [sys.executable, "-c", AGAIN, str(recording)]

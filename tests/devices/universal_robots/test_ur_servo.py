@@ -74,6 +74,7 @@ def test_references_are_the_plans_curve_in_its_time(planned):
         assert 2.0 <= (len(references) - 1) * PERIOD / leg.seconds < 2.3
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("servo", [SERVO, Servo(0.1, 300), Servo(0.2, 2000)])
 def test_an_arm_that_follows_stays_by_the_proven_curve_however_much_it_lags(planned, servo):
     cell, plan, approval = planned
@@ -93,6 +94,7 @@ def test_an_arm_that_follows_stays_by_the_proven_curve_however_much_it_lags(plan
     assert seconds < 20 * sum(leg.seconds for leg in legs_of(plan))
 
 
+@pytest.mark.extensive
 def test_at_the_planned_pace_an_arm_that_lags_would_leave_the_curve(planned, monkeypatch):
     cell, plan, approval = planned
     lags, arm = Servo(0.2, 2000), cell.arms[0]

@@ -39,6 +39,7 @@ def test_it_is_what_zipfile_writes(tmp_path):
     assert (tmp_path / "x.zip").read_bytes() == (tmp_path / "y.zip").read_bytes()
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("count", [65_535, 65_536])
 def test_it_is_what_zipfile_writes_also_with_very_many_files(tmp_path, count):
     content = dict.fromkeys(map(str, range(count)), b"x")

@@ -83,6 +83,7 @@ def test_hulls_of_parts_are_convex_again(file):
     assert np.array_equal(one.points, other.points)
 
 
+@pytest.mark.extensive
 def test_a_second_start_imports_no_readers_of_meshes(tmp_path):
     asks = (
         "import sys; from workbench.app.picking.pipeline import plan_pick; "

@@ -79,6 +79,7 @@ def test_a_part_without_grasps_is_a_part(folder: Path) -> None:
     assert read_part(folder).library.grasps == ()
 
 
+@pytest.mark.extensive
 def test_a_part_without_pieces_is_divided(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder))
     cache_folder.cache_clear()

@@ -32,6 +32,7 @@ def test_what_was_found_can_be_taken_over_once_it_is_there(visitor, monkeypatch)
     assert str(command.says).startswith("Ada moved the scanner")
 
 
+@pytest.mark.extensive
 def test_a_scanner_that_was_never_calibrated_is_said(visitor):
     told = []
     visitor.notify = lambda *said: told.append(said)

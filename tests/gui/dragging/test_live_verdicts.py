@@ -284,6 +284,7 @@ def message(kind: str, **fields) -> bytes:
     return msgspec.msgpack.encode(about | fields)
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("lets_go", [True, False])
 def test_a_flood_from_one_browser_ends_in_its_own_view_and_another_sees_nothing_of_it(
     cell, detections, tmp_path, lets_go

@@ -105,6 +105,7 @@ def still_offers(page, handles):
     return found
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("order", [("Edda", "Otto", "Vera"), ("Otto", "Vera", "Edda")])
 def test_what_no_page_offers_is_not_done_and_leaves_no_trace(
     planned, opened, order, caplog, capfd, monkeypatch

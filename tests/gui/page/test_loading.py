@@ -14,6 +14,7 @@ with loaded_ahead():
 """
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("begun", ["open3d", "open3d.core", "dash", "open3d.ml"])
 def test_a_process_that_ends_while_a_library_is_loaded_ends_with_0(begun):
     words = [sys.executable, "-c", CODE.format(begun=begun)]

@@ -54,6 +54,7 @@ def test_what_cannot_be_worked_out_is_logged_and_the_page_goes_on(page, caplog):
     asyncio.run(sit_there())
 
 
+@pytest.mark.extensive
 def test_controls_made_anew_take_their_gizmos_and_the_stage_along(page, bench):
     renderer = page._renderer
 
@@ -141,6 +142,7 @@ def test_what_somebody_drags_is_let_go_when_control_is_taken_from_them(page, ben
     asyncio.run(sit_there())
 
 
+@pytest.mark.extensive
 def test_a_dark_page_keeps_its_floor_when_the_cell_changes(page, bench):
     renderer = page._renderer
 

@@ -89,6 +89,7 @@ def second(state):
     )
 
 
+@pytest.mark.extensive
 def test_legs_over_a_station_have_names_of_their_own(over, planned):
     runs = timeline(*planned.plans)
     assert [run.words for run in runs] == [

@@ -65,6 +65,7 @@ def test_the_smaller_of_two_alike_kinds_is_reported_where_it_stands(table, yaw):
     assert [detection.part for detection in result.detections] == ["small"]
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("yaw", [20.0, 40.0])
 def test_a_larger_kind_alone_is_not_reported_where_it_would_stand_in_the_table(table, yaw):
     """The close look lays its faces on those of the small carton, and so its foot below."""

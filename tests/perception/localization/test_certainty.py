@@ -111,6 +111,7 @@ def test_errors_are_taken_over_the_covariance_and_under_the_symmetry(plate, part
 ACROSS = SymmetryAxis(np.array([1.0, 0.0, 0.0]), 0)
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("symmetry", "freedom"),
     [

@@ -71,6 +71,7 @@ def test_where_another_kind_stands_nothing_more_is_looked_for(mixed, monkeypatch
     assert all(count < 0.05 * first[of] for (of, number), count in left.items() if number)
 
 
+@pytest.mark.extensive
 def test_of_many_kinds_those_that_lie_there_are_looked_for_first(mixed, monkeypatch):
     """The others are looked for in what they leave, and not found."""
     left: dict[float, int] = {}

@@ -15,6 +15,7 @@ from workbench.perception.simulation.synthesize import synthesize
 from workbench.studies.localization import compare
 
 
+@pytest.mark.extensive
 def test_bolts_in_a_pile_of_cylinders_are_pieces_of_them(cell):
     cylinder, bolt = read_part("keyed_cylinder"), read_part("bolt")
     lying = replace(cell, parts=(cylinder,))

@@ -48,6 +48,7 @@ def spring() -> tuple[list[trimesh.Trimesh], Symmetry]:
     return [wound_wire()], Symmetry(X, 2, (0, 0, 0.02))
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     "make", [sphere, rod, cross, elbow, spring], ids=lambda make: make.__name__
 )

@@ -81,6 +81,7 @@ def test_points_that_are_left_out_vote_for_no_other_poses(name):
         assert len(poses) - (len(others) - 1) > 0.4 * len(poses)
 
 
+@pytest.mark.extensive
 def test_a_fine_mesh_is_drawn_with_few_triangles_that_lie_on_it():
     coarse = prepare(read_part("bracket"))
     mesh = trimesh.Trimesh(coarse.vertices, coarse.triangles)

@@ -114,6 +114,7 @@ def test_one_part_is_not_empty(cell):
     assert not check_bin(scanned(cell, 1)[0], cell.bin).is_empty
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("seed", [0])
 def test_an_overfull_bin_is_told_and_not_taken_for_a_moved_one(cell, seed):
     check = check_bin(scanned(cell, 20, seed=seed)[0], cell.bin)

@@ -11,6 +11,7 @@ from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("has_walls", [True, False])
 @pytest.mark.parametrize("kind", ["keyed_cylinder", "bracket", "bolt", "puck"])
 def test_where_all_are_found_no_more_are_told_and_where_few_are_about_how_many(

@@ -95,6 +95,7 @@ def near_to(boxes, points, far):
     return away <= far
 
 
+@pytest.mark.extensive
 def test_in_piles_the_hidden_side_of_what_was_not_found_is_held():
     """Of its surface outside the boxes around what was seen, near to these and off the floor."""
     hidden = kept = 0

@@ -187,6 +187,7 @@ def test_a_cell_names_the_build_of_its_simulated_scanner(cell, upright):
     assert stereo.digest == named.digest != synthesize(cell, (upright,), seed=0).digest
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("name", NOISE_MODELS)
 def test_the_same_seed_gives_the_same_scan(cell, upright, name):
     noise = NOISE_MODELS[name]

@@ -35,6 +35,7 @@ def distances():
     return after
 
 
+@pytest.mark.extensive
 def test_what_was_asked_first_does_not_change_the_distances_of_boxes(distances):
     """Coal 3 lets the first query of a process decide how large boxes are, by 1e-10."""
     assert distances("box") == distances("capsule") == distances()

@@ -132,6 +132,7 @@ def test_timing_respects_speed_and_acceleration(seed, zone):
     assert np.all(mean_speed <= velocity / (1 - zone))
 
 
+@pytest.mark.extensive
 def test_a_motion_through_an_obstacle_is_found_between_clear_ends(world, cell):
     """From one side of the bin's wall to the other: both ends clear, the way not."""
     arm = cell.arm("right")

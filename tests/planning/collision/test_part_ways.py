@@ -42,6 +42,7 @@ def test_what_lies_on_a_part_blocks_the_way_up(cell):
     assert ways.find_blocks(1, [UP]) == [None]
 
 
+@pytest.mark.extensive
 def test_looking_at_all_places_at_once_finds_what_looking_at_each_finds(cell):
     pile = drop_parts(cell.parts[:1] * 6, cell.bin, seed=77)
     ways = [UP, np.array([0.04, 0.0, 0.09])]

@@ -69,6 +69,7 @@ def compared(cell, pile, arm, obstacles=()):
     return told, by_one
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize(
     ("cell_name", "kinds", "seed", "least_air"),
     [

@@ -86,6 +86,7 @@ def test_parts_are_shared_among_arms_as_is_best(times, parts):
             share_work(alone, range(parts))
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("seed", [3, 8, 16, 38])
 def test_no_plan_is_quicker_than_its_bound(cell, seed):
     pile = drop_parts(cell.parts[:1] * 2, cell.bin, seed=seed)

@@ -86,6 +86,7 @@ def test_parts_that_only_rub_off_wait_until_nothing_else_can_be_taken(world, pic
     assert len(taken({0, 1, 2})) == 2, "they are not refused"
 
 
+@pytest.mark.extensive
 @pytest.mark.parametrize("order", ORDER_NAMES)
 def test_every_order_leads_to_a_proven_plan(order):
     # With both arms at once, parts that the arms would meet over are left for later.

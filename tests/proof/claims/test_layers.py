@@ -65,6 +65,7 @@ def said(cell, scene, plan) -> str:
     return "; ".join(str(one) for one in prove_in(cell, scene, plan).violations)
 
 
+@pytest.mark.extensive
 def test_a_pallet_is_filled_layer_by_layer_until_it_is_full(cell):
     placed: tuple[Detection, ...] = ()
     layers = []

@@ -38,6 +38,7 @@ def row(known, request):
     return parts, planned
 
 
+@pytest.mark.extensive
 def test_the_judge_finds_nothing_in_either_plan(known, row):
     cell, files = known
     parts, planned = row

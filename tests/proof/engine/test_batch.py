@@ -75,6 +75,7 @@ def test_halves_hold_what_was_halved(arms):
             assert (halves.at[mine[:, k]] == batch.at[whole]).all()
 
 
+@pytest.mark.extensive
 def test_a_plan_is_proven_alike_whatever_is_looked_at_together(cell, result, monkeypatch):
     usual = prove(cell, result.plan)
     sizes, left = [], search._Search._open_pairs

@@ -57,6 +57,7 @@ def planned(site):
     return reached(site, Phase.PLANNED)
 
 
+@pytest.mark.extensive
 def test_a_row_is_counted_as_it_goes_out(site):
     assert told(site.bench.state, site) == ("idle", 0, 0, "", False)
     state = planned(site)
@@ -73,6 +74,7 @@ def test_a_row_is_counted_as_it_goes_out(site):
     assert [told(one, site)[2] for one in on_their_way] == [1, plans]
 
 
+@pytest.mark.extensive
 def test_a_client_of_another_make_reads_the_row_and_goes_on(site, url):
     state = planned(site)
     before, refused = foreign(url, {"what": "values"}, call("GoOn", *CYCLE))["answers"]

@@ -20,6 +20,7 @@ def results():
     return results_with_recipes()
 
 
+@pytest.mark.extensive
 def test_a_plc_reads_the_recipes_and_chooses_one_by_number(site):
     server = OpcUa(site.bench, OpcUaOptions(0, Person("plc", Role.OPERATOR)))
 

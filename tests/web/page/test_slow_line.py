@@ -31,6 +31,7 @@ def far_front(users, file, scene, line, monkeypatch):
     front.close()
 
 
+@pytest.mark.extensive
 def test_the_page_is_loaded_with_few_bytes_and_used(far_front, scene):
     line = far_front
 

@@ -135,18 +135,36 @@ def empty_pile(
         else:
             last = result.plans[-1]
             seen_for = seconds_seen(last, sees_from(cell, last))
-    known = _as_seen(lying, tally.seen)
+    end = _End(lying, refusal, result, failures >= MOST_FAILURES)
+    return _emptied(cell, task, tally, end, estimates=estimates)
+
+
+@dataclass(frozen=True, slots=True)
+class _End:
+    """How emptying ended: what lies there still, and what the last look brought."""
+
+    lying: list[tuple[int, Detection]]
+    refusal: Verdict | None
+    result: PlanResult | None
+    is_stopped: bool
+
+
+def _emptied(
+    cell: Cell, task: PileTask, tally: _Tally, end: _End, *, estimates: bool
+) -> EmptiedPile:
+    """The record of an emptied pile, with the reason why each part is left."""
+    known = _as_seen(end.lying, tally.seen)
     left = left_in(
         cell,
         known,
-        refusal=refusal,
-        looked=_summarize(tally.seen, result),
+        refusal=end.refusal,
+        looked=_summarize(tally.seen, end.result),
         seed=task.seed,
-        is_stopped=failures >= MOST_FAILURES,
+        is_stopped=end.is_stopped,
         fixes=not task.change,
     )
     more = None
-    rest = [detection for _, detection in lying]
+    rest = [detection for _, detection in end.lying]
     if task.bounds:
         bounds, more = bound_of(cell, rest, settles=task.settles, seed=task.seed)
         left = tuple(

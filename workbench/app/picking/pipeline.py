@@ -79,48 +79,32 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         raise InputError(Refusal.NO_PARTS())
     check_strategy(cell, strategy)
     policy = overrides.on(cell.policy)
-    began = working_time()
-    seconds: dict[str, float] = dict.fromkeys(("propose", "resolve"), 0.0)
-
-    def lap(stage: str) -> None:
-        nonlocal began
-        now = working_time()
-        seconds[stage], began = seconds[stage] + now - began, now
-
+    stages = _Stages()
     world = World(cell, detections, obstacles, policy)
     now = processor_time()
     world.deadline, half = now + policy.seconds, now + policy.seconds / 2
     threshold = cell.policy.threshold if threshold is None else threshold
-    wanted = BOTH if strategy == "both" else (strategy,)
+    scene = Scene(scan_digest, detections, obstacles)
     looked = _Looked()
     results: list[PlanResult] = []
     levels = levels_of(cell)
     for number, level in enumerate(levels):
         # The last tenth is for the proof.
         part = within(report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
-        found = propose(world, priorities=level, looked=_counting(part, cancelled))
-        lap("propose")
+        found = _without(
+            avoided, propose(world, priorities=level, looked=_counting(part, cancelled))
+        )
+        stages.end("propose")
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and strategy == "auto" else world.deadline
-        _judge(
-            world,
-            _without(avoided, found),
-            looked,
-            seed=seed,
-            report=part,
-            cancelled=cancelled,
-            until=until,
-        )
-        lap("resolve")
+        _judge(world, found, looked, seed=seed, report=part, cancelled=cancelled, until=until)
+        stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not has_enough_picks(world, looked.picks, strategy, threshold, avoided):
             continue
         results = []
-        for attempt in wanted:
-            took = dict(seconds)
-            began = working_time()
-            plan, verdict, proof, bound = None, _summary(looked.candidates), None, 0.0
-            plans: tuple[Plan, ...] = ()
+        for attempt in BOTH if strategy == "both" else (strategy,):
+            own, plans, verdict = stages.branch(), (), _summary(looked.candidates)
             if looked.picks:
                 part(JUDGED, ProgressText.MOTION())
                 plans, verdict = plan_first_feasible(
@@ -132,21 +116,62 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
                     seed=seed,
                     cancelled=cancelled,
                 )
-                took["route"], began = working_time() - began, working_time()
+                own.end("route")
             if plans:
                 report(0.9, ProgressText.PROOF())
-                plan, proof = _proven(cell, Scene(scan_digest, detections, obstacles), plans)
-                took["prove"], began = working_time() - began, working_time()
-                bound = least_cycle(world, plan, looked.picks)
-                took["route"] += working_time() - began
-                plan = replace(plan, seconds=took)
-            candidates = tuple(looked.candidates)
-            result = PlanResult(candidates, plan, proof, verdict, took, obstacles, policy.planner)
-            results.append(replace(result, bound=bound))
+            results.append(_result(world, scene, looked, plans, verdict, own))
         if any(result.plan is not None for result in results):
             break
-        lap("resolve")
+        stages.began = working_time()
     return best_of(cell, results)
+
+
+@dataclass(slots=True)
+class _Stages:
+    """The working time [s] of each stage of planning."""
+
+    seconds: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys(("propose", "resolve"), 0.0)
+    )
+    began: float = field(default_factory=working_time)
+
+    def end(self, stage: str) -> None:
+        """Count the time since the last stage ended as that of this stage."""
+        now = working_time()
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + now - self.began
+        self.began = now
+
+    def branch(self) -> "_Stages":
+        """The same times up to now, to go on with separately."""
+        return _Stages(dict(self.seconds))
+
+
+def _result(
+    world: World,
+    scene: Scene,
+    looked: "_Looked",
+    plans: Sequence[Plan],
+    verdict: Verdict,
+    stages: _Stages,
+) -> PlanResult:
+    """Prove the first of some plans that holds, and bound its cycle from below."""
+    plan, proof, bound = None, None, 0.0
+    if plans:
+        plan, proof = _proven(world.cell, scene, plans)
+        stages.end("prove")
+        bound = least_cycle(world, plan, looked.picks)
+        stages.end("route")
+        plan = replace(plan, seconds=stages.seconds)
+    return PlanResult(
+        tuple(looked.candidates),
+        plan,
+        proof,
+        verdict,
+        stages.seconds,
+        scene.obstacles,
+        world.policy.planner,
+        bound=bound,
+    )
 
 
 def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
