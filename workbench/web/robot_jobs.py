@@ -12,9 +12,8 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
-from workbench.app.core.cycle.unapproved import ReleasePoses
+from workbench.app.core.cycle.unapproved import ReleasePoses, release_problem
 from workbench.app.core.people import Role
-from workbench.app.core.rights import obstacle
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
 from workbench.devices.pick_server.axes import axis_words
@@ -153,9 +152,9 @@ def robot_jobs(bench: Bench) -> Generator[None]:
 
 
 def _is_unapproved(state: State) -> bool:
-    """Whether poses go out without approval; a row, and a proof that fails, want a person."""
-    is_off = obstacle(state, ReleasePoses) is None
-    return is_off and not state.row and state.proof is not None and state.proof.holds
+    """Whether poses go out without approval; a plan whose proof fails does not."""
+    holds = state.proof is not None and state.proof.holds
+    return holds and release_problem(state) is None
 
 
 def _scan_answer(state: State) -> Words:

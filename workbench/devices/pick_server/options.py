@@ -47,10 +47,10 @@ class PickOptions:
     poses: str = option(
         "none",
         among=("none", *CONVENTIONS),
-        says="vision only: poses as this maker shows them, of a motion that is not proven",
+        says="vision only, in this maker's format",
     )
-    frame: str = option("base", among=("base", "world"), says="in which poses are stated")
-    pose_of: str = option("tcp", among=("tcp", "flange"), says="whose poses are stated")
+    frame: str = option("base", among=("base", "world"), says="of poses")
+    pose_of: str = option("tcp", among=("tcp", "flange"), says="whose poses")
 
 
 def pick_options(cell: Cell) -> PickOptions:

@@ -23,17 +23,12 @@ from workbench.model.messages.states import PosesText
 class SwitchApproval(Command):
     """Switch approval off, or on again, for picks whose poses alone go out."""
 
-    right: ClassVar[Right] = Right(
-        CommandText.SWITCH_APPROVAL, SAFE, beside_job=True, role=Role.ENGINEER
-    )
+    right: ClassVar[Right] = Right(CommandText.SWITCH_APPROVAL, SAFE, role=Role.ENGINEER)
 
     is_off: bool
 
-    @classmethod
-    def obstacle(cls, state: State) -> Message | None:
-        return poses_problem(state)
-
     def check(self, state: State, asked: Asked) -> None:
+        refuse(poses_problem(state))
         if self.is_off not in (True, False):
             raise CommandRefused(PosesRefusal.NO_SWITCH(value=repr(self.is_off)))
         check_person(asked.actor)
@@ -56,18 +51,11 @@ class ReleasePoses(Command):
 
     plan_digest: str
 
-    @classmethod
-    def obstacle(cls, state: State) -> Message | None:
-        if problem := poses_problem(state):
-            return problem
-        return None if state.unapproved_by else PosesRefusal.IS_ON()
-
     def check(self, state: State, asked: Asked) -> None:
+        refuse(release_problem(state))
         plan = named_plan(state, self.plan_digest)
         if state.proof is None:
             raise CommandRefused(Refusal.NO_PROOF())
-        if state.row:
-            raise CommandRefused(PosesRefusal.ROW())
         if plan.scan_digest != state.scene_digest:
             raise CommandRefused(Refusal.NEWER_SCAN())
         refuse(lacks_reports(state) or left_on_station([plan]))
@@ -82,6 +70,15 @@ class ReleasePoses(Command):
         approval = replace(let_out(state.cell, plan, proof, by, entry.at), ran=ran)
         message = PosesText.RELEASED(plan=plan.digest[:12], person=by)
         return replace(state, phase=Phase.APPROVED, approval=approval, message=message), ()
+
+
+def release_problem(state: State) -> Message | None:
+    """Why a plan waits for people; None where its poses go out without approval."""
+    if problem := poses_problem(state):
+        return problem
+    if not state.unapproved_by:
+        return PosesRefusal.IS_ON()
+    return PosesRefusal.ROW() if state.row else None
 
 
 def poses_problem(state: State) -> Message | None:
