@@ -72,3 +72,12 @@ def test_a_remark_that_was_not_saved_stays(bench, visitor):
     assert visitor.client.told
     panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
     assert panel._remark.value == "nothing has changed"
+
+
+def test_the_steps_of_commissioning_show_what_is_next(bench, visitor):
+    panel = CellPanel(visitor)
+    panel.show(None, View(bench.state, Live(), visitor.look.now, (), 0.0))
+    lines = panel._steps.content.split("<li ")[1:]
+    assert [line.split('"')[1] for line in lines].count("wb-next") == 1
+    assert "Take a scan" in next(line for line in lines if 'class="wb-next"' in line)
+    assert "icon-tabler-rotate-clockwise" in lines[3]

@@ -9,6 +9,7 @@ import viser
 
 from workbench.app.core.cell.changes import ChangeCell, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.gui.cell.commissioning import steps_html
 from workbench.gui.cell.jogging import JogControls
 from workbench.gui.cell.tool_upload import ToolUpload
 from workbench.gui.cell.views import cell_line, measured_line, reach_line, tree_html
@@ -41,7 +42,7 @@ GIZMO = 0.18
 
 
 class CellPanel:
-    """Things with their poses, the robot by hand, undo, redo and save.
+    """Steps of commissioning, things with their poses, the robot by hand, undo, redo and save.
 
     Concurrency: callbacks of viser change this browser's gizmo, controls and own look, the shared
     look, or give commands; the renderer's thread draws what came of them.
@@ -54,6 +55,8 @@ class CellPanel:
         self._view: View | None = None
         self._is_saving = False
         gui, cell = visitor.gui, visitor.cell
+        with group(gui, "Commissioning", expand_by_default=not visitor.is_recorded):
+            self._steps = gui.add_html("")
         with group(gui, "What is there", expand_by_default=False):
             self._tree = gui.add_html("")
         with group(gui, "Objects in the cell"):
@@ -119,6 +122,8 @@ class CellPanel:
         self._view = new
         self._inputs.show_drag(old, new)
         state, cell = new.state, new.state.cell
+        if old is None or old.state is not state or old.statistics is not new.statistics:
+            self._steps.content = steps_html(new, self._visitor.words)
         if old is None or old.state.cell is not cell:
             self._tree.content = tree_html(cell, self._visitor.words)
             names = things(cell)

@@ -59,6 +59,11 @@ HELP: Mapping[str, tuple[str, str]] = {
         "right. Every later version of the workbench can be compared with it.",
         FIND,
     ),
+    "Commissioning": (
+        "The steps from a new cell to its first pick, each checked by the program. A tick says "
+        "that a step is done, the arrow which one is next. A click opens the tab for it.",
+        CELL,
+    ),
     "What is there": (
         "This lists what the cell is made of: robot, arms, tools, bin, fixtures and scanner. "
         "All of it is an obstacle for every plan. It comes from the cell file.",

@@ -1,7 +1,7 @@
 """The tabs of a browser, from left to right: the only place that knows all panels."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 
 import viser
@@ -19,6 +19,7 @@ from workbench.gui.parts.panel import PartsPanel
 from workbench.gui.plan.panel import PlanPanel
 from workbench.gui.recorded.panel import RecordedPanel
 from workbench.gui.robot.panel import RobotPanel
+from workbench.gui.shared.icons import TAB_ICONS
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Panel, Visitor
 from workbench.gui.statistics.panel import StatisticsPanel
@@ -29,21 +30,6 @@ from workbench.plugins.tab import GROUP as TABS
 from workbench.plugins.tab import tab_names
 
 log = logging.getLogger(__name__)
-
-ICONS: Mapping[str, viser.IconName] = {
-    "Recorded": viser.Icon.HISTORY,
-    "Cycle": viser.Icon.ROTATE_CLOCKWISE,
-    "Parts": viser.Icon.PACKAGES,
-    "Candidates": viser.Icon.LIST_CHECK,
-    "Plan": viser.Icon.ROUTE,
-    "Robot": viser.Icon.ROBOT,
-    "Grasps": viser.Icon.HAND_GRAB,
-    "Cell": viser.Icon.BUILDING_FACTORY_2,
-    "Emptying": viser.Icon.BUCKET,
-    "Calibration": viser.Icon.FOCUS_CENTERED,
-    "Statistics": viser.Icon.CHART_BAR,
-}
-"""By the title of a tab; tabs of plug-ins have `PUZZLE`."""
 
 
 def tabs_of(visitor: Visitor, woken: Callable[[], None], slider: str) -> tuple[Panel, ...]:
@@ -76,7 +62,7 @@ def tabs_of(visitor: Visitor, woken: Callable[[], None], slider: str) -> tuple[P
     tabs = visitor.gui.add_tab_group()
     panels: list[Panel] = []
     for title, make in made:
-        with tabs.add_tab(title, ICONS.get(title, viser.Icon.PUZZLE)):
+        with tabs.add_tab(title, TAB_ICONS.get(title, viser.Icon.PUZZLE)):
             panels.append(make())
     return tuple(panels)
 

@@ -1,4 +1,4 @@
-"""The icons of buttons, read from viser's archive once and kept.
+"""The icons of tabs and buttons, read from viser's archive once and kept.
 
 viser 1.1.1 keeps 32 icons and reads the directory of its archive, some four thousand entries, for
 every other one.  The page shows more kinds than that, each in the same order for each browser: none
@@ -12,9 +12,26 @@ change.
 import functools
 import io
 import zipfile
+from collections.abc import Mapping
 from typing import Any
 
+import viser
 from viser import _gui_api, _gui_handles, _icons
+
+TAB_ICONS: Mapping[str, viser.IconName] = {
+    "Recorded": viser.Icon.HISTORY,
+    "Cycle": viser.Icon.ROTATE_CLOCKWISE,
+    "Parts": viser.Icon.PACKAGES,
+    "Candidates": viser.Icon.LIST_CHECK,
+    "Plan": viser.Icon.ROUTE,
+    "Robot": viser.Icon.ROBOT,
+    "Grasps": viser.Icon.HAND_GRAB,
+    "Cell": viser.Icon.BUILDING_FACTORY_2,
+    "Emptying": viser.Icon.BUCKET,
+    "Calibration": viser.Icon.FOCUS_CENTERED,
+    "Statistics": viser.Icon.CHART_BAR,
+}
+"""By the title of a tab; tabs of plug-ins have `PUZZLE`."""
 
 
 def keep_icons() -> None:

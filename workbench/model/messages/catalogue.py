@@ -16,6 +16,7 @@ from workbench.model.messages.calibration import (
 )
 from workbench.model.messages.cells import (
     CellText,
+    CommissioningText,
     DifferenceText,
     InventoryText,
     LoadText,
@@ -126,6 +127,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     BinText,
     DifferenceText,
     CellText,
+    CommissioningText,
     LoadText,
     RecipeText,
     InventoryText,

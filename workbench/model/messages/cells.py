@@ -98,3 +98,28 @@ class InventoryText(Text, subject="inventory"):
     NEW_USER = "new user {name} ({has})"
     USER_GONE = "user {name} ({was}) was removed"
     USER_ROLE = "user {name} is {has} now, was {was}"
+
+
+class CommissioningText(Text, subject="commissioning"):
+    """Steps of commissioning: what was verified, or what is missing."""
+
+    LOADS = "Every tool has its mass, so the controller gets the load."
+    NO_LOAD = "State mass_g of {tools:and} in the cell file: the controller gets no load."
+    CALIBRATED = "The scanner was calibrated {days} {days:day|days} ago."
+    CALIBRATION_OLD = "The calibration is {days} {days:day|days} old. Calibrate the scanner again."
+    SIMULATED = "A simulated scanner needs no calibration."
+    NOT_CALIBRATED = "Calibrate the scanner: nobody has measured where it stands."
+    GRASPS = "{count} {count:grasp|grasps} for the parts of the cell."
+    NO_PART = "Make the part from its CAD file."
+    NO_GRASPS = "Add grasps to {parts:and}: take suggestions, or fill the library."
+    SCAN = "A scan was taken."
+    NO_SCAN = "Take a scan of the bin."
+    PARTS = "{count} {count:part was|parts were} found."
+    PARTS_BEFORE = "Parts were found in an earlier cycle."
+    NO_PARTS = "Find the parts in the scan."
+    PLAN = "A plan was proven."
+    NO_PLAN = "Plan a pick. The tab Candidates shows why a grasp is refused."
+    PICKS = "{picked} of {count} {count:pick|picks} succeeded."
+    NO_PICK = "Watch a plan, approve it and send it, first at low speed."
+    SAVED = "The cell is saved."
+    NOT_SAVED = "Save the cell."

@@ -1,13 +1,14 @@
 """Values as JSON for programs: SI units and radians, poses as rows of 4 x 4 matrices."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import rank_changes
+from workbench.app.review.commissioning import CheckedStep
 from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
@@ -195,6 +196,19 @@ def statistics_form(statistics: Statistics) -> Form:
             for stage, middle, largest in statistics.stage_medians()
         },
     }
+
+
+def commissioning_form(checked: Iterable[CheckedStep]) -> list[Form]:
+    """Each step, whether it is done, and what was verified or is missing."""
+    return [
+        {
+            "step": str(each.step),
+            "is_done": each.is_done,
+            "text": str(each.says),
+            "said": each.says.program_form,
+        }
+        for each in checked
+    ]
 
 
 def finite(value: float) -> float | None:

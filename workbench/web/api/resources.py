@@ -2,6 +2,7 @@
 
 import io
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from workbench.app.core.state import State
+from workbench.app.review.commissioning import checklist
 from workbench.app.runtime.bench import Bench
 from workbench.app.statistics.statistics import Count, Statistics
 from workbench.formats.plans.certificates import certificate_content
@@ -127,6 +129,10 @@ def _statistics(source: AnswerSource) -> Any:
     return forms.statistics_form(source.statistics)
 
 
+def _commissioning(source: AnswerSource) -> Any:
+    return forms.commissioning_form(checklist(source.state, source.statistics, time.time()))
+
+
 def _sessions(source: AnswerSource) -> Any:
     folder = source.bench.folder
     beside = sorted(path.parent.name for path in folder.parent.glob(f"*/{DATABASE}"))
@@ -196,6 +202,12 @@ READS: tuple[Read, ...] = (
         "empty piles first",
     ),
     Read("/statistics", "What this session has brought.", _statistics, schemas.STATISTICS),
+    Read(
+        "/commissioning",
+        "The steps from a new cell to its first pick, each checked.",
+        _commissioning,
+        schemas.COMMISSIONING,
+    ),
     Read("/sessions", "This session and those beside it.", _sessions, schemas.SESSIONS),
 )
 """Readable by every role; a viewer may look at everything."""

@@ -270,5 +270,6 @@ STATISTICS = record(
     refusals=by_name(WHOLE),
     stages=by_name(record(median=NUMBER, largest=NUMBER)),
 )
+COMMISSIONING = many(record(step=TEXT, is_done=FLAG, text=TEXT, said=SAID))
 SESSIONS = record(current=TEXT, sessions=many(TEXT))
 PROBLEM = beside(record(title=TEXT, status=WHOLE, detail=TEXT), said=SAID)
