@@ -65,7 +65,7 @@ def offered(planned):
 
     def offer(number=0, run=1, **options):
         there = seeing(cell, **options)
-        sent = Sent(there, plan, another(approval, 7000 + number))
+        sent = Sent(there, plan, another(approval, number))
         running.append(Asking(there, run))
         return there, sent, running[-1]
 
@@ -74,6 +74,7 @@ def offered(planned):
         robot.close()
 
 
+@pytest.mark.extensive
 @pytest.mark.timeout(1800)
 def test_it_keeps_the_promises_of_every_link(planned):
     cell, plan, approval = planned
