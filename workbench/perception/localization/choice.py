@@ -16,6 +16,7 @@ from workbench.perception.localization.likelihood import log_likelihood_ratio
 from workbench.perception.matching.sightings import Sighting
 from workbench.perception.parts.part_surface import PartSurface
 from workbench.perception.scene.bin_fit import SeenBin, inside_by
+from workbench.perception.views.motions import motion_of, moved
 
 LEAST_VISIBLE = 0.3
 """Less of the facing surface than this cannot tell a part from a chance likeness."""
@@ -99,14 +100,12 @@ def _are_in_bin(
 ) -> Bools:  # pragma: no cover (compiled)
     inside = np.empty(len(poses), np.bool_)
     for k in range(len(poses)):
-        T = T_bin_scanner @ poses[k]
+        motion = motion_of(T_bin_scanner @ poses[k])
         outside = 0
-        for p in points:
+        for m in range(len(points)):
             if outside > MOST_DEEP * len(points):
                 break
-            x = T[0, 0] * p[0] + T[0, 1] * p[1] + T[0, 2] * p[2] + T[0, 3]
-            y = T[1, 0] * p[0] + T[1, 1] * p[1] + T[1, 2] * p[2] + T[1, 3]
-            z = T[2, 0] * p[0] + T[2, 1] * p[1] + T[2, 2] * p[2] + T[2, 3]
+            x, y, z = moved(motion, (points[m, 0], points[m, 1], points[m, 2]))
             height, left = inside_by(floor, walls, size, x, y, z)
             outside += height < -allowed or (left < -allowed and height < size[2])
         inside[k] = outside <= MOST_DEEP * len(points)

@@ -14,8 +14,10 @@ import numpy as np
 
 from workbench.model.geometry import Bools
 from workbench.perception.localization.choice import Choice, Hypothesis
+from workbench.perception.localization.hypotheses import SAME_ANGLE, SAME_DISTANCE
 from workbench.perception.localization.judging import PartSearch, judge_choices
 from workbench.perception.localization.settling import refine_poses
+from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 
 DOUBTFUL = 0.5
@@ -94,13 +96,22 @@ def _nothing(search: PartSearch) -> Choice:
 
 def _again(search: PartSearch, before: PartSearch) -> list[Hypothesis]:
     """What was taken and what was rejected before, brought to rest anew."""
-    poses = [each.pose for each in (*before.choice.chosen, *before.choice.rejected)]
-    if not poses:
+    surface = search.surface
+    poses = np.array([each.pose for each in (*before.choice.chosen, *before.choice.rejected)])
+    if len(poses) == 0:
         return []
-    steps = tuple(step * search.surface.diameter for step in STEPS)
-    rested = refine_poses(
-        search.coarse_map, search.surface, np.array(poses), search.tolerance, steps
+    # With so much tolerance those that lie as one come to rest in one place.
+    apart = distinct(
+        poses,
+        np.arange(len(poses)),
+        surface.stated,
+        surface.fixed,
+        distance=SAME_DISTANCE * surface.diameter,
+        angle=np.pi if surface.is_ball else SAME_ANGLE,
+        most=len(poses),
     )
+    steps = tuple(step * surface.diameter for step in STEPS)
+    rested = refine_poses(search.coarse_map, surface, poses[apart], search.tolerance, steps)
     rested = rested[search.are_possible(rested)]
     return [
         Hypothesis(p, look(search.depth_map, search.surface, p, search.tolerance)) for p in rested

@@ -10,8 +10,7 @@ from numba import njit
 from workbench.model.geometry import Floats
 from workbench.perception.matching.maps import DepthMap, Seen
 from workbench.perception.parts.oriented import OrientedPoints
-
-Triple = tuple[float, float, float]
+from workbench.perception.views.motions import Triple, dot, motion_of, moved, turned
 
 FACING = 0.15
 """Cosine to the line of sight above which a model point is expected to be measured."""
@@ -83,25 +82,12 @@ def transformed(T: Floats, p: Floats) -> Triple:  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _rotate(T: Floats, n: Floats) -> Triple:  # pragma: no cover (compiled)
-    return (
-        T[0, 0] * n[0] + T[0, 1] * n[1] + T[0, 2] * n[2],
-        T[1, 0] * n[0] + T[1, 1] * n[1] + T[1, 2] * n[2],
-        T[2, 0] * n[0] + T[2, 1] * n[1] + T[2, 2] * n[2],
-    )
-
-
-@njit(cache=True)
-def _dot(a: Floats | Triple, b: Floats | Triple) -> float:  # pragma: no cover (compiled)
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@njit(cache=True)
-def _pixel(p: Triple, seen: Seen) -> tuple[int, int]:  # pragma: no cover (compiled)
+def _pixel(
+    p: Triple, focal: float, column: float, row: float, rows: int, columns: int
+) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Row and column where the camera sees `p`, or (-1, -1)."""
-    u = int(np.rint(p[0] / p[2] * seen.focal + seen.column))
-    v = int(np.rint(p[1] / p[2] * seen.focal + seen.row))
-    rows, columns = seen.depth.shape
+    u = int(np.rint(p[0] / p[2] * focal + column))
+    v = int(np.rint(p[1] / p[2] * focal + row))
     return (v, u) if 0 <= u < columns and 0 <= v < rows else (-1, -1)
 
 
@@ -114,24 +100,33 @@ def _quick_scores(
     tolerance: float,
 ) -> Floats:  # pragma: no cover (compiled)
     scores = np.zeros((len(poses), 3))
+    rays, depths, measured, foreground = seen[:4]
+    rows, columns = depths.shape
     for k in range(len(poses)):
-        total = 0.0
+        motion, total = motion_of(poses[k]), 0.0
+        support, violation, occlusion = 0.0, 0.0, 0.0
         for m in range(len(points)):
-            p, n = transformed(poses[k], points[m]), _rotate(poses[k], normals[m])
-            cosine = -_dot(n, p) / np.sqrt(_dot(p, p))
+            p = moved(motion, (points[m, 0], points[m, 1], points[m, 2]))
+            n = turned(motion, (normals[m, 0], normals[m, 1], normals[m, 2]))
+            cosine = -dot(n, p) / np.sqrt(dot(p, p))
             if cosine < FACING or p[2] <= 0.0:
                 continue
             total += cosine
-            v, u = _pixel(p, seen)
-            if v < 0 or seen.depth[v, u] == 0.0:
+            v, u = _pixel(p, seen.focal, seen.column, seen.row, rows, columns)
+            if v < 0 or depths[v, u] == 0.0:
                 continue
-            off = seen.depth[v, u] * _dot(n, seen.rays[v, u]) - _dot(n, p)
+            ray = rays[v, u, 0], rays[v, u, 1], rays[v, u, 2]
+            off = depths[v, u] * dot(n, ray) - dot(n, p)
             if off < -tolerance:
-                scores[k, VIOLATION] += cosine
+                violation += cosine
             elif off > tolerance:
-                scores[k, OCCLUSION] += cosine
-            elif seen.foreground[v, u] and _dot(n, seen.normals[v, u]) > AGREEING:
-                scores[k, SUPPORT] += cosine
+                occlusion += cosine
+            elif foreground[v, u]:
+                there = measured[v, u, 0], measured[v, u, 1], measured[v, u, 2]
+                if dot(n, there) > AGREEING:
+                    support += cosine
+        scores[k, SUPPORT] = support
+        scores[k, VIOLATION], scores[k, OCCLUSION] = violation, occlusion
         if total > 0.0:
             for which in range(3):
                 scores[k, which] /= total
@@ -155,6 +150,8 @@ def _refine(
     for m in range(len(points)):
         size = max(size, np.sqrt(np.sum((points[m] - middle) ** 2)))
     A, b, x = np.empty((6, 6)), np.empty(6), np.empty(6)
+    rays, depths, measured, foreground = seen[:4]
+    rows, columns = depths.shape
     for k in range(len(poses)):
         T = refined[k]
         for gate in gates:
@@ -162,14 +159,19 @@ def _refine(
             A[:] = 0.0
             b[:] = 0.0
             pairs, square = 0, 0.0
+            motion = motion_of(T)
             for m in range(len(points)):
-                p, n = transformed(T, points[m]), _rotate(T, normals[m])
-                if _dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
+                p = moved(motion, (points[m, 0], points[m, 1], points[m, 2]))
+                n = turned(motion, (normals[m, 0], normals[m, 1], normals[m, 2]))
+                if dot(n, p) > -FACING * p[2] or p[2] <= 0.0:
                     continue
-                v, u = _pixel(p, seen)
-                if v < 0 or not seen.foreground[v, u] or _dot(n, seen.normals[v, u]) < AGREEING:
+                v, u = _pixel(p, seen.focal, seen.column, seen.row, rows, columns)
+                if v < 0 or not foreground[v, u]:
                     continue
-                off = seen.depth[v, u] * _dot(n, seen.rays[v, u]) - _dot(n, p)
+                if dot(n, (measured[v, u, 0], measured[v, u, 1], measured[v, u, 2])) < AGREEING:
+                    continue
+                ray = rays[v, u, 0], rays[v, u, 1], rays[v, u, 2]
+                off = depths[v, u] * dot(n, ray) - dot(n, p)
                 if abs(off) > gate:
                     continue
                 # Turns about the middle in units of the size: all six unknowns alike.

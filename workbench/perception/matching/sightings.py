@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, uint64
 
 from workbench.model.geometry import Bools, Floats, Ints, frozen, put
 from workbench.perception.matching.maps import DepthMap, Seen
-from workbench.perception.matching.registration import Triple, transformed
+from workbench.perception.matching.registration import transformed
 from workbench.perception.parts.part_surface import PartSurface
+from workbench.perception.views.motions import Triple, dot
 from workbench.perception.views.rendering import rendered
 
 
@@ -45,6 +46,10 @@ ROUGHLY = 0.025
 SQUARES = 0
 """Column of a tally that sums the squares of the distances of explained points; the others count
 the pixels of each state."""
+
+
+X, Y, Z = uint64(0), uint64(1), uint64(2)
+"""Indices without a sign: of others compiled code asks whether they count from the end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +186,7 @@ def _look(
     drawing: Drawing, T: Floats
 ) -> tuple[Ints, Ints, Floats, Bools]:  # pragma: no cover (compiled)
     """Pixels (n,) that show the part, what each says, how far off it is [m], and which are rim."""
-    seen = drawing.seen
+    rays, depths, measured, foreground = drawing.seen[:4]
     first_v, first_u, shown, hit, normals = predicted(drawing, T)
     high, wide = shown.shape
     pixels = np.empty(high * wide, np.int64)
@@ -192,10 +197,16 @@ def _look(
     for j in range(high):
         for i in range(wide):
             if shown[j, i] < np.inf:
-                v, u = first_v + j, first_u + i
-                pixels[n] = v * drawing.seen.depth.shape[1] + u
+                v, u, k = first_v + j, first_u + i, hit[j, i]
+                pixels[n] = v * depths.shape[1] + u
                 states[n], off[n] = _says(
-                    seen, v, u, shown[j, i], normals, hit[j, i], drawing.tolerance
+                    depths[v, u],
+                    shown[j, i],
+                    (rays[v, u, 0], rays[v, u, 1], rays[v, u, 2]),
+                    (normals[k, 0], normals[k, 1], normals[k, 2]),
+                    (measured[v, u, 0], measured[v, u, 1], measured[v, u, 2]),
+                    foreground[v, u],
+                    drawing.tolerance,
                 )
                 is_rim[n] = states[n] == VIOLATED and _is_rim(shown, j, i)
                 n += 1
@@ -226,18 +237,33 @@ def _tally(drawing: Drawing, poses: Floats) -> Floats:  # pragma: no cover (comp
 @njit(cache=True)
 def counted(drawing: Drawing, T: Floats) -> Floats:  # pragma: no cover (compiled)
     """The tally (4,) of one pose (4, 4): how many pixels say what, no unit."""
-    seen, tally = drawing.seen, np.zeros(4)
+    tally, tolerance = np.zeros(4), drawing.tolerance
+    rays, depths, measured, foreground = drawing.seen[:4]
     first_v, first_u, shown, hit, normals = predicted(drawing, T)
-    for j in range(shown.shape[0]):
-        for i in range(shown.shape[1]):
+    explained, violated, hidden, squares = 0, 0, 0, 0.0
+    for j in range(uint64(shown.shape[0])):
+        for i in range(uint64(shown.shape[1])):
             if shown[j, i] == np.inf:
                 continue
+            v, u, k = uint64(first_v) + j, uint64(first_u) + i, uint64(hit[j, i])
             state, off = _says(
-                seen, first_v + j, first_u + i, shown[j, i], normals, hit[j, i], drawing.tolerance
+                depths[v, u],
+                shown[j, i],
+                (rays[v, u, X], rays[v, u, Y], rays[v, u, Z]),
+                (normals[k, X], normals[k, Y], normals[k, Z]),
+                (measured[v, u, X], measured[v, u, Y], measured[v, u, Z]),
+                foreground[v, u],
+                tolerance,
             )
-            tally[state] += 1.0
             if state == EXPLAINED:
-                tally[SQUARES] += (off / drawing.tolerance) ** 2
+                explained += 1
+                squares += (off / tolerance) ** 2
+            elif state == VIOLATED:
+                violated += 1
+            else:
+                hidden += 1
+    tally[EXPLAINED], tally[VIOLATED], tally[HIDDEN] = explained, violated, hidden
+    tally[SQUARES] = squares
     return tally
 
 
@@ -246,21 +272,30 @@ def pulled(
     drawing: Drawing, T: Floats, centre: Triple, radius: float
 ) -> tuple[Floats, Floats]:  # pragma: no cover (compiled)
     """See `pull`; `centre` (3,) [m] is the part's middle, `radius` [m] its radius."""
-    seen = drawing.seen
+    rays, depths, measured, foreground = drawing.seen[:4]
     A, b, x = np.zeros((6, 6)), np.zeros(6), np.empty(6)
     first_v, first_u, shown, hit, normals = predicted(drawing, T)
-    for j in range(shown.shape[0]):
-        for i in range(shown.shape[1]):
+    for j in range(uint64(shown.shape[0])):
+        for i in range(uint64(shown.shape[1])):
             if shown[j, i] == np.inf:
                 continue
-            v, u = first_v + j, first_u + i
-            state, off = _says(seen, v, u, shown[j, i], normals, hit[j, i], drawing.tolerance)
+            v, u, triangle = uint64(first_v) + j, uint64(first_u) + i, uint64(hit[j, i])
+            n0, n1, n2 = n = normals[triangle, X], normals[triangle, Y], normals[triangle, Z]
+            ray = rays[v, u, X], rays[v, u, Y], rays[v, u, Z]
+            state, off = _says(
+                depths[v, u],
+                shown[j, i],
+                ray,
+                n,
+                (measured[v, u, X], measured[v, u, Y], measured[v, u, Z]),
+                foreground[v, u],
+                drawing.tolerance,
+            )
             if state != EXPLAINED:
                 continue
-            n0, n1, n2 = normals[hit[j, i], 0], normals[hit[j, i], 1], normals[hit[j, i], 2]
-            a0 = seen.rays[v, u, 0] * seen.depth[v, u] - centre[0]
-            a1 = seen.rays[v, u, 1] * seen.depth[v, u] - centre[1]
-            a2 = seen.depth[v, u] - centre[2]
+            a0 = ray[0] * depths[v, u] - centre[0]
+            a1 = ray[1] * depths[v, u] - centre[1]
+            a2 = depths[v, u] - centre[2]
             x[0], x[1] = (a1 * n2 - a2 * n1) / radius, (a2 * n0 - a0 * n2) / radius
             x[2], x[3], x[4], x[5] = (a0 * n1 - a1 * n0) / radius, n0, n1, n2
             weight = (1.0 - (off / drawing.tolerance) ** 2) ** 2
@@ -276,19 +311,25 @@ def pulled(
 
 @njit(cache=True)
 def _says(
-    seen: Seen, v: int, u: int, predicted: float, normals: Floats, hit: int, tolerance: float
+    depth: float,
+    predicted: float,
+    ray: Triple,
+    n: Triple,
+    measured: Triple,
+    is_foreground: bool,
+    tolerance: float,
 ) -> tuple[int, float]:  # pragma: no cover (compiled)
-    """What pixel (v, u) says, and how far off the surface its measurement is [m], NaN if none."""
-    if seen.depth[v, u] == 0.0:
+    """What a pixel says, and how far off the surface its measurement is [m], NaN if none.
+
+    `n` is the normal that a pose predicts there, which faces the scanner.  All are numbers: to
+    pass arrays on for each pixel takes three times as long as to compare them.
+    """
+    if depth == 0.0:
         return HIDDEN, np.nan
-    along, agreement = 0.0, 0.0
-    for i in range(3):
-        along += normals[hit, i] * seen.rays[v, u, i]
-        agreement += normals[hit, i] * seen.normals[v, u, i]
-    # Along the normal, which faces the scanner; negative is behind the surface.
-    off = along * (seen.depth[v, u] - predicted)
+    # Along the normal; negative is behind the surface.
+    off = dot(n, ray) * (depth - predicted)
     if off < -tolerance:
         return VIOLATED, off
-    if off <= tolerance and seen.foreground[v, u] and agreement > AGREEING:
+    if off <= tolerance and is_foreground and dot(n, measured) > AGREEING:
         return EXPLAINED, off
-    return HIDDEN, off if seen.foreground[v, u] else np.nan
+    return HIDDEN, off if is_foreground else np.nan

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from workbench.model.geometry import Floats, Ints, frozen, put
 from workbench.perception.parts.oriented import OrientedPoints
+from workbench.perception.views.motions import Triple, dot
 
 Singles = NDArray[np.float32]
 
@@ -101,17 +102,17 @@ def _angle(cosine: float) -> int:  # pragma: no cover (compiled)
 
 @njit(cache=True)
 def _feature(
-    p1: Floats, n1: Floats, p2: Floats, n2: Floats, diameter: float
+    p1: Triple, n1: Triple, p2: Triple, n2: Triple, diameter: float
 ) -> int:  # pragma: no cover (compiled)
     """The number of a pair's bin, or -1 when it is too long or has no length."""
-    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
-    length = np.sqrt(x * x + y * y + z * z)
+    d = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
+    length = np.sqrt(dot(d, d))
     if length > diameter or length < 1e-9:
         return -1
     number = int(length / diameter * DISTANCES)
-    number = number * ANGLES + _angle((n1[0] * x + n1[1] * y + n1[2] * z) / length)
-    number = number * ANGLES + _angle((n2[0] * x + n2[1] * y + n2[2] * z) / length)
-    return number * ANGLES + _angle(n1[0] * n2[0] + n1[1] * n2[1] + n1[2] * n2[2])
+    number = number * ANGLES + _angle(dot(n1, d) / length)
+    number = number * ANGLES + _angle(dot(n2, d) / length)
+    return number * ANGLES + _angle(dot(n1, n2))
 
 
 @njit(cache=True)
@@ -130,13 +131,17 @@ def _frame(n: Floats) -> Floats:  # pragma: no cover (compiled)
 
 
 @njit(cache=True)
-def _turn(frame: Floats, p1: Floats, p2: Floats) -> float:  # pragma: no cover (compiled)
-    """Where `p2` lies around the first axis of the frame at `p1` [rad]."""
-    x, y, z = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
-    return np.arctan2(
-        frame[0, 2] * x + frame[1, 2] * y + frame[2, 2] * z,
-        frame[0, 1] * x + frame[1, 1] * y + frame[2, 1] * z,
-    )
+def _turn(
+    second: Triple, third: Triple, p1: Triple, p2: Triple
+) -> float:  # pragma: no cover (compiled)
+    """Where `p2` lies around the first axis of the frame at `p1` [rad], seen in its other two."""
+    d = p2[0] - p1[0], p2[1] - p1[1], p2[2] - p1[2]
+    return np.arctan2(dot(third, d), dot(second, d))
+
+
+@njit(cache=True)
+def _column(frame: Floats, k: int) -> Triple:  # pragma: no cover (compiled)
+    return frame[0, k], frame[1, k], frame[2, k]
 
 
 @njit(cache=True)
@@ -150,11 +155,16 @@ def _pairs(
     n = 0
     for i in range(len(references)):
         frame = _frame(directions[i])
+        second, third = _column(frame, 1), _column(frame, 2)
+        p1 = references[i, 0], references[i, 1], references[i, 2]
+        n1 = directions[i, 0], directions[i, 1], directions[i, 2]
         for j in range(len(points)):
-            feature = _feature(references[i], directions[i], points[j], normals[j], diameter)
+            p2 = points[j, 0], points[j, 1], points[j, 2]
+            n2 = normals[j, 0], normals[j, 1], normals[j, 2]
+            feature = _feature(p1, n1, p2, n2, diameter)
             if feature >= 0:
                 features[n], firsts[n] = feature, i
-                turns[n] = _turn(frame, references[i], points[j])
+                turns[n] = _turn(second, third, p1, p2)
                 n += 1
     return features[:n], firsts[:n], turns[:n]
 
@@ -223,15 +233,20 @@ def _counts(
     """Votes (size, TURNS) of one reference point: which point of the model, and which turn."""
     counts = np.zeros((size, TURNS), np.float32)
     per_turn = TURNS / (2.0 * np.pi)
+    p1, n1 = (point[0], point[1], point[2]), (normal[0], normal[1], normal[2])
+    second, third = _column(frame, 1), _column(frame, 2)
     for other in range(len(points)):
-        feature = _feature(point, normal, points[other], normals[other], diameter)
-        if feature < 0:
+        p2 = points[other, 0], points[other, 1], points[other, 2]
+        n2 = normals[other, 0], normals[other, 1], normals[other, 2]
+        feature = _feature(p1, n1, p2, n2, diameter)
+        if feature < 0 or starts[feature] == starts[feature + 1]:
             continue
-        turn = _turn(frame, point, points[other])
+        turn = _turn(second, third, p1, p2)
         for entry in range(starts[feature], starts[feature + 1]):
             place = (turn - turns[entry]) * per_turn
             lower = int(np.floor(place))
             share = place - lower
-            counts[firsts[entry], lower % TURNS] += 1.0 - share
-            counts[firsts[entry], (lower + 1) % TURNS] += share
+            first, before, after = firsts[entry], lower % TURNS, (lower + 1) % TURNS
+            counts[first, before] += 1.0 - share
+            counts[first, after] += share
     return counts
