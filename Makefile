@@ -43,7 +43,8 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	perception/reconstruction/test_reconstruct.py perception/scene/test_clearly_seen.py \
 	perception/scene/test_seen_obstacles.py planning/grasps/test_firmness.py \
 	planning/picking/test_properties.py planning/planners/test_planners.py plugins/test_pages.py \
-	portable proof/claims/test_bent_kinds.py proof/test_good_plans.py proof/test_judge.py \
+	portable proof/claims/timing/test_point_speed.py \
+	proof/claims/test_bent_kinds.py proof/test_good_plans.py proof/test_judge.py \
 	robots/test_third_party.py studies test_new_part.py test_new_robot.py testing \
 	web/api/test_fuzz.py web/http/test_crowds.py web/opcua/test_opcua.py
 

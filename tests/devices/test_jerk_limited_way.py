@@ -120,8 +120,8 @@ def test_a_leg_is_streamed_within_the_limits_of_its_cell(cell, plan):
     leg = plan.arm(arm.name).legs[0]
     limits = velocity, arm.acceleration, arm.jerk
     t = compute_times(np.asarray(leg.q), velocity, arm.acceleration, cell.policy.zone, arm.jerk)
-    way = timed_way(cell, arm, replace(leg, t=t))
+    way = timed_way(cell, plan, arm, replace(leg, t=t))
     assert way.seconds == pytest.approx(t[-1], rel=1e-9)
     for found, most in zip(judged(ridden(Ride(way, 1.0, period)), period), limits, strict=True):
         assert (found <= most * (1 + 1e-4)).all()
-    assert isinstance(timed_way(cell, cell.arms[0], leg), StreamedWay)
+    assert isinstance(timed_way(cell, plan, cell.arms[0], leg), StreamedWay)

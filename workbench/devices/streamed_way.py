@@ -19,8 +19,9 @@ import numpy as np
 
 from workbench.devices.jerk_limited_way import JerkLimitedWay, jerk_limited_way
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.point_speeds import PointSpeeds, speeds_of
 from workbench.model.geometry import Floats, frozen, put
-from workbench.model.plan import Leg
+from workbench.model.plan import Leg, Plan
 
 STRAIGHT, CORNER = 16, 8
 """Pieces of the middle of a segment, and of each half of a rounded corner: those of planning."""
@@ -89,15 +90,22 @@ class StreamedWay:
         return q, step, still
 
 
-def timed_way(cell: Cell, arm: Arm, leg: Leg) -> StreamedWay | JerkLimitedWay:
+def timed_way(cell: Cell, plan: Plan, arm: Arm, leg: Leg) -> StreamedWay | JerkLimitedWay:
     """The curve of a leg of an arm, at the plan's times, within the limits of the cell."""
     velocity = cell.robot.limits(arm.joints)[2] * cell.policy.speed
     if arm.jerk is None:
-        return way_of(leg, velocity, arm.acceleration, cell.policy.zone)
+        points = speeds_of(cell, plan, plan.arm(arm.name), leg)
+        return way_of(leg, velocity, arm.acceleration, cell.policy.zone, points)
     return jerk_limited_way(leg, velocity, arm.acceleration, arm.jerk, cell.policy.zone)
 
 
-def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> StreamedWay:
+def way_of(
+    leg: Leg,
+    velocity: Floats,
+    acceleration: Floats,
+    zone: float,
+    points: PointSpeeds | None = None,
+) -> StreamedWay:
     """The curve of a leg, at the plan's times: no faster than it was timed.
 
     Args:
@@ -105,12 +113,19 @@ def way_of(leg: Leg, velocity: Floats, acceleration: Floats, zone: float) -> Str
         velocity: largest joint speeds (n,) [rad/s], already scaled.
         acceleration: largest joint accelerations (n,) [rad/s2].
         zone: corner rounding, share of the shorter neighbouring segment, below 0.5.
+        points: what else limits the speed, where the cell does.
     """
-    count = len(leg.q) - 1
+    count, most = len(leg.q) - 1, acceleration
     marks, slopes, bends = _pieces(np.diff(leg.q, axis=0), zone)
-    speed = np.sqrt(
-        _squares(np.diff(marks), slopes, bends, velocity, acceleration, zone=zone, count=count)
-    )
+    if points is not None:
+        # One more joint, whose speed is at most 1, and which accelerates as it likes.
+        steps = slopes.mean(axis=1) * np.diff(marks)[:, None]
+        ends = leg.q[0] + np.cumsum(steps, axis=0)
+        shares = [points.shares(ends - (1 - k) * steps, slopes[:, k]) for k in range(2)]
+        slopes = np.concatenate([slopes, np.stack(shares, axis=1)[:, :, None]], axis=2)
+        bends = np.concatenate([bends, np.zeros((len(bends), 1))], axis=1)
+        velocity, most = np.append(velocity, 1.0), np.append(acceleration, np.inf)
+    speed = np.sqrt(_squares(np.diff(marks), slopes, bends, velocity, most, zone=zone, count=count))
     sums = np.maximum(speed[1:] + speed[:-1], TINY)
     t = np.concatenate([[0.0], np.cumsum(2 * np.diff(marks) / sums)])
     slower = max(leg.seconds / t[-1], 1.0)

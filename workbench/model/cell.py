@@ -226,24 +226,23 @@ class Policy:
     """The numbers by which this cell plans; lengths [m], angles [rad].
 
     `margin` is kept to everything on free legs, `near_margin` by the tool on straight legs,
-    `self_margin` between links of the same arm, whose wrist is built closer than any margin.
-    `lift_length` and `lift_lean` shape the extraction: straight up, leaning to the bin centre.
-    A part may have been found up to `sink` deep in what it lies on: deeper is a wrong pose.  It
-    may slide along that for `release` of its lift, and keeps `near_margin` from then on.
-    `speed` scales joint velocities.  `zone` is the largest corner rounding, as a fraction of
-    the shorter neighbouring segment, where the controller rounds at all (`Cell.zone`).  `planner`
-    searches the free legs, within `iterations` a call (`plugins.planner`); `birrt` is the thesis'
-    name for `rrtconnect`.  `seconds` [s] of processor time end a planning wherever it stands: a
-    stop against input that nobody foresaw, not a budget.  `order` says which part is taken first:
-    which takes the least time, the highest, the best score, the nearest to the tool, the farthest
-    from walls; or by the thesis' rules (see `planning.picking.order`).
-    `metric` weighs the joints in the planners' distance: each counts this fraction of the one
-    before it, since the first joints move more of the arm.
-    `lifts` are ways to take a part out whose grasp says none, tried in this order until one is
-    clear (`planning.picking.lifts`).  `least_air` [m]: fingers may arrive less open than a grasp
-    says where there is no room, as long as so much is left on each side of its grip; None: as the
-    grasp says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes
-    but one: the others may move; 0: any two are taken.  `picks`: plans in a row after one scan.
+    `self_margin` between links of one arm.  `lift_length` and `lift_lean` shape the extraction:
+    straight up, leaning to the bin centre.  A part may have been found up to `sink` deep in what it
+    lies on: deeper is a wrong pose.  It may slide along that for `release` of its lift, and keeps
+    `near_margin` from then on.  `speed` scales joint velocities.  `zone` is the largest corner
+    rounding, as a fraction of the shorter neighbouring segment, where the controller rounds at all
+    (`Cell.zone`).  `planner` (`plugins.planner`) searches the free legs, within `iterations` a
+    call; `birrt` is the thesis' name for `rrtconnect`.  `seconds` [s] of processor time end a
+    planning wherever it stands: a stop against input that nobody foresaw.  `order` says which part
+    is taken first: which takes the least time, the highest, the best score, the nearest to the
+    tool, the farthest from walls, or by the thesis' rules (`planning.picking.order`).  `metric`
+    weighs the joints in the planners' distance: each counts this fraction of the one before it,
+    which moves more of the arm.  `lifts` (`planning.picking.lifts`) take a part out whose grasp
+    says none, the first that is clear.  `least_air` [m]: fingers may arrive less open than a grasp
+    says where there is no room, as long as so much is left on each side of its grip; None: as it
+    says.  `pair_gap` [m]: parts nearer to each other are of one heap, of which a plan takes but
+    one; 0: any two are taken.  `picks`: plans in a row after one scan.  `tcp_speed`, `point_speed`,
+    `held_speed` [m/s] and `manual_speed` limit speeds of points (`derived.speed_limits`).
     """
 
     margin: float = 0.005
@@ -268,23 +267,24 @@ class Policy:
     sink: float = field(default_factory=lambda: 0.001, metadata=LATER)
     release: float = field(default_factory=lambda: 0.01, metadata=LATER)
     picks: int = field(default_factory=lambda: 1, metadata=LATER)
+    tcp_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
+    point_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
+    held_speed: float | None = field(default_factory=lambda: None, metadata=LATER)
+    manual_speed: bool = field(default_factory=bool, metadata=LATER)
 
 
 POLICIES: Mapping[str, Policy] = {
     "thorough": Policy(lifts=LIFT_NAMES, least_air=0.0015, pair_gap=0.01),
     "quick": Policy(),
 }
-"""Policies by how bins are emptied: with all lifts, and fingers as open as there is room, or with
-the usual lift and each grasp as it is stated."""
+"""By how bins are emptied: all lifts and fingers as open as there is room, or all as usual."""
 
 
 def picks_problem(policy: Policy) -> Message | None:
     """Why a policy cannot ask for this many plans after one scan; None when it can."""
     if not 1 <= policy.picks <= MOST_PICKS:
         return CellText.PICKS(most=MOST_PICKS, count=repr(policy.picks))
-    if policy.picks > 1 and policy.pair_gap <= 0:
-        return CellText.PAIR_GAP()
-    return None
+    return CellText.PAIR_GAP() if policy.picks > 1 and policy.pair_gap <= 0 else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
-"""What planning and proof need to know of how a controller moves, whoever has built it."""
+"""What planning and proof need to know of how a controller moves, and how fast a plan makes it."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -98,3 +99,26 @@ class MotionModel:
     def _angles(self, steps: Floats) -> Floats:
         angles = steps / 10 ** (self.decimals or 0)
         return np.deg2rad(angles) if self.unit == "deg" else angles
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedBound:
+    """How fast [m/s] the TCP and any point of arm, tool and part are on a leg, at most."""
+
+    arm: str
+    leg: str
+    tcp: float
+    point: float
+
+
+def greatest_speed(speeds: Sequence[SpeedBound]) -> SpeedBound | None:
+    """The greatest bounds of all legs, of the leg with the fastest point; None without any."""
+    if not speeds:
+        return None
+    fast = max(speeds, key=lambda bound: bound.point)
+    return replace(fast, tcp=max(bound.tcp for bound in speeds))
+
+
+def ceil_speed(bound: float) -> float:
+    """A speed [m/s] from above for people, up to whole millimetres a second."""
+    return math.ceil(bound * 1e3 - 1e-6) / 1e3

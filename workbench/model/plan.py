@@ -20,6 +20,7 @@ from workbench.model.messages.cells import CellText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.plans import PlanNote, StepText, leg_message, strategy_message
 from workbench.model.messages.proofs import violation_message
+from workbench.model.motion import SpeedBound
 from workbench.model.scan import Detection, Obstacle, Scene
 
 PLAN_FORMAT = "workbench-plan/1"
@@ -284,7 +285,8 @@ class Proof(FactsRepr):
     [m] is the smallest found over free legs, `nearest` where; `clearances` (steps,) [m] holds per
     arm and leg the smallest distance after each waypoint, for the plot, and `apart` (steps,) [m]
     the distance between the arms at each waypoint, measured as far as
-    `proof.walk.FAR_SIGHT`.
+    `proof.walk.FAR_SIGHT`.  `speeds` bound the speed of points on each leg, in a cell that limits
+    it.
     """
 
     plan_digest: str
@@ -298,6 +300,7 @@ class Proof(FactsRepr):
     clearances: tuple[tuple[str, str, Floats], ...] = ()
     apart: tuple[tuple[str, str, Floats], ...] = ()
     zone: float = 0.0
+    speeds: tuple[SpeedBound, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -80,6 +80,10 @@ def test_what_is_seldom_changed_comes_back_too(tmp_path):
         least_air=0.002,
         pair_gap=0.004,
         picks=4,
+        tcp_speed=0.4,
+        point_speed=0.5,
+        held_speed=0.3,
+        manual_speed=True,
     )
     folder = PosesFolder(str(tmp_path / "poses"), "keyed_cylinder")
     careful, *others = cell.arms

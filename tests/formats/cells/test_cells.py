@@ -259,3 +259,43 @@ def test_picks_a_scan_need_a_gap_and_change_no_digest_where_one_is_wanted(folder
     with_change(folder, "picks = 3", "picks = 11")
     with pytest.raises(FileError, match=r"picks.*11 is not a whole number from 1 to 10"):
         read_cell(path)
+
+
+def test_limits_of_speed_are_read_and_change_no_digest_where_there_are_none(folder: Path) -> None:
+    digest = read_cell(folder).digest
+    keys = "tcp_speed_mm = 400\npoint_speed_mm = 500\nheld_speed_mm = 250\nmanual_speed = true"
+    limited = read_cell(with_change(folder, "[policy]", f"[policy]\n{keys}"))
+    policy = limited.policy
+    speeds = policy.tcp_speed, policy.point_speed, policy.held_speed, policy.manual_speed
+    assert speeds == (0.4, 0.5, 0.25, True) and limited.digest != digest
+    same = read_cell(with_change(folder, keys, "manual_speed = false"))
+    assert same.digest == digest
+
+
+@pytest.mark.parametrize(
+    ("keys", "problem"),
+    [
+        ("tcp_speed_mm = 0", "policy.tcp_speed_mm: 0 is not between 1 and 50000"),
+        ("point_speed_mm = -5", "policy.point_speed_mm: -5 is not between 1 and 50000"),
+        ("held_speed_mm = nan", "policy.held_speed_mm"),
+        ('manual_speed = "yes"', "policy.manual_speed"),
+        (
+            "point_speed_mm = 200\nheld_speed_mm = 300",
+            "policy.held_speed_mm: is above point_speed_mm: a part makes it slower",
+        ),
+    ],
+)
+def test_limits_of_speed_that_cannot_be_are_refused(folder: Path, keys: str, problem: str) -> None:
+    with pytest.raises(FileError, match=f"(?s){problem}"):
+        read_cell(with_change(folder, "[policy]", f"[policy]\n{keys}"))
+
+
+def test_a_link_without_times_and_an_arm_with_jerk_limit_no_speed(folder: Path) -> None:
+    path = with_change(folder, "[policy]", "[policy]\nmanual_speed = true")
+    with_change(folder, '"abb-socket/2"', '"abb-socket"')
+    with pytest.raises(FileError, match=r"manual_speed: robot link abb-socket does not send"):
+        read_cell(path)
+    with_change(folder, '"abb-socket"', '"abb-socket/2"')
+    with_change(folder, "acceleration_deg = 600", "acceleration_deg = 600\njerk_deg = 9000")
+    with pytest.raises(FileError, match=r"policy\.manual_speed: arm right has jerk_deg"):
+        read_cell(path)

@@ -59,6 +59,10 @@ def proof_form(proof: Proof) -> dict[str, Any]:
         "clearance_mm": _mm(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
         "violations": [_place_form(violation) for violation in proof.violations],
+        "speeds": [
+            {"arm": fast.arm, "leg": fast.leg, "tcp_mm": _mm(fast.tcp), "point_mm": _mm(fast.point)}
+            for fast in proof.speeds
+        ],
     }
 
 

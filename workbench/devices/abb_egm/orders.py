@@ -96,7 +96,7 @@ def score_of(cell: Cell, plan: Plan, approval: Approval) -> Score:
                     load = load_data(loads.carried(leg.holding)).numbers
                 moves.append(Order(name, wire.GRIP, leg.opening, leg.holding, load))
             legs += 1
-            moves.append(LegRun(name, leg_name, legs, timed_way(cell, arm, leg)))
+            moves.append(LegRun(name, leg_name, legs, timed_way(cell, plan, arm, leg)))
     arms = tuple(dict.fromkeys(arm.arm for arm in plan.arms))
     begins = [Order(arm, wire.BEGIN) for arm in arms]
     ends = [Order(arm, wire.END) for arm in arms]

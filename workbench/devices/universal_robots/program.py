@@ -18,6 +18,7 @@ from workbench.devices.universal_robots.rtde import ALIVE, BEGUN, PROGRESS, REFU
 from workbench.devices.universal_robots.servo import Servo, references_of, stream_of
 from workbench.devices.universal_robots.urscript import FLANGE, Line, seconds_of
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.point_speeds import PointSpeeds, speeds_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.load import Load
@@ -118,12 +119,13 @@ def program_of(cell: Cell, plan: Plan, approval: Approval, settings: ProgramSett
                 if (loads := plan.arm(arm.name).loads) is not None:
                     lines.append(_payload(loads.carried(holding), settings.sends_inertia))
             if servo is not None:
-                references.append(references_of(cell, arm, leg, servo))
+                references.append(references_of(cell, plan, arm, leg, servo))
                 axes = [arm.to_axes(q).tolist() for q in references[-1]]
                 lines += [_write_line(line) for line in stream_of(axes, servo)]
                 lines.append(f"  stopj({STANDING:.1f})")
                 continue
-            moves = _moves(arm, leg, velocity * cell.policy.speed)
+            points = speeds_of(cell, plan, plan.arm(arm.name), leg)
+            moves = _moves(arm, leg, velocity * cell.policy.speed, points)
             if flange is not None and len(moves) > 1:
                 start = arm.to_axes(leg.q[0]).tolist()
                 acceleration = np.abs(arm.to_axes(arm.acceleration))
@@ -170,11 +172,11 @@ def _begun_once(ticket: int) -> list[str]:
     return [*lines, f"  write_output_integer_register({BEGUN[0]}, {ticket})"]
 
 
-def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
+def _moves(arm: Arm, leg: Leg, velocity: Floats, points: PointSpeeds | None) -> tuple[Line, ...]:
     """One `movej` to each waypoint, stopping there.
 
     All axes of `movej` move in the same time, `v` and `a` are those of the one that goes farthest:
-    they are so low that no axis exceeds what the cell allows it.
+    they are so low that no axis, and none of the `points`, exceeds what the cell allows it.
     """
     moves: list[Line] = []
     for before, after, seconds in zip(leg.q[:-1], leg.q[1:], np.diff(leg.t), strict=True):
@@ -186,6 +188,8 @@ def _moves(arm: Arm, leg: Leg, velocity: Floats) -> tuple[Line, ...]:
         moving = share > STILL
         v = float((velocity[moving] / share[moving]).min())
         a = float((arm.acceleration[moving] / share[moving]).min())
+        if points is not None:
+            v = min(v, far / max(points.share_along(before, after), STILL))
         # No faster than the plan was timed: half the speed and a quarter of `a` take twice as long.
         slower = min(seconds_of(far, v, a) / seconds, 1.0)
         axes = tuple(round(float(value), DIGITS) + 0.0 for value in arm.to_axes(after))

@@ -27,7 +27,7 @@ from workbench.devices.universal_robots.urscript import Line
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
-from workbench.model.plan import Leg
+from workbench.model.plan import Leg, Plan
 
 PERIOD = 0.008
 """[s] A whole number of the controller's steps, on CB3 (8 ms) and on the e-Series (2 ms)."""
@@ -54,13 +54,13 @@ class Servo:
     share: float = 1.0
 
 
-def references_of(cell: Cell, arm: Arm, leg: Leg, servo: Servo) -> Floats:
+def references_of(cell: Cell, plan: Plan, arm: Arm, leg: Leg, servo: Servo) -> Floats:
     """The references of a leg (k, n) [rad], chain order, the first where it begins.
 
     Raises:
         InputError: even slowly the arm would not stay close to them.
     """
-    way = timed_way(cell, arm, leg)
+    way = timed_way(cell, plan, arm, leg)
     share = servo.share
     while share > SLOWEST * servo.share:
         ride = Ride(way, share, PERIOD)

@@ -36,6 +36,7 @@ from workbench.model.cell import (
     ScannerMount,
     picks_problem,
 )
+from workbench.model.derived.speed_limits import limits_speed
 from workbench.model.errors import FileError, InputError
 from workbench.model.part import Bin, Part, Region
 from workbench.model.robot import Link, Robot
@@ -50,6 +51,9 @@ from workbench.plugins.robot_link import (
 from workbench.plugins.scanner import scanner_of
 
 MOST_APPROVERS = 4
+
+SPEED_KEYS = ("tcp_speed", "point_speed", "held_speed")
+"""Largest speeds of a policy, which a file has in mm/s."""
 
 SIDES = {"right_tool", "left_tool"}
 """The tools of a robot with two arms by their usual names, as an SRDF calls them."""
@@ -110,6 +114,7 @@ def read_cell(name: str | Path) -> Cell:
         link_named(cell.controller.link).check(cell)
         if problem := mapping_problem(cell):
             raise InputError(problem)
+    _check_speeds(table, cell)
     with refused_at(table, "scanner.source"):
         scanner_of(cell)
     if not cell.parts:
@@ -272,6 +277,33 @@ def _lifts(table: Table, usual: tuple[LiftName, ...]) -> tuple[LiftName, ...]:
     return names  # type: ignore[return-value]
 
 
+def _speed(table: Table, key: str) -> float | None:
+    """A largest speed [m/s]; None where the file says none."""
+    speed = table.number(key, 1000.0, low=1, high=50_000) / 1000
+    return speed if table.has(key) else None
+
+
+def _check_speeds(table: Table, cell: Cell) -> None:
+    """Refuse limits of speed that nothing would keep."""
+    if not limits_speed(cell.policy):
+        return
+    keys = (f"{key}_mm" for key in SPEED_KEYS if getattr(cell.policy, key) is not None)
+    key = f"policy.{next(keys, 'manual_speed')}"
+    if not cell.controller.motion.takes_share:
+        link = cell.controller.link
+        raise table.error(key, f"robot link {link} does not send times: it keeps no limit of speed")
+    for arm in cell.arms:
+        if arm.jerk is not None:
+            raise table.error(
+                key, f"arm {arm.name} has jerk_deg: a cell limits the speed of points or jerk"
+            )
+    slower = ("point_speed", cell.policy.point_speed), ("tcp_speed", cell.policy.tcp_speed)
+    for name, speed in slower:
+        held = cell.policy.held_speed
+        if held is not None and speed is not None and held > speed:
+            raise table.error("policy.held_speed_mm", f"is above {name}_mm: a part makes it slower")
+
+
 def _policy(table: Table) -> tuple[Policy, int]:
     """The policy, and how many people have to approve."""
     usual = POLICIES[table.text("emptying", "quick", among=tuple(POLICIES))]
@@ -308,6 +340,8 @@ def _policy(table: Table) -> tuple[Policy, int]:
         pair_gap=length("pair_gap_mm", usual.pair_gap, 1000),
         least_air=air if table.has("least_air_mm") else usual.least_air,
         picks=table.whole("picks", usual.picks, low=1, high=MOST_PICKS),
+        manual_speed=table.flag("manual_speed", False),
+        **{key: _speed(table, f"{key}_mm") for key in SPEED_KEYS},
     )
     if problem := picks_problem(policy):
         raise table.error("picks", problem)

@@ -105,6 +105,7 @@ DEPENDS = frozenset(
     + ("friction", "tolerance_mm", "arm[].place[].part_position_mm", "grasp[].retreat")
     + ("recipe[].parts", "recipe[].grasps", "recipe[].places", "recipe[].strategy")
     + ("recipe[].threshold_mm", "recipe[].speed")
+    + ("policy.tcp_speed_mm", "policy.point_speed_mm", "policy.held_speed_mm")
 )
 """Keys without which something else counts than a value: their meaning says what."""
 

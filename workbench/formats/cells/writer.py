@@ -143,6 +143,11 @@ def _policy(cell: Cell) -> Iterator[str]:
         yield f"least_air_mm = {number(policy.least_air * 1000)}"
     if policy.picks != usual.picks:
         yield f"picks = {policy.picks}"
+    for key in ("tcp_speed", "point_speed", "held_speed"):
+        if (speed := getattr(policy, key)) is not None:
+            yield f"{key}_mm = {number(speed * 1000)}"
+    if policy.manual_speed:
+        yield "manual_speed = true"
     yield f"approvers = {cell.approvers}             # different people who approve each plan"
 
 

@@ -16,7 +16,7 @@ from workbench.model.messages.plans import cycle_words, guarantee_message, strat
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Guarantee, Plan, parts_taken
 from workbench.model.release import manner_words
-from workbench.proof.claims.clearance import clearance_message
+from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
 
@@ -160,7 +160,7 @@ def _plans(state: State) -> list[Fact]:
         remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
         proven = ApprovalText.PROVEN_PLAN(
             cycle=plan.cycle_seconds,
-            clearance=clearance_message(proof),
+            clearance=bounds_message(proof),
             plan=short(plan.digest),
             proof=short(proof.digest),
         )

@@ -10,8 +10,9 @@ from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
+from workbench.model.motion import ceil_speed, greatest_speed
 from workbench.model.plan import Plan, Proof, floor_distance
-from workbench.proof.claims.clearance import clearance_message, linear_clearance
+from workbench.proof.claims.clearance import bounds_message, linear_clearance
 from workbench.words.words import IN_ENGLISH, Words
 
 PURPOSE = "Judges every grasp with every arm, plans the motion and proves it again."
@@ -46,10 +47,10 @@ def _no_plan_line(state: State, words: Words) -> str:
 
 
 def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
-    """Four numbers of a proven plan: cycle, parts, and both clearances, from below."""
-    linear = linear_clearance(proof)
+    """Numbers of a proven plan: cycle, parts, both clearances, from below, and the speed."""
+    linear, fast = linear_clearance(proof), greatest_speed(proof.speeds)
     cycle = words.render(cycle_words(plan.cycle_seconds, state.bound))
-    clearance = words.render(clearance_message(proof))
+    clearance = words.render(bounds_message(proof))
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
         (str(len(plan.arms)), "Parts", ""),
@@ -59,6 +60,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
             "Linear motion",
             clearance,
         ),
+        ("" if fast is None else f"{ceil_speed(fast.point) * 1e3:.0f} mm/s", "Fastest", clearance),
     )
     shown = "".join(
         f'<div title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'

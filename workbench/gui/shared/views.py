@@ -28,7 +28,7 @@ from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof
 from workbench.model.prediction import Predictions
 from workbench.perception.scene.fill_level import parts_in_words
-from workbench.proof.claims.clearance import clearance_message
+from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
 
 STEPS = ("Scan", "Find parts", "Plan", "Approve", "Send")
@@ -323,7 +323,7 @@ def _ready_message(state: State, plan: Plan) -> Message:
 
 def clearance_words(proof: Proof, words: Words = IN_ENGLISH) -> str:
     """How near a plan comes to anything on its free and on its linear motion."""
-    return words.render(clearance_message(proof))
+    return words.render(bounds_message(proof))
 
 
 def table_html(

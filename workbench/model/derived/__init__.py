@@ -1,1 +1,1 @@
-"""Cells made from a cell: by one of its recipes."""
+"""Made from a cell: the cell by a recipe; points that arms carry, and their speeds."""

@@ -118,6 +118,7 @@ class ProofText(Text, subject="proof"):
     TOO_FAST = "is faster than the joints may turn"
     TOO_HARD = "asks for more acceleration than the arm has"
     TOO_JERKY = "asks for more jerk than the arm may have"
+    POINT_TOO_FAST = "moves a point faster than the cell allows: {most:mm/s} at most"
 
     NEVER_LEAVES = "the hand never leaves the part that it has released"
     TOO_MANY = "has too many waypoints beside leg {leg} of arm {arm} to be proven"

@@ -11,6 +11,8 @@ q' s'' + q'' (s')^2 is linear as well.  What holds at both ends of a piece, each
 it, holds everywhere: limits are kept along the whole curve, not only at the grid.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numba import njit
 
@@ -35,12 +37,20 @@ WITHIN = 1e-9
 """Share of a squared speed that rounding may decide."""
 
 
+SHARE_MARKS = 33
+"""On a way that begins and ends at rest, where the speeds of points are asked."""
+
+Shares = Callable[[Floats, Floats], Floats]
+"""Configurations and slopes (k, n) -> the share (k,) of a limit at a parameter of speed 1."""
+
+
 def compute_times(
     path: Floats,
     velocity: Floats,
     acceleration: Floats,
     zone: float,
     jerk: Floats | None = None,
+    shares: Shares | None = None,
 ) -> Floats:
     """Times (m,) [s] at which the waypoints (m, n) are passed, starting at 0, from rest to rest.
 
@@ -51,31 +61,66 @@ def compute_times(
         zone: corner rounding, fraction of the neighbouring segments, below 0.5.
         jerk: largest joint jerks (n,) [rad/s3]; without them acceleration may jump, and corners
             are rounded as above, with them as `jerk_limited` says.
+        shares: what else may not exceed 1, such as speeds of points as shares of their limits;
+            not beside `jerk`.
 
     Raises:
-        WorkbenchError: the limits are not positive.
+        WorkbenchError: the limits are not positive, or `shares` are given beside `jerk`.
     """
     if not (np.all(velocity > 0) and np.all(acceleration > 0)):
         raise WorkbenchError("an arm's speed and acceleration limits must be above zero")
     if jerk is not None:
         if not np.all(jerk > 0):
             raise WorkbenchError("an arm's jerk limits must be above zero")
+        if shares is not None:
+            raise WorkbenchError("speeds of points are not limited where jerk is")
         return jerk_limited(np.diff(path, axis=0), velocity, acceleration, jerk, zone)
-    if zone <= 0.0:
-        return _stopping(path, velocity, acceleration)  # sharp corners are taken at rest
+    if zone <= 0.0:  # sharp corners are taken at rest
+        steps = np.diff(path, axis=0)
+        if shares is not None:
+            steps, *limits = _with_shares(path, steps, velocity, acceleration, shares)
+            return _stopping(steps, *limits)
+        return _stopping(steps, velocity, acceleration)
     slopes, bends, widths, at = _pieces(np.diff(path, axis=0), zone)
+    if shares is not None:
+        # One more joint, whose speed is at most 1, and which accelerates as it likes.
+        ends = _marks(path, slopes, widths)
+        more = [shares(ends[:, k], slopes[:, k]) for k in range(2)]
+        slopes = np.concatenate([slopes, np.stack(more, axis=1)[:, :, None]], axis=2)
+        bends = np.concatenate([bends, np.zeros((len(bends), 1))], axis=1)
+        velocity, acceleration = np.append(velocity, 1.0), np.append(acceleration, np.inf)
     speeds = np.sqrt(_squared_speeds(slopes, bends, widths, velocity, acceleration))
     times = np.cumsum(2.0 * widths / (speeds[1:] + speeds[:-1]))
     return np.concatenate([[0.0], times[at]])
 
 
-def _stopping(path: Floats, velocity: Floats, acceleration: Floats) -> Floats:
-    """Times (m,) [s] with a stop at every waypoint: slower, and possible on every path.
+def _with_shares(
+    path: Floats, steps: Floats, velocity: Floats, acceleration: Floats, shares: Shares
+) -> tuple[Floats, Floats, Floats]:
+    """Ways (m, n) and limits with one more joint, which is fastest of all where points are."""
+    at = np.linspace(0.0, 1.0, SHARE_MARKS)[:, None]
+    most = [
+        shares(start + at * step, np.tile(step, (SHARE_MARKS, 1))).max()
+        for start, step in zip(path, steps, strict=False)
+    ]
+    more = np.column_stack([steps, most])
+    return more, np.append(velocity, 1.0), np.append(acceleration, np.inf)
+
+
+def _marks(path: Floats, slopes: Floats, widths: Floats) -> Floats:
+    """Configurations (k, 2, n) [rad] at both ends of pieces: q' is linear in each."""
+    steps = (slopes[:, 0] + slopes[:, 1]) / 2 * widths[:, None]
+    ends = path[0] + np.cumsum(steps, axis=0)
+    return np.stack([ends - steps, ends], axis=1)
+
+
+def _stopping(steps: Floats, velocity: Floats, acceleration: Floats) -> Floats:
+    """Times (m + 1,) [s] along ways (m, n) with a stop after each: possible on every path.
 
     All joints move in proportion, so the one that is fast soonest and the one that brakes longest
     hold up all others.
     """
-    steps = np.abs(np.diff(path, axis=0))
+    steps = np.abs(steps)
     # Of a whole way: [s] at full speed, [s2] at full acceleration.
     fast, hard = (steps / velocity).max(axis=1), (steps / acceleration).max(axis=1)
     # Up to speed and down again, or never quite up to speed.

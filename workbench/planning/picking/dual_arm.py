@@ -31,7 +31,7 @@ from workbench.planning.collision.motion import Curves, bound_curves, chain_cont
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.quickness import pace_of
 from workbench.planning.picking.order import Cost
-from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, leg_of
+from workbench.planning.picking.route import MOTIONS, along_placed, arm_plan, hand_of, leg_of
 from workbench.planning.picking.search import PathQuery, joint_weights, onward
 from workbench.planning.picking.synchronized_motion import in_step
 
@@ -265,7 +265,8 @@ def _around(world: World, pair: Pair, rng: np.random.Generator) -> Iterator[Pair
             path = onward(query, lead, goal, rng)
         if isinstance(path, Verdict):
             continue
-        leg = leg_of(world, world.arm(task.plan.arm), task.name, path, task.leg.opening)
+        arm, hand = world.arm(task.plan.arm), hand_of(world, task.plan)
+        leg = leg_of(world, arm, task.name, path, task.leg.opening, hand)
         led = task.with_leg(leg)
         yield (pair[0], led) if slave else (led, pair[1])
 

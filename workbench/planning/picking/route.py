@@ -8,6 +8,8 @@ import numpy as np
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
+from workbench.model.derived.carried_points import InHand
+from workbench.model.derived.point_speeds import speeds_on
 from workbench.model.geometry import Floats
 from workbench.model.load import loads_of
 from workbench.model.messages.message import Message
@@ -146,7 +148,7 @@ def arm_plan(
         path = free_path(world, arm, lead, goal, rng)
         if isinstance(path, Verdict):
             return path if name == "reach" else _refuse_later_leg(path, name)
-        free.append(leg_of(world, arm, name, path, opening))
+        free.append(leg_of(world, arm, name, path, opening, hand_of(world, plan)))
     legs = sorted((*plan.legs, *free), key=lambda leg: LEG_NAMES.index(leg.name))
     return replace(plan, legs=tuple(legs))
 
@@ -155,12 +157,14 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     """The plan of an arm with its straight legs alone."""
     candidate, grasp = pick.candidate, pick.candidate.grasp
     arm = world.arm(candidate.arm)
+    found = world.detections[candidate.detection]
+    part = world.cell.part(found.part)
+    hand = InHand(part, found, pick.T_tcp_part)
     legs = (
-        leg_of(world, arm, "approach", pick.approach, grasp.opening),
-        leg_of(world, arm, "extract", pick.extract, grasp.grip),
-        leg_of(world, arm, "place", put.down, grasp.grip),
+        leg_of(world, arm, "approach", pick.approach, grasp.opening, hand),
+        leg_of(world, arm, "extract", pick.extract, grasp.grip, hand),
+        leg_of(world, arm, "place", put.down, grasp.grip, hand),
     )
-    part = world.cell.part(world.detections[candidate.detection].part)
     loads = loads_of(arm.tool, part, pick.T_tcp_part)
     taken = candidate.detection, grasp.name, pick.T_tcp_part
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads)
@@ -192,10 +196,20 @@ def _refuse_later_leg(verdict: Verdict, name: LegName) -> Verdict:
     return replace(verdict, reason=Reason.NO_RETURN, note=VerdictNote.LEG(leg=leg_message(name)))
 
 
-def leg_of(world: World, arm: Arm, name: LegName, path: Floats, opening: float) -> Leg:
+def hand_of(world: World, plan: ArmPlan) -> InHand:
+    """What an arm carries on the legs on which it holds its part."""
+    found = world.detections[plan.detection]
+    return InHand(world.cell.part(found.part), found, plan.T_tcp_part)
+
+
+def leg_of(
+    world: World, arm: Arm, name: LegName, path: Floats, opening: float, hand: InHand
+) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)
-    times = compute_times(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
+    points = speeds_on(world.cell, arm, name in HOLDING, opening, hand)
+    limits = pace.velocity, pace.acceleration, world.policy.zone, pace.jerk
+    times = compute_times(path, *limits, None if points is None else points.shares)
     return Leg(name, MOTIONS[name], name in HOLDING, opening, path, times)
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.model.candidate import Verdict
+from workbench.model.derived.point_speeds import speeds_on
 from workbench.model.geometry import Floats, Ints
 from workbench.model.plan import ArmPlan, Leg, LegName
 from workbench.planning.collision.legs import lead_of
@@ -13,7 +14,7 @@ from workbench.planning.collision.motion import RESOLUTION, bound_curves
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import Pace, pace_of
-from workbench.planning.picking.route import MOTIONS
+from workbench.planning.picking.route import MOTIONS, hand_of
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.plugins.planner import Planner
 
@@ -53,7 +54,7 @@ def in_step(
         path = np.hstack([legs[0].q, legs[1].q])
         if check(bound_curves(path, world.motion, policy.zone)) is not None:
             return None
-    return _with_times(world, plans, legs, path)
+    return time_in_step(world, plans, legs, path)
 
 
 def way_in_step(
@@ -112,12 +113,25 @@ def pace_in_step(world: World, arms: Sequence[str]) -> Pace:
     )
 
 
-def _with_times(
+def time_in_step(
     world: World, plans: tuple[ArmPlan, ArmPlan], legs: tuple[Leg, Leg], path: Floats
 ) -> tuple[Leg, Leg]:
+    """Both legs along a path (m, n) [rad] of the joints of both arms, with its timing."""
     pace = pace_in_step(world, [plan.arm for plan in plans])
-    times = compute_times(path, pace.velocity, pace.acceleration, world.policy.zone, pace.jerk)
     count = len(plans[0].joints)
+    points = [
+        speeds_on(world.cell, world.arm(plan.arm), leg.holding, leg.opening, hand_of(world, plan))
+        for plan, leg in zip(plans, legs, strict=True)
+    ]
+
+    def shares(q: Floats, slopes: Floats) -> Floats:
+        ways = ((q[:, :count], slopes[:, :count]), (q[:, count:], slopes[:, count:]))
+        found = [p.shares(*way) for p, way in zip(points, ways, strict=True) if p is not None]
+        return np.max(found, axis=0)
+
+    limits = pace.velocity, pace.acceleration, world.policy.zone, pace.jerk
+    has_limits = any(p is not None for p in points)
+    times = compute_times(path, *limits, shares if has_limits else None)
     return (
         replace(legs[0], q=path[:, :count], t=times),
         replace(legs[1], q=path[:, count:], t=times),

@@ -1,7 +1,8 @@
-"""How near a proven plan comes to anything, for people: on free and on linear motion."""
+"""How near a proven plan comes to anything, and how fast it gets, for people."""
 
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.states import ClearanceText
+from workbench.model.motion import ceil_speed, greatest_speed
 from workbench.model.plan import Proof, floor_distance
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -14,6 +15,20 @@ def linear_clearance(proof: Proof) -> float | None:
         if leg in NEAR_MARGIN_LEGS and len(bounds)
     ]
     return min(found) if found else None
+
+
+def bounds_message(proof: Proof) -> Message:
+    """What a proof bounds: both least distances, and speeds where the cell limits them."""
+    clearance, speed = clearance_message(proof), speed_message(proof)
+    return clearance if speed is None else all_of((clearance, speed)) or clearance
+
+
+def speed_message(proof: Proof) -> Message | None:
+    """How fast points and the TCP get at most; None in a cell that limits neither."""
+    fast = greatest_speed(proof.speeds)
+    if fast is None:
+        return None
+    return ClearanceText.SPEEDS(point=ceil_speed(fast.point), tcp=ceil_speed(fast.tcp))
 
 
 def clearance_message(proof: Proof) -> Message:

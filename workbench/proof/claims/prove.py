@@ -24,6 +24,7 @@ from workbench.proof.claims.places.standing import standing_after
 from workbench.proof.claims.scene import turned_pieces
 from workbench.proof.claims.stages import put_at
 from workbench.proof.claims.timing.pace import pace_violations
+from workbench.proof.claims.timing.point_speed import speed_claims
 from workbench.proof.claims.walk import Walk
 from workbench.proof.engine.robot import tree_of
 from workbench.proof.engine.search import SIGHT
@@ -59,7 +60,7 @@ def prove(
         A proof; `holds` is True when there is no violation.
     """
     violations = list(form_violations(cell, scene, plan))
-    walked = None
+    walked, speeds = None, ()
     arms = [(cell.arm(arm.arm), arm) for arm in plan.arms] if not violations else []
     legs = [(arm, leg) for arm, arm_plan in arms for leg in arm_plan.legs]
     # Joints that turn a hundred times would be followed for hours.
@@ -67,7 +68,10 @@ def prove(
     if not violations:
         tree = tree_of(cell)
         violations += [f for arm, leg in legs for f in opening_and_time_violations(cell, arm, leg)]
-        violations += pace_violations(cell, plan)
+        too_fast = list(pace_violations(cell, plan))
+        points_too_fast, speeds = speed_claims(cell, tree, plan)
+        # Of joints that are too fast already, points are too.
+        violations += too_fast or points_too_fast
         violations += [
             f for _, arm_plan in arms for f in grasp_violations(cell, tree, plan, arm_plan)
         ]
@@ -93,6 +97,7 @@ def prove(
         violations=tuple(violations),
         clearances=() if walked is None else walked.clearances,
         apart=() if walked is None else walked.apart,
+        speeds=speeds,
     )
 
 

@@ -31,7 +31,7 @@ class Space:
     def __init__(self, tree: Tree, bodies: tuple[CheckedBody, ...], table: BodyPairs) -> None:
         self.tree, self.bodies, self.table = tree, bodies, table
         self.looks, self.at = 0, tree.rest
-        self.chain, self.arrays = _chain_of(tree), _arrays_of(bodies, table)
+        self.chain, self.arrays = chain_of(tree), arrays_of(bodies, table.rounds)
         self.joints = self.arrays.joints
         rest, every = tree.rest[None], np.ones(len(bodies), bool)
         world = poses(self.chain, self.arrays, rest, np.zeros_like(rest), every)
@@ -119,7 +119,8 @@ class Space:
         return self._measured.oMg[number]
 
 
-def _arrays_of(bodies: tuple[CheckedBody, ...], table: BodyPairs) -> Bodies:
+def arrays_of(bodies: tuple[CheckedBody, ...], rounds: Bools) -> Bodies:
+    """Bodies to be compiled for; `rounds` (b,), no unit, fill the same space at every turn."""
     at, hulls = [body.T_joint_body for body in bodies], [hull(body.shape) for body in bodies]
     return Bodies(
         np.array([body.joint for body in bodies]),
@@ -127,7 +128,7 @@ def _arrays_of(bodies: tuple[CheckedBody, ...], table: BodyPairs) -> Bodies:
         np.array([T.act(convex.centre) for T, convex in zip(at, hulls, strict=True)]),
         np.array([convex.half for convex in hulls]),
         np.array([convex.radius for convex in hulls]),
-        table.rounds,
+        rounds,
         np.concatenate([convex.points for convex in hulls]),
         np.cumsum([0, *(len(convex.points) for convex in hulls)]),
         np.array([convex.box for convex in hulls]),
@@ -136,7 +137,8 @@ def _arrays_of(bodies: tuple[CheckedBody, ...], table: BodyPairs) -> Bodies:
     )
 
 
-def _chain_of(tree: Tree) -> JointTree:
+def chain_of(tree: Tree) -> JointTree:
+    """The joints of a robot for what is compiled."""
     model = tree.model
     joints = [tree.joints.get(j) for j in range(model.njoints)]
     return JointTree(

@@ -166,6 +166,10 @@ def proof_form(proof: Proof) -> Form:
         "clearance": finite(proof.clearance),
         "nearest": None if proof.nearest is None else _place_form(proof.nearest),
         "violations": [_place_form(violation) for violation in proof.violations],
+        "speeds": [
+            {"arm": fast.arm, "leg": fast.leg, "tcp": finite(fast.tcp), "point": finite(fast.point)}
+            for fast in proof.speeds
+        ],
     }
 
 

@@ -261,6 +261,7 @@ PROOF = record(
     clearance=or_none(NUMBER),
     nearest=or_none(PLACE_OF_PROOF),
     violations=many(PLACE_OF_PROOF),
+    speeds=many(record(arm=TEXT, leg=TEXT, tcp=or_none(NUMBER), point=or_none(NUMBER))),
 )
 STATISTICS = record(
     cycles=WHOLE,

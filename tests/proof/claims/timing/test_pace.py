@@ -16,6 +16,8 @@ from workbench.model.plan import Guarantee, Step
 from workbench.planning.kinematics.execution import compute_times
 from workbench.plugins.robot_link import spoken_to_by
 from workbench.proof.claims.timing.pace import pace_violations
+from workbench.proof.claims.timing.point_speed import speed_claims
+from workbench.proof.engine.robot import tree_of
 
 
 @pytest.fixture(scope="module", params=LINKS)
@@ -143,3 +145,14 @@ def test_arms_in_step_are_one_motion(cell, result):
     assert list(pace_violations(cell, scaled(plan, 3.0))) == []
     (violation,) = pace_violations(cell, scaled(plan, 0.98))
     assert violation.arm == plan.arms[0].arm
+
+
+def test_points_keep_to_their_own_limit(cell, result):
+    """In short what `test_point_speed` shows of each kind of link."""
+    slow = replace(cell, policy=replace(cell.policy, point_speed=0.5))
+    tree = tree_of(slow)
+    violations, bounds = speed_claims(slow, tree, result.plan)
+    assert {v.problem.text for v in violations} == {ProofText.POINT_TOO_FAST}
+    assert max(bound.point for bound in bounds) == pytest.approx(0.5)
+    assert speed_claims(slow, tree, scaled(result.plan, 5.0))[0] == ()
+    assert speed_claims(cell, tree, result.plan) == ((), ())

@@ -129,14 +129,14 @@ def _check_rounded(
     return None if row < 0 else (ProofText.TOO_HARD, row)
 
 
-def marks_of(steps: Floats, zone: float) -> tuple[Floats, Floats]:
+def marks_of(steps: Floats, zone: float, finer: int = 1) -> tuple[Floats, Floats]:
     """Slopes (k, n) [rad] of the rounded curve at marks, and the widths (k - 1,) between these.
 
     In a corner the slope goes from that of the one way to that of the other at an even rate; it is
-    their mean at the waypoint.
+    their mean at the waypoint.  Each piece may be cut into several `finer` ones.
     """
-    corner = np.linspace(0.0, zone, CORNER + 1)
-    straight = np.linspace(zone, 1.0 - zone, STRAIGHT + 1) if zone < 0.5 else corner[-1:]
+    corner = np.linspace(0.0, zone, finer * CORNER + 1)
+    straight = np.linspace(zone, 1.0 - zone, finer * STRAIGHT + 1) if zone < 0.5 else corner[-1:]
     at = np.concatenate([corner[:-1], straight, 1.0 - corner[-2::-1]])
     means = np.vstack([steps[:1], (steps[:-1] + steps[1:]) / 2, steps[-1:]])
     begins, ends = np.maximum(1.0 - at / zone, 0.0), np.maximum(1.0 - (1.0 - at) / zone, 0.0)
