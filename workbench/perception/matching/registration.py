@@ -108,8 +108,11 @@ def _quick_scores(
         for m in range(len(points)):
             p = moved(motion, (points[m, 0], points[m, 1], points[m, 2]))
             n = turned(motion, (normals[m, 0], normals[m, 1], normals[m, 2]))
-            cosine = -dot(n, p) / np.sqrt(dot(p, p))
-            if cosine < FACING or p[2] <= 0.0:
+            towards = -dot(n, p)
+            if towards <= 0.0 or p[2] <= 0.0:  # half of them, and no root is needed to know
+                continue
+            cosine = towards / np.sqrt(dot(p, p))
+            if cosine < FACING:
                 continue
             total += cosine
             v, u = _pixel(p, seen.focal, seen.column, seen.row, rows, columns)

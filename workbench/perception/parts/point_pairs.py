@@ -12,7 +12,7 @@ takes to each other one stands for all: votes for the others are votes for the s
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit, prange
+from numba import njit, prange, uint64
 from numpy.typing import NDArray
 
 from workbench.model.geometry import Floats, Ints, frozen, put
@@ -242,11 +242,17 @@ def _counts(
         if feature < 0 or starts[feature] == starts[feature + 1]:
             continue
         turn = _turn(second, third, p1, p2)
-        for entry in range(starts[feature], starts[feature + 1]):
+        for entry in range(uint64(starts[feature]), uint64(starts[feature + 1])):
             place = (turn - turns[entry]) * per_turn
             lower = int(np.floor(place))
             share = place - lower
-            first, before, after = firsts[entry], lower % TURNS, (lower + 1) % TURNS
-            counts[first, before] += 1.0 - share
-            counts[first, after] += share
+            # Two turns are less than one round apart, either way: a division would take longer.
+            if lower < 0:
+                lower += TURNS
+            elif lower >= TURNS:
+                lower -= TURNS
+            upper = lower + 1 if lower + 1 < TURNS else 0
+            first = uint64(firsts[entry])
+            counts[first, uint64(lower)] += 1.0 - share
+            counts[first, uint64(upper)] += share
     return counts
