@@ -14,6 +14,7 @@ from waiting import PATIENCE, lasting
 import workbench
 from workbench.devices.pick_server.asking import Asker
 from workbench.devices.pick_server.axes import axis_words
+from workbench.devices.pick_server.conversation import VERSION
 from workbench.devices.pick_server.lines import Form
 from workbench.plugins.robot_link import Simulation, controller_by, link_named, send
 
@@ -90,7 +91,7 @@ def program(cell, *faults, port=0, speed=200.0):
 class Program:
     """A robot program that jumps to where it has to be, and keeps what it was given."""
 
-    def __init__(self, cell, port, form=None, again=0.2, run=1):
+    def __init__(self, cell, port, form=None, again=0.2, run=1, version=VERSION):
         form = form or Form()
         self.axes, self.q = axis_words(cell, form), np.asarray(cell.arms[0].home)
         self.over = threading.Event()
@@ -99,7 +100,7 @@ class Program:
         def is_over():
             return self.over.is_set() or time.monotonic() > until
 
-        self.asker = Asker("127.0.0.1", port, form, run, is_over, again)
+        self.asker = Asker("127.0.0.1", port, form, run, is_over, again, version=version)
         self.got, self.plans = [], []
 
     def ask(self, job, *words):

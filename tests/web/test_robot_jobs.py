@@ -12,10 +12,17 @@ from waiting import PATIENCE, wait_until
 import workbench
 from workbench.app.core.control import TakeControl
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.unapproved import SwitchApproval
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.people import Role
 from workbench.app.core.state import Phase
+from workbench.app.records.replay import replay
+from workbench.app.records.sessions import cell_of
 from workbench.app.runtime.bench import Bench
+from workbench.devices.pick_server.conversation import POSES_VERSION
+from workbench.devices.pick_server.lines import Form
 from workbench.journal.journal import Journal
+from workbench.model.errors import CommandRefused
 from workbench.plugins.robot_link import controller_by
 from workbench.web.robot_jobs import ACTOR, robot_jobs
 
@@ -43,10 +50,10 @@ def robot(bench):
     one.close()
 
 
-def until_done(robot, job, *words):
-    """The answer to a job that takes long."""
+def until_done(robot, job, *words, until=""):
+    """The answer to a job that takes long, or the one that it waits for `until`."""
     began = time.monotonic()
-    while (answer := robot.ask(job, *words))[0] == "WAIT":
+    while (answer := robot.ask(job, *words))[0] == "WAIT" and answer[1] != until:
         assert time.monotonic() - began < PATIENCE
         time.sleep(0.05)
     return answer
@@ -78,6 +85,49 @@ def test_a_robot_program_runs_whole_cycles_and_only_a_person_approves(bench, rob
     rows = [(row.kind, json.loads(row.body).get("actor")) for row in bench.entries()]
     assert [actor for kind, actor in rows if kind == "Approve"] == ["anna", "anna"]
     assert {actor for kind, actor in rows if kind in JOBS} == {ACTOR}
+
+
+@pytest.mark.timeout(1800)
+def test_poses_go_out_without_approval_only_while_an_engineer_has_switched_it_off(tmp_path):
+    cell = workbench.read_cell("tx2_90")
+    options = {"poses": "staubli", "longest": 128}
+    link = controller_by("pick-server", port=free_port(), options=options)
+    bench = Bench(replace(cell, controller=link), Journal(tmp_path / "session"))
+    robot = Program(bench.cell, link.port, Form(longest=128), version=POSES_VERSION)
+    with robot_jobs(bench):
+        assert until_done(robot, "scan") == ("OK", "scan")
+        assert until_done(robot, "find")[0] == "OK"
+        assert until_done(robot, "next", until="approval") == ("WAIT", "approval")
+        assert "nothing of the robot's motion is proven" in str(bench.state.message)
+        # Whatever the robot's program is, it switches nothing.
+        with pytest.raises(CommandRefused):
+            bench.do(SwitchApproval(True), ACTOR, Role.OPERATOR)
+        assert robot.ask("next") == ("WAIT", "approval")
+        bench.do(SwitchApproval(True), "anna")
+        assert until_done(robot, "next")[:2] == ("PICK", "unproven")
+        poses = [robot.ask("pose", str(number)) for number in (1, 2, 3)]
+        assert all(words[:2] == ("POSE", "unproven") for words in poses)
+        assert robot.ask("picked") == ("OK", "picked")
+        assert robot.ask("placed") == ("OK", "end")
+        wait_until(lambda: bench.state.phase is Phase.DONE)
+        approval, digest = bench.state.approval, bench.state.plan.digest
+        assert approval.is_switched_off and approval.people == ()
+        bench.do(SwitchApproval(False), "anna")
+        robot.close()
+        bench.close()
+    journal = Journal(tmp_path / "session")
+    rows = [(row.kind, json.loads(row.body).get("actor")) for row in journal.entries()]
+    states = [state for _, state in replay(journal, cell_of(journal))]
+    journal.close()
+    assert [row for row in rows if row[0] in ("SwitchApproval", "ReleasePoses", "Approve")] == [
+        ("SwitchApproval", "anna"),
+        ("ReleasePoses", ACTOR),
+        ("SwitchApproval", "anna"),
+    ]
+    let_out = [state.approval for state in states if state.approval]
+    assert {one.plan_digest for one in let_out} == {digest}
+    assert all(one.is_switched_off for one in let_out)
+    assert states[-1].unapproved_by == "" and states[-1].parts_placed == 1
 
 
 def test_whoever_is_in_control_is_not_overruled(bench, robot):

@@ -67,6 +67,9 @@ class Approval:
     It may be for a row of plans that go out one after the other: `row` names those after this one,
     each by the digests of plan and proof.  What lets the next one out is `onward`, whose `first` is
     the digest of the approval as it was given; empty for that one itself.
+
+    `is_switched_off`: nobody has approved this plan.  `actor` is the engineer who had switched
+    approval off, which a cell allows whose robot link sends poses alone.
     """
 
     plan_digest: str
@@ -83,6 +86,7 @@ class Approval:
     is_stepped: bool = field(default_factory=bool, metadata=LATER)
     row: tuple[tuple[str, str], ...] = field(default_factory=tuple, metadata=LATER)
     first: str = field(default_factory=str, metadata=LATER)
+    is_switched_off: bool = field(default_factory=bool, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -106,6 +110,8 @@ class Approval:
     @property
     def people(self) -> tuple[str, ...]:
         """Everybody whose vote it is, in the order in which they gave it."""
+        if self.is_switched_off:
+            return ()
         return (*(vote.actor for vote in self.before), self.actor)
 
 

@@ -8,24 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-import numpy as np
-
 from workbench.model.cell import Cell, Controller
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.devices import DeviceText
-from workbench.model.messages.message import Message
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
-from workbench.model.release import (
-    AS_PLANNED,
-    Approval,
-    LinkStatus,
-    Manner,
-    Receipt,
-    RobotState,
-)
+from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
 from workbench.plugins.found import USUAL as USUAL_NAME
 from workbench.plugins.found import Group, load
+from workbench.plugins.misfit import misfit
 from workbench.plugins.options import Options, options_of
 from workbench.plugins.progress import Cancelled, never
 from workbench.plugins.report_checks import Receipts, check_state, check_status
@@ -114,7 +105,9 @@ class RobotLink(Protocol):
 
     `motion` says how the controller moves: planning, timing and proof follow from it, so it must
     never promise less than the controller may do.  `Options` is the dataclass of the keys that
-    stand in the cell file under `[controller.options]` (`plugins.options`), or `NoOptions`.
+    stand in the cell file under `[controller.options]` (`plugins.options`), or `NoOptions`.  Where
+    they change how the controller moves, the link has a method `motion_by(options)` too, which
+    gives that model; `motion` is the model without options.
     """
 
     motion: MotionModel
@@ -234,6 +227,16 @@ def link_named(name: str) -> RobotLink:
     return link
 
 
+def motion_of(link: RobotLink, options: Options) -> MotionModel:
+    """How a controller moves that is spoken to by a link with these options.
+
+    Raises:
+        InputError: the options are not right.
+    """
+    motion_by = getattr(link, "motion_by", None)
+    return link.motion if motion_by is None else motion_by(options)
+
+
 def controller_by(
     name: str,
     host: str = "127.0.0.1",
@@ -249,7 +252,7 @@ def controller_by(
     link, options = link_named(name), options or {}
     options_of(link.Options, options)
     state_port = min(port + 1, 65535) if state_port is None else state_port
-    return Controller(host, port, state_port, link.motion, options)
+    return Controller(host, port, state_port, motion_of(link, options), options)
 
 
 def spoken_to_by(cell: Cell, name: str) -> Cell:
@@ -275,44 +278,12 @@ def check_approval(plan: Plan, approval: Approval, cell: Cell, now: float) -> No
             raise CommandRefused(
                 DeviceText.OTHER_APPROVAL(what=what(), approved=approved[:12], present=present[:12])
             )
+    if approval.is_switched_off and not cell.controller.motion.sends_poses:
+        raise CommandRefused(DeviceText.NOBODY_APPROVED(link=cell.controller.link))
     if now < approval.at:
         raise CommandRefused(DeviceText.APPROVAL_EARLY(seconds=approval.at - now))
     if not now <= approval.until:
         raise CommandRefused(DeviceText.APPROVAL_OVER(seconds=now - approval.until))
-
-
-def mapping_problem(cell: Cell) -> Message | None:
-    """Why the link of a cell does not speak in its controller's numbers; else None."""
-    motion = cell.controller.motion
-    mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
-    if not mapped or motion.maps_axes:
-        return None
-    return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
-
-
-def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | None:
-    """Why the controller of a cell cannot run a plan as it was proven, in this manner; else None.
-
-    The controller is not in the cell's digest: a plan may have been made for another one.
-    """
-    motion = cell.controller.motion
-    if problem := mapping_problem(cell):
-        return problem
-    if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
-        return DeviceText.ONE_ARM(link=motion.link)
-    if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):
-        return DeviceText.FINER_STEPS(link=motion.link)
-    share, is_stepped = manner
-    if share < 1.0 and not motion.takes_share:
-        return DeviceText.NO_SHARE(link=motion.link)
-    if is_stepped and not motion.takes_steps:
-        return DeviceText.NO_STEPS(link=motion.link)
-    longest = max(float(np.diff(leg.t).max()) for arm in plan.arms for leg in arm.legs) / share
-    if longest > motion.longest:
-        return DeviceText.TOO_SLOW(
-            share=share, longest=longest, link=motion.link, most=motion.longest
-        )
-    return None
 
 
 def _unseen(status: LinkStatus) -> None:

@@ -11,7 +11,15 @@ from workbench.model.errors import CommandRefused, JobCancelled, LinkError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt
 from workbench.plugins.progress import never
-from workbench.plugins.robot_link import LinkPatience, RobotLink, Running, Simulation, send, states
+from workbench.plugins.robot_link import (
+    LinkPatience,
+    RobotLink,
+    Running,
+    Simulation,
+    motion_of,
+    send,
+    states,
+)
 from workbench.testing.options import check_options
 
 PATIENCE = 120.0
@@ -60,7 +68,9 @@ def check_robot_link(
         host: where the simulated controller listens; one whose ports cannot be chosen has an
             address of its own, 127.x.y.z, where several run at a time.
     """
-    assert cell.controller.motion == link.motion, "the cell has to be spoken to by this link"
+    assert cell.controller.motion == motion_of(link, cell.controller.options), (
+        "the cell has to be spoken to by this link"
+    )
     check_options(link.Options, cell.controller.options)
     link.check(cell)
     patience = LinkPatience(PATIENCE, PATIENCE, PATIENCE, PATIENCE, PATIENCE)

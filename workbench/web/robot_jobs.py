@@ -12,12 +12,14 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.cycle.unapproved import ReleasePoses, release_problem
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
 from workbench.devices.pick_server.axes import axis_words
 from workbench.devices.pick_server.lines import BadLine, Request, read_whole
 from workbench.devices.pick_server.link import PickServer
+from workbench.devices.pick_server.options import form_of
 from workbench.model.errors import CommandRefused
 from workbench.plugins.robot_link import link_named
 
@@ -101,6 +103,10 @@ class BenchDesk:
                 self._do(MakePlan("", None, state.number))
                 self._begun = "next"
                 return "WAIT", "plan"
+            case Phase.PLANNED if state.plan is not None and _is_unapproved(state):
+                self._begun = ""
+                self._do(ReleasePoses(state.plan.digest))
+                return "WAIT", "plan"
             case Phase.PLANNED:
                 self._begun = ""
                 return "WAIT", "approval"
@@ -116,7 +122,7 @@ class BenchDesk:
         carrier = state.cell.scanner.on_arm
         if carrier is None:
             return "NO", "view"
-        axes = axis_words(state.cell, PickServer().form(state.cell))
+        axes = axis_words(state.cell, form_of(state.cell))
         return ("OK", *axes.format(carrier.view.q))
 
     def _refuse(self) -> Words:
@@ -143,6 +149,12 @@ def robot_jobs(bench: Bench) -> Generator[None]:
     with link.server_of(bench.cell) as server:
         server.conversation.desk = BenchDesk(bench)
         yield
+
+
+def _is_unapproved(state: State) -> bool:
+    """Whether poses go out without approval; a plan whose proof fails does not."""
+    holds = state.proof is not None and state.proof.holds
+    return holds and release_problem(state) is None
 
 
 def _scan_answer(state: State) -> Words:

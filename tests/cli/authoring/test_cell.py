@@ -89,6 +89,14 @@ def test_home_is_shown_as_a_controller_shows_it_that_counts_in_its_own_way(say, 
     assert "as the controller" not in say("cell", "check", "tx2_90").out.partition("counts them")[2]
 
 
+def test_a_cell_that_sends_poses_says_that_no_motion_is_proven(say, tmp_path):
+    folder = shutil.copytree(find("robots", "tx2_90"), tmp_path / "cell")
+    path = folder / "pick_server.toml"
+    path.write_text(path.read_text().replace("longest =", 'poses = "staubli"\nlongest ='))
+    said = say("cell", "check", path)
+    assert "vision only" in said.out and "nothing of the robot's motion is proven" in said.out
+
+
 def test_show_names_all_that_is_there(say):
     said = say("cell", "show", "tx2_90")
     assert said.code == 0

@@ -21,7 +21,7 @@ from workbench.model.errors import (
     LinkError,
     ProtocolError,
 )
-from workbench.plugins.robot_link import misfit
+from workbench.plugins.misfit import misfit
 
 
 @pytest.fixture

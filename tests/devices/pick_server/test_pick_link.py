@@ -12,7 +12,8 @@ from workbench.devices.pick_server import server as serving
 from workbench.devices.pick_server.link import PickServer
 from workbench.model.errors import CommandRefused, InputError, JobCancelled, LinkError
 from workbench.model.robot import AxisMapping
-from workbench.plugins.robot_link import mapping_problem, spoken_to_by
+from workbench.plugins.misfit import mapping_problem
+from workbench.plugins.robot_link import spoken_to_by
 from workbench.testing import check_robot_link
 
 

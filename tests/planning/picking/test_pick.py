@@ -19,7 +19,8 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose
 from workbench.planning.picking.resolve import resolve
-from workbench.plugins.robot_link import misfit, spoken_to_by
+from workbench.plugins.misfit import misfit
+from workbench.plugins.robot_link import spoken_to_by
 
 
 def test_every_detection_grasp_and_arm_has_a_verdict(cell, detections, result):

@@ -15,6 +15,7 @@ from workbench.app.core.cycle import (
     rows,
     scanning,
     sending,
+    unapproved,
     watching,
 )
 
@@ -25,6 +26,7 @@ SUBJECTS = (
     rows,
     watching,
     approval,
+    unapproved,
     sending,
     outcomes,
     ahead,

@@ -121,7 +121,8 @@ def opened_again(state: State) -> State:
     had, message = state.votes or state.approval or state.watched, state.message
     if had and state.phase in (Phase.PLANNED, Phase.APPROVED):
         message = StateText.OPENED_AGAIN()
-    return replace(without_approval(state), watched=(), watched_elsewhere=(), message=message)
+    state = replace(without_approval(state), unapproved_by="")
+    return replace(state, watched=(), watched_elsewhere=(), message=message)
 
 
 def changes_problem(state: State, ran: str) -> Message | None:

@@ -153,6 +153,8 @@ class SessionState:
     `unscanned` is what was sent where no scan has followed and the plan is gone already: after a
     fault that was acknowledged, or another cell.
     `whole` is the cell without a recipe while one is chosen; `cell` is the cell by that recipe.
+    `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
+    only while the robot link sends poses alone.
     """
 
     cell: Cell = field(kw_only=False)
@@ -173,6 +175,7 @@ class SessionState:
     asking: tuple[str, ...] = ()
     unscanned: SentFor | None = field(default_factory=lambda: None, metadata=LATER)
     whole: Cell | None = field(default_factory=lambda: None, metadata=LATER)
+    unapproved_by: str = field(default_factory=str, metadata=LATER)
 
     @property
     def is_saved(self) -> bool:

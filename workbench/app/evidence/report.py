@@ -200,6 +200,8 @@ def _list_approval(before: list[Moment], state: State) -> Iterator[tuple[str, st
         unseen = ", no page has shown it to all of them" if approval.is_unwatched else ""
         ran = f", inventory {approval.ran[:12]}" if approval.ran else ""
         people = " and ".join(approval.people)
+        if approval.is_switched_off:
+            people = f"nobody; {approval.actor} had switched approval off, for poses alone"
         words = manner_words(*approval.manner)
         how = f", {words}" if words else ""
         until = clock(approval.until)

@@ -24,8 +24,8 @@ from workbench.planning.picking.lifts import lift_message
 from workbench.planning.picking.propose import is_spare, levels_of, propose
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time, working_time
+from workbench.plugins.misfit import misfit
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
-from workbench.plugins.robot_link import misfit
 from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()

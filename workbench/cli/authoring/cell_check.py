@@ -49,7 +49,7 @@ def check_cell(typed: CellCheck) -> int:
     problems += map(str, station_problems(cell))
     problems += map(str, pallet_problems(cell))
     loads = [(arm, tool_load(arm.tool)) for arm in cell.arms]
-    notes = list(_load_notes(cell))
+    notes = list(_notes(cell))
     if typed.json:
         print_json(
             {
@@ -97,8 +97,8 @@ def check_cell(typed: CellCheck) -> int:
     return SUCCESS if not problems else NO_PLAN
 
 
-def _load_notes(cell: Cell) -> Iterator[str]:
-    """What the cell does not say of loads, and what follows."""
+def _notes(cell: Cell) -> Iterator[str]:
+    """What the cell does not say of loads, and what its robot link does not prove."""
     for name, tool in {arm.tool.name: arm.tool for arm in cell.arms}.items():
         if tool.mass is None:
             yield (
@@ -110,6 +110,11 @@ def _load_notes(cell: Cell) -> Iterator[str]:
         missing = [key for key, value in keys.items() if value is None]
         if missing:
             yield f"{' and '.join(missing)} of {name} estimated from its bodies"
+    if cell.controller.motion.sends_poses:
+        yield (
+            f"vision only: the robot link {cell.controller.link} sends poses, and nothing of the "
+            "robot's motion is proven; the robot's program has to keep clear of everything"
+        )
     if not cell.controller.motion.takes_loads:
         yield f"the robot link {cell.controller.link} sends no load; set it on the controller"
 

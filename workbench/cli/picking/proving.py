@@ -17,7 +17,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import Plan, Proof, Violation
-from workbench.plugins.robot_link import misfit
+from workbench.plugins.misfit import misfit
 
 
 def verify(typed: arguments.Verify) -> int:

@@ -63,6 +63,9 @@ def facts_of(
         facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
     kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
     nearest, link = proof.nearest, cell.controller
+    holds = f"holds, {proof.digest[:SHORTEST]}"
+    if link.motion.sends_poses:
+        holds += "; only of the plan: nothing of the robot's own motion is proven"
     near, linear = at_least(proof.clearance), linear_clearance(proof)
     if nearest is not None and nearest.pair is not None:
         near += f", arm {nearest.arm}, leg {nearest.leg} after waypoint {nearest.waypoint}"
@@ -72,7 +75,7 @@ def facts_of(
         "Motion": f"{plan.cycle_seconds:.1f} s, up to {cell.policy.speed:.0%} of joint speeds",
         "Minimum clearance": near,
         **({} if linear is None else {"On linear motion": at_least(max(linear, 0.0))}),
-        "Proof": f"holds, {proof.digest[:SHORTEST]}",
+        "Proof": holds,
         "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: "
         f"{basis}",
         **({"Pallets": f"by the plan's word alone {kept} parts lie there: look"} if kept else {}),
@@ -88,6 +91,8 @@ def start_words(cell: Cell, plan: Plan) -> str:
     Raises:
         CommandRefused: it stands elsewhere.
     """
+    if cell.controller.motion.sends_poses:
+        return "moves by its own program, from wherever it stands"
     joints = reported_joints(cell)
     if not joints:
         return "reports no joints: see for yourself that it stands where the plan starts"

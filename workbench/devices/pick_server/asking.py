@@ -35,6 +35,8 @@ class Asker:
         run: int,
         is_over: Callable[[], bool],
         again: float = AGAIN,
+        *,
+        version: str = VERSION,
     ) -> None:
         """Get ready.
 
@@ -45,7 +47,9 @@ class Asker:
             run: 1 to 9999, another one than that of the run before.
             is_over: whether to give up.
             again: [s] after which a request without an answer is sent again.
+            version: of the protocol.
         """
+        self._version = version
         self._address, self._form, self._run, self._is_over = (host, port), form, run, is_over
         self._again = again
         self._link: socket.socket | None = None
@@ -83,7 +87,7 @@ class Asker:
         self._link = socket.create_connection(self._address, AGAIN)
         self._link.settimeout(POLL)
         self._lines = LineBuffer(self._form)
-        hello = line_bytes(self._form, "0", "hello", VERSION, str(self._run))
+        hello = line_bytes(self._form, "0", "hello", self._version, str(self._run))
         answer = self._answer_to(hello, 0)
         if len(answer) != 4 or answer[0] != "OK":
             raise OSError("no greeting")

@@ -67,6 +67,11 @@ class Carrying:
         return self._leg.seconds if self._given else 0.0
 
     @property
+    def step(self) -> int:
+        """The step of the plan that runs, from 1 on; 0 before the first."""
+        return self._given
+
+    @property
     def is_asked_for(self) -> bool:
         """Whether the robot program has it, and is to go on asking."""
         return self.is_taken and not (self.is_over or self.is_stopping)
@@ -151,10 +156,13 @@ class Carrying:
         return self._record(("OK", "end" if self.is_over else "leg"), request)
 
     def _report(self, request: Request, *, is_picked: bool) -> Words:
+        self._report_part(request, is_picked=is_picked)
+        return self._acknowledge(request, self.part)
+
+    def _report_part(self, request: Request, *, is_picked: bool) -> None:
         why = "" if is_picked else (request.words or ("-",))[0]
         self._is_reported = True
         self.part = PartReport(self.program.arm, self.program.detection, is_picked, why)
-        return self._acknowledge(request, self.part)
 
     def _acknowledge(self, request: Request, part: PartReport | None = None) -> Words:
         return self._record(("OK", request.job), request, part)
@@ -170,7 +178,7 @@ class Carrying:
             self.program.total,
             heard,
             part,
-            step=self._given,
+            step=self.step,
         )
         self.receipts.append(receipt)
         return words
@@ -182,14 +190,16 @@ class Carrying:
             raise ProtocolError(AskText.WRONG_JOB(job=request.job, where=self.where))
 
     def _check_stands(self, words: Words, there: Floats, *, in_motion: bool) -> None:
-        if len(words) != len(there):
-            raise BadLine("count")
+        q = self._check_joints(words, in_motion=in_motion)
+        if joint := self._axes.far_from(q, there):
+            raise LinkError(AskText.ELSEWHERE(where=self.where, joint=joint))
+
+    def _check_joints(self, words: Words, *, in_motion: bool = False) -> Floats:
+        """The configuration (n,) [rad, m] that was reported, once it can be one."""
         try:
-            q = self._axes.read(words, in_motion=in_motion)
+            return np.asarray(self._axes.read(words, in_motion=in_motion))
         except BadLine:
             raise
         except ProtocolError as error:
             text = AskText.NO_JOINTS(where=self.where, problem=error.message)
             raise ProtocolError(text) from error
-        if joint := self._axes.far_from(np.asarray(q), there):
-            raise LinkError(AskText.ELSEWHERE(where=self.where, joint=joint))

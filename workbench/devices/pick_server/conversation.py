@@ -29,6 +29,10 @@ from workbench.model.messages.work import AskText
 log = logging.getLogger(__name__)
 
 VERSION = "pick-server/1"
+"""Of paths."""
+
+POSES_VERSION = "pick-poses/1"
+"""Of vision only: a robot program for the one is not greeted by the other."""
 
 ALIVE = 2.0
 """[s] A program that was heard so lately is not replaced by another one while it has a plan."""
@@ -60,6 +64,7 @@ class PickConversation:
         session: int | None = None,
     ) -> None:
         """Begin with nobody; `session` [1 to 9999] is drawn by lot where none is given."""
+        self.sends_poses = axes.cell.controller.motion.sends_poses
         self._axes, self._form, self._clock = axes, axes.form, clock
         self.session = session or secrets.randbelow(LAST) + 1
         self._changed = threading.Condition()
@@ -149,7 +154,8 @@ class PickConversation:
             return self._answer
 
     def _hello(self, owner: object, request: Request) -> bytes:
-        if len(request.words) != 2 or request.words[0] != VERSION:
+        version = POSES_VERSION if self.sends_poses else VERSION
+        if len(request.words) != 2 or request.words[0] != version:
             raise BadLine("version")
         run, carrying = read_whole(request.words[1], LAST), self._carrying
         if run != self._run:
@@ -160,7 +166,7 @@ class PickConversation:
             self._run, self._last, self._request, self._answer = run, 0, b"", b""
         self._owner, self._heard_at = owner, self._clock()
         self._changed.notify_all()
-        words = ("OK", VERSION, str(self.session), str(self._last))
+        words = ("OK", version, str(self.session), str(self._last))
         return answer_bytes(self._form, 0, *words)
 
     def _again(self, request: Request, line: bytes) -> bytes:
@@ -191,15 +197,16 @@ class PickConversation:
                 self.placed += 1
             if carrying.is_over:
                 self._carrying = None
-            if request.job in ("next", "done") and words[0] != "STOP":
-                self._report(request.words[request.job == "done" :], in_motion=False)
+            joints = request.words[request.job == "done" :]
+            if request.job in ("next", "done") and words[0] != "STOP" and joints:
+                self._report(joints, in_motion=False)
             return words
         if self._is_ended:
             self._is_ended = request.job != "stop"
             return ("STOP", "ended") if self._is_ended else ("OK", "stop")
-        if request.job in ("leg", "point", "done", "picked", "placed", "failed"):
+        if request.job in ("leg", "point", "done", "pose", "picked", "placed", "failed"):
             return "NO", "plan"
-        if request.job == "next":
+        if request.job == "next" and (request.words or not self.sends_poses):
             self._report_at_rest(request.words)
         return self.desk.answer(request)
 

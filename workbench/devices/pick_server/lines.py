@@ -8,6 +8,7 @@ from workbench.model.errors import InputError, ProtocolError
 
 Separator = Literal["space", "comma", "semicolon"]
 End = Literal["lf", "crlf", "cr"]
+Unit = Literal["deg", "rad"]
 
 SEPARATORS: Final = {"space": " ", "comma": ",", "semicolon": ";"}
 ENDS: Final = {"lf": b"\n", "crlf": b"\r\n", "cr": b"\r"}
@@ -20,10 +21,11 @@ JOBS: Final = ("hello", "scan", "find", "next", "leg", "point", "done", "picked"
     "bin",
     "view",
     "state",
+    "pose",
 )
 """Jobs by name; the place of each is its number."""
 
-ANSWERS: Final = ("OK", "WAIT", "NO", "STOP", "ERR", "PLAN", "LEG", "TO")
+ANSWERS: Final = ("OK", "WAIT", "NO", "STOP", "ERR", "PLAN", "LEG", "TO", "PICK", "POSE")
 """Words of answers; the place of each is its number."""
 
 LAST: Final = 9999
@@ -58,7 +60,7 @@ class Form:
     longest: int = 80
     check: bool = True
     is_coded: bool = False
-    unit: Literal["deg", "rad"] = "deg"
+    unit: Unit = "deg"
     digits: int = 2
 
 

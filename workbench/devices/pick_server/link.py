@@ -1,14 +1,20 @@
 """The robot link `pick-server`: plans are asked for by any robot program, leg by leg."""
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import cast
 
 from workbench.devices.pick_server.axes import axis_words
 from workbench.devices.pick_server.carrying import Carrying
-from workbench.devices.pick_server.lines import ENDS, SEPARATORS, End, Form, Separator
-from workbench.devices.pick_server.program import LONGEST, check_lines, program_of
+from workbench.devices.pick_server.options import (
+    MOTION,
+    PickOptions,
+    form_of,
+    motion_with,
+    pick_options,
+)
+from workbench.devices.pick_server.pose_carrying import PoseCarrying
+from workbench.devices.pick_server.poses import check_pose_lines, pose_program_of
+from workbench.devices.pick_server.program import check_lines, program_of
 from workbench.devices.pick_server.server import Server, listening
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, JobCancelled, LinkError
@@ -16,7 +22,7 @@ from workbench.model.messages.work import AskText, StopText
 from workbench.model.motion import MotionModel
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, LinkStatus, Receipt, RobotState
-from workbench.plugins.options import option, options_of
+from workbench.model.scan import Option
 from workbench.plugins.progress import Cancelled
 from workbench.plugins.robot_link import LinkPatience, Running, Simulation, check_approval
 
@@ -32,38 +38,12 @@ ABSENT = 5.0
 class PickServer:
     """The robot program stops at each waypoint, and asks before each leg."""
 
-    @dataclass(frozen=True, slots=True)
-    class Options:
-        """Keys in `[controller.options]`."""
+    Options = PickOptions
+    motion = MOTION
 
-        separator: str = option("space", among=tuple(SEPARATORS), says="between words")
-        line_end: str = option("lf", among=tuple(ENDS), says="of each line")
-        longest: int = option(80, low=40, high=255, says="bytes of a line with its end")
-        check: bool = option(True, says="whether each line closes with its check")
-        answers: str = option(
-            "words", among=("words", "numbers"), says="how an answer begins after its number"
-        )
-        unit: str = option("deg", among=("deg", "rad"), says="of turning axes")
-        digits: int = option(2, low=2, high=6, says="after the point; radians need 5")
-        silence_s: float = option(
-            30.0, low=1.0, high=600.0, says="without a request for longer a plan ends [s]"
-        )
-        ask_s: float = option(
-            10.0, low=1.0, high=600.0, says="how long a plan waits to be asked for [s]"
-        )
-        client: str = option("", says="the only address that may connect; empty: any")
-
-    motion = MotionModel(
-        "pick-server",
-        corners="stop",
-        unit="deg",
-        decimals=2,
-        reports_progress=True,
-        takes_share=True,
-        takes_loads=True,
-        longest=LONGEST,
-        maps_axes=True,
-    )
+    def motion_by(self, options: Mapping[str, Option]) -> MotionModel:
+        """How a robot program moves that gets what these options say."""
+        return motion_with(options)
 
     def check(self, cell: Cell) -> None:
         """One arm, whose waypoints fit the lines."""
@@ -71,7 +51,10 @@ class PickServer:
             raise InputError(
                 f"the robot link {self.motion.link} moves one arm; this cell has {len(cell.arms)}"
             )
-        check_lines(cell, axis_words(cell, self.form(cell)))
+        if cell.controller.motion.sends_poses:
+            check_pose_lines(cell)
+        else:
+            check_lines(cell, axis_words(cell, form_of(cell)))
 
     def send(
         self,
@@ -91,10 +74,13 @@ class PickServer:
 
         check_release()
         self.check(cell)
-        axes = axis_words(cell, self.form(cell))
-        program = program_of(cell, plan, approval, axes)
-        carrying = Carrying(program, axes, now=now, released=check_release)
-        options = options_of(self.Options, cell.controller.options)
+        axes, options = axis_words(cell, form_of(cell)), pick_options(cell)
+        if cell.controller.motion.sends_poses:
+            poses = pose_program_of(cell, plan, approval)
+            carrying = PoseCarrying(poses, axes, now=now, released=check_release)
+        else:
+            program = program_of(cell, plan, approval, axes)
+            carrying = Carrying(program, axes, now=now, released=check_release)
         with self.server_of(cell) as server:
             talk, clock = server.conversation, patience.clock
             began, told, progressed = clock(), 0, clock()
@@ -149,7 +135,7 @@ class PickServer:
         reported = server.conversation.reported
         joints = {cell.arms[0].name: reported.q} if reported is not None else None
         phase = "running" if carrying.is_taken else "waiting"
-        done, legs = carrying.done, len(carrying.program.legs)
+        done, legs = carrying.done, carrying.program.steps
         heard = carrying.receipts[-1] if carrying.receipts else None
         word, at = ("", 0.0) if heard is None else (heard.heard, heard.at)
         show(LinkStatus(self.motion.link, phase, done, legs, word, at, now(), joints=joints))
@@ -180,28 +166,15 @@ class PickServer:
         # Every cell that is read loads this module; only the simulation needs so much.
         from workbench.devices.pick_server.simulated import SimulatedProgram
 
-        program = SimulatedProgram(cell, axis_words(cell, self.form(cell)), simulation)
+        program = SimulatedProgram(cell, axis_words(cell, form_of(cell)), simulation)
         ready(program)
         program.run()
-
-    def form(self, cell: Cell) -> Form:
-        """How the lines of a cell are written."""
-        given = options_of(self.Options, cell.controller.options)
-        return Form(
-            cast(Separator, given.separator),
-            cast(End, given.line_end),
-            given.longest,
-            given.check,
-            given.answers == "numbers",
-            given.unit,
-            given.digits,
-        )
 
     @contextmanager
     def server_of(self, cell: Cell) -> Generator[Server]:
         """The server at the cell's address, which listens as long as the block runs."""
-        options = options_of(self.Options, cell.controller.options)
-        with listening(cell, axis_words(cell, self.form(cell)), options.client) as server:
+        axes, client = axis_words(cell, form_of(cell)), pick_options(cell).client
+        with listening(cell, axes, client) as server:
             yield server
 
 

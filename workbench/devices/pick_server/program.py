@@ -11,6 +11,7 @@ from workbench.devices.pick_server.lines import LAST, answer_bytes
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
+from workbench.model.load import Loads
 from workbench.model.messages.work import AskText
 from workbench.model.plan import Leg, LegName, Plan
 from workbench.model.release import Approval
@@ -57,6 +58,11 @@ class AskedProgram:
         """What is answered to `next`."""
         points = sum(len(leg.points) for leg in self.legs)
         return "PLAN", self.ticket, str(len(self.legs)), str(points)
+
+    @property
+    def steps(self) -> int:
+        """How many legs there are."""
+        return len(self.legs)
 
     @property
     def total(self) -> int:
@@ -112,18 +118,22 @@ def _leg(
         answer_bytes(axes.form, LAST, *words)
         points.append(words)
     hand = _hand(leg, before)
-    loads = plan.arms[0].loads
-    load = ("0.000", "0.0", "0.0", "0.0")
-    if loads is not None:
-        carried = loads.carried(leg.holding)
-        centre = np.round(carried.centre * 1000, 1) + 0.0
-        load = (f"{carried.mass:.3f}", *(f"{value:.1f}" for value in centre))
+    load = load_words(plan.arms[0].loads, leg.holding)
     words = ("LEG", leg.name, hand, f"{leg.opening * 1000:.1f}", str(len(points)))
     words = (*words, f"{seconds.sum():.3f}", *load)
     answer_bytes(axes.form, LAST, *words)
     return AskedLeg(
         leg.name, hand, words, tuple(points), np.asarray(leg.q[-1]), float(seconds.sum())
     )
+
+
+def load_words(loads: Loads | None, holding: bool) -> tuple[str, ...]:
+    """Mass [kg] and centre of gravity [mm] of tool and part; zeros where nobody has stated them."""
+    if loads is None:
+        return ("0.000", "0.0", "0.0", "0.0")
+    carried = loads.carried(holding)
+    centre = np.round(carried.centre * 1000, 1) + 0.0
+    return (f"{carried.mass:.3f}", *(f"{value:.1f}" for value in centre))
 
 
 def _hand(leg: Leg, before: Leg | None) -> Hand:

@@ -10,8 +10,9 @@ import numpy as np
 
 from workbench.devices.pick_server.asking import Asker
 from workbench.devices.pick_server.axes import AxisWords
-from workbench.devices.pick_server.conversation import Words
+from workbench.devices.pick_server.conversation import POSES_VERSION, VERSION, Words
 from workbench.devices.pick_server.lines import LAST
+from workbench.devices.pick_server.poses import POSES
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError, LinkError
 from workbench.model.geometry import Floats
@@ -44,6 +45,7 @@ class SimulatedProgram:
             InputError: a fault is not known.
         """
         self._axes, self._arm, self._simulation = axes, cell.arms[0], simulation
+        self._sends_poses = cell.controller.motion.sends_poses
         self._host = simulation.host
         self.port = simulation.port or _free_port(simulation.host)
         self.state_port = simulation.state_port
@@ -73,7 +75,9 @@ class SimulatedProgram:
 
     def _new_asker(self) -> Asker:
         run = random.SystemRandom().randint(1, LAST)
-        return Asker(self._host, self.port, self._axes.form, run, self._over.is_set)
+        version = POSES_VERSION if self._sends_poses else VERSION
+        form, is_over = self._axes.form, self._over.is_set
+        return Asker(self._host, self.port, form, run, is_over, version=version)
 
     def _cycle(self) -> None:
         try:
@@ -86,11 +90,12 @@ class SimulatedProgram:
         if answer[:2] != ("OK", "offered"):
             return
         answer = self._ask_or_stop("next", *self._joints())
+        if answer[0] == "PICK":
+            self._take(answer[2])
+            self._pick()
         if answer[0] != "PLAN":
             return
-        if answer[1] in self.tickets:
-            raise Stopped
-        self.tickets.append(answer[1])
+        self._take(answer[1])
         is_held = is_reported = False
         for number in range(1, int(answer[2]) + 1):
             leg = self._ask_or_stop("leg", str(number))
@@ -109,6 +114,22 @@ class SimulatedProgram:
             self._ask_or_stop("done", str(number), *self._joints())
             if hand == "grip":
                 self._ask_or_stop(*(("picked",) if is_held else ("failed", "empty")))
+
+    def _take(self, ticket: str) -> None:
+        if ticket in self.tickets:
+            raise Stopped
+        self.tickets.append(ticket)
+
+    def _pick(self) -> None:
+        """Ask for the poses of a pick; what moves there is not simulated."""
+        for number in range(1, len(POSES) + 1):
+            self._misbehave(number)
+            self._ask_or_stop("pose", str(number))
+        if self._happens(len(POSES)).count("empty-hand"):
+            self._ask_or_stop("failed", "empty")
+            return
+        self._ask_or_stop("picked")
+        self._ask_or_stop("placed")
 
     def _move(self, words: Words) -> None:
         """Go straight in the joints to a waypoint, in its time."""

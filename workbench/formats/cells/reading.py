@@ -41,11 +41,11 @@ from workbench.model.errors import FileError, InputError
 from workbench.model.part import Bin, Part, Region
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
+from workbench.plugins.misfit import mapping_problem
 from workbench.plugins.planner import planner_names
 from workbench.plugins.robot_link import (
     controller_by,
     link_named,
-    mapping_problem,
     usual_link,
 )
 from workbench.plugins.scanner import scanner_of

@@ -42,6 +42,8 @@ def approval_line(
             return line(words.render(_missing(state, now)), tip=purpose)
         return line("", kind="hint", tip=purpose)
     approval = state.approval
+    if approval.is_switched_off:
+        return line(words.render(ApprovalText.SWITCHED_OFF(person=approval.actor)), kind="warn")
     by = ApprovalText.APPROVED_BY(people=approval.people)
     if state.phase is Phase.APPROVED:
         # It is for one sending: once that has begun, nothing is let out by it any more.
@@ -180,6 +182,8 @@ def _proven(state: State) -> Message:
 
 
 def _robot(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message:
+    if cell.controller.motion.sends_poses:
+        return ApprovalText.NO_START()
     if not joints:
         return ApprovalText.NO_JOINTS()
     return moved_away(cell, plan, joints) or ApprovalText.STANDS_AT_START()
@@ -205,6 +209,8 @@ def _coverage(cell: Cell, plans: Sequence[Plan]) -> Message:
     """What the proofs cover, in the words of people who set up robots."""
     arms = [arm for plan in plans for arm in plan.arms]
     legs = [leg for arm in arms for leg in arm.legs]
+    if cell.controller.motion.sends_poses:
+        return ApprovalText.POSES(legs=len(legs))
     fingers = any(cell.arm(arm.arm).tool.fingers for arm in arms)
     return (ApprovalText.COVERED_FINGERS if fingers else ApprovalText.COVERED)(
         legs=len(legs),

@@ -10,9 +10,8 @@ from workbench.model.candidate import Reason
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import cycle_words, strategy_message
 from workbench.model.messages.states import StateText
-from workbench.model.motion import ceil_speed, greatest_speed
 from workbench.model.plan import Plan, Proof, floor_distance
-from workbench.proof.claims.clearance import bounds_message, linear_clearance
+from workbench.proof.claims.clearance import bounds_message, linear_clearance, speed_message
 from workbench.words.words import IN_ENGLISH, Words
 
 PURPOSE = "Judges every grasp with every arm, plans the motion and proves it again."
@@ -31,7 +30,9 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
     result = strategy_message(plan.strategy)
     if unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
-    text = message_text(all_of((result, *plan.remarks)) or result, words)
+    speed = speed_message(proof)
+    said = (result, *(() if speed is None else (speed,)), *plan.remarks)
+    text = message_text(all_of(said) or result, words)
     kind = "warn" if plan.goes_unseen else "result"
     return _card(state, plan, proof, words) + line(text, kind=kind, tip=text)
 
@@ -47,8 +48,8 @@ def _no_plan_line(state: State, words: Words) -> str:
 
 
 def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
-    """Numbers of a proven plan: cycle, parts, both clearances, from below, and the speed."""
-    linear, fast = linear_clearance(proof), greatest_speed(proof.speeds)
+    """Four numbers of a proven plan: cycle, parts, and both clearances, from below."""
+    linear = linear_clearance(proof)
     cycle = words.render(cycle_words(plan.cycle_seconds, state.bound))
     clearance = words.render(bounds_message(proof))
     cells = (
@@ -60,7 +61,6 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
             "Linear motion",
             clearance,
         ),
-        ("" if fast is None else f"{ceil_speed(fast.point) * 1e3:.0f} mm/s", "Fastest", clearance),
     )
     shown = "".join(
         f'<div title="{escape(tip)}"><b>{escape(value)}</b><span>{name}</span></div>'

@@ -3,9 +3,10 @@
 import viser
 
 from workbench.app.core.cell.changes import EmptyPallets
+from workbench.app.core.cycle.unapproved import SwitchApproval
 from workbench.app.core.state import Phase
 from workbench.app.picking.pallets import pallets_of
-from workbench.gui.shared.link_views import joints_html, link_html
+from workbench.gui.shared.link_views import joints_html, link_html, unproven_html
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, when
 from workbench.gui.shared.visitor import Visitor
@@ -18,11 +19,16 @@ class RobotPanel:
     def __init__(self, visitor: Visitor):
         """Add the status fields."""
         self._visitor = visitor
+        self._unproven = visitor.gui.add_html("")
+        self._off = visitor.gui.add_button("Switch approval off", icon=viser.Icon.LOCK_OPEN)
+        self._on = visitor.gui.add_button("Switch approval on", icon=viser.Icon.LOCK)
         self._link = visitor.gui.add_html("")
         self._pallets = visitor.gui.add_html("")
         self._empty = visitor.gui.add_button("Pallets are empty", icon=viser.Icon.CHECK)
         self._joints = visitor.gui.add_html("")
         visitor.on_press(self._empty, EmptyPallets)
+        visitor.on_press(self._off, lambda: SwitchApproval(True))
+        visitor.on_press(self._on, lambda: SwitchApproval(False))
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -42,6 +48,12 @@ class RobotPanel:
             self._empty.visible = keeps
             missing = "" if count else "no part lies on the pallets"
             self._visitor.admit(self._empty, new.state, EmptyPallets, otherwise=missing)
+            self._unproven.content = unproven_html(new.state, self._visitor.words)
+            sends_poses = cell.controller.motion.sends_poses
+            self._off.visible = sends_poses and not new.state.unapproved_by
+            self._on.visible = sends_poses and not self._off.visible
+            for button in (self._off, self._on):
+                self._visitor.admit(button, new.state, SwitchApproval)
         live = new.live
         if old is None or old.live.joints is not live.joints:
             joints, at = live.joints, ""

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from html import escape
 
-from workbench.app.core.state import Phase
+from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
 from workbench.gui.texts.cycle import LinkPageText
@@ -24,6 +24,17 @@ WORDS = {
     Phase.DONE: "closed; the controller has reported the end",
     Phase.FAULT: "closed by a fault",
 }
+
+
+def unproven_html(state: State, words: Words = IN_ENGLISH) -> str:
+    """What is not proven, and whether anybody approves; empty where the link sends paths."""
+    if not state.cell.controller.motion.sends_poses:
+        return ""
+    lines = line(words.render(LinkPageText.POSES()), kind="warn")
+    if state.unapproved_by:
+        by = LinkPageText.UNAPPROVED(person=state.unapproved_by)
+        lines += line(words.render(by), kind="warn")
+    return lines
 
 
 def link_html(view: View, words: Words = IN_ENGLISH) -> str:

@@ -32,6 +32,12 @@ class ApprovalText(Text, subject="page-approval"):
         "the whole motion on {legs} legs, {waypoints} waypoints, {corners}, "
         "fingers opening and closing"
     )
+    POSES = (
+        "only the grasp and the poses around it, as on {legs} planned legs; "
+        "nothing of the motion that the robot's own program makes"
+    )
+    NO_START = "moves by its own program, from wherever it stands"
+    SWITCHED_OFF = "Not approved: {person} has switched approval off"
     STOPS = "stops at each"
     ROUNDED = "corners sharp or rounded by up to {share:%} of a segment"
     STREAMED = "corners cut as streaming may"

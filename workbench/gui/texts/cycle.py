@@ -66,6 +66,11 @@ class LinkPageText(Text, subject="page-link"):
     """The robot link: its protocol, its last message, and the parts."""
 
     VERSION = "{link} (protocol {version})"
+    POSES = (
+        "Vision only: the robot gets poses and moves by its own program. Nothing of its motion is "
+        "proven."
+    )
+    UNAPPROVED = "{person} has switched approval off: poses go out that nobody has approved."
     STEP = "{phase}, step {number} of {total}"
     AGO = "{age:s} ago"
     COUNT = "{count} of {total}"

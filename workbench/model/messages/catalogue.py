@@ -57,6 +57,7 @@ from workbench.model.messages.proofs import ProofText, ViolationText
 from workbench.model.messages.refusals import (
     ChangeRefusal,
     ControlRefusal,
+    PosesRefusal,
     Refusal,
     ValueRefusal,
 )
@@ -66,6 +67,7 @@ from workbench.model.messages.states import (
     ControlText,
     LeftText,
     NextText,
+    PosesText,
     RowStop,
     StateText,
     TaskText,
@@ -111,6 +113,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     RowStop,
     NextText,
     Refusal,
+    PosesRefusal,
     ChangeRefusal,
     ControlRefusal,
     ValueRefusal,
@@ -148,6 +151,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     ScanText,
     ObjectionText,
     ScaleText,
+    PosesText,
     AheadText,
     JobText,
     LinkText,

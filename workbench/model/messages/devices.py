@@ -53,6 +53,10 @@ class DeviceText(Text, subject="device"):
         "robot link {link} allows {most:s}"
     )
     OTHER_APPROVAL = "the approval is for another {what} ({approved}, here {present})"
+    NOBODY_APPROVED = (
+        "nobody has approved this plan; the robot link {link} sends paths, which somebody has to "
+        "approve"
+    )
     APPROVAL_EARLY = "the approval begins in {seconds:s}: a clock has been set back"
     APPROVAL_OVER = "the approval ran out {seconds:s} ago"
 

@@ -134,6 +134,15 @@ class Refusal(Text, subject="refusal"):
     NOTHING_AVOIDED = "no part is avoided"
 
 
+class PosesRefusal(Text, subject="poses"):
+    """Why approval is not switched off, or nothing goes out without it."""
+
+    PATHS = "approval stays on: the robot link {link} sends paths, which somebody has to approve"
+    IS_ON = "approval is on: somebody has to approve the plan"
+    ROW = "approval is off for single plans alone: somebody has to approve this row"
+    NO_SWITCH = "approval is switched by true or false, not by {value}"
+
+
 class ChangeRefusal(Text, subject="cell-change"):
     """Why the cell, its parts or the session are not changed."""
 

@@ -98,6 +98,19 @@ class StateText(Text, subject="state"):
     MORE_PLANS = "{count} more {count:plan|plans} in the row"
 
 
+class PosesText(Text, subject="poses-state"):
+    """Vision only: the robot's program gets poses alone, and moves by itself."""
+
+    UNPROVEN = "vision only: nothing of the robot's motion is proven"
+    SENDS = "{person} sends the poses of {plan}; nothing of the robot's motion is proven"
+    OFF = "{person} has switched approval off: poses go out that nobody has approved"
+    ON = "{person} has switched approval on"
+    RELEASED = (
+        "the poses of plan {plan} go out without approval, which {person} has switched off; "
+        "nothing of the robot's motion is proven"
+    )
+
+
 class AheadText(Text, subject="ahead"):
     """Why the next cycle is not prepared while a plan is sent."""
 

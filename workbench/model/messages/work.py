@@ -63,6 +63,7 @@ class AskText(Text, subject="asked"):
     ABSENT = "no robot program is connected"
     BEFORE = "the beginning"
     LEG = "leg {leg} of {legs}"
+    POSE = "pose {pose} of {poses}"
 
 
 class StopText(Text, subject="stopped"):

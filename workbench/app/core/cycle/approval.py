@@ -19,7 +19,7 @@ from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import StateText
 from workbench.model.plan import UNSIGNED, Plan, Proof, Proven
 from workbench.model.release import AS_PLANNED, SLOWEST, Approval, Manner, Vote, manner_words
-from workbench.plugins.robot_link import misfit
+from workbench.plugins.misfit import misfit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,6 +110,35 @@ def approve(
     return approval
 
 
+def let_out(cell: Cell, plan: Plan, proof: Proof, by: str, now: float) -> Approval:
+    """What lets a plan out that nobody has approved: its poses, and none of its paths.
+
+    Args:
+        cell: as it is now; its robot link sends poses alone.
+        plan: whose poses go out.
+        proof: of this plan, in this cell.
+        by: who has switched approval off (`unapproved`).
+        now: seconds since the epoch.
+
+    Raises:
+        CommandRefused: see `approve`; or the robot link sends paths.
+    """
+    check_approvable(cell, plan, proof, by)
+    approval = Approval(
+        plan_digest=plan.digest,
+        proof_digest=proof.digest,
+        cell_digest=cell.digest,
+        scan_digest=plan.scan_digest,
+        actor=by,
+        at=now,
+        until=now + cell.policy.approval_minutes * 60.0,
+        is_unwatched=True,
+        is_switched_off=True,
+    )
+    refuse(lacks_people(cell, approval))
+    return approval
+
+
 def check_approvable(
     cell: Cell, plan: Plan, proof: Proof, actor: str, manner: Manner = AS_PLANNED
 ) -> None:
@@ -171,6 +200,10 @@ def staleness(
 
 def lacks_people(cell: Cell, approval: Approval) -> Message | None:
     """Why an approval is by too few people for the cell; None when it is not."""
+    if approval.is_switched_off:
+        if not cell.controller.motion.sends_poses:
+            return Refusal.NOT_APPROVED()
+        return None
     different = {fold_name(name) for name in approval.people}
     if len(different) >= cell.approvers:
         return None

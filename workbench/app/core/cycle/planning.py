@@ -23,7 +23,7 @@ from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.messages.states import ClearanceText, PosesText, StateText
 from workbench.model.plan import PlanResult, Proven, count_taken, floor_distance
 
 MOST_OUTLINES = 20
@@ -142,7 +142,8 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
         )
         more = StateText.MORE_PLANS(count=len(result.row)) if result.row else None
         remarks = result.plan.remarks if result.plan.stations else ()
-        message = all_of((message, more, *remarks))
+        poses = PosesText.UNPROVEN() if state.cell.controller.motion.sends_poses else None
+        message = all_of((message, more, *remarks, poses))
     return begin_stage(
         state,
         PlanState,

@@ -17,10 +17,10 @@ from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.states import AheadText, NextText, StateText
+from workbench.model.messages.states import AheadText, NextText, PosesText, StateText
 from workbench.model.plan import Plan
 from workbench.model.release import Receipt
-from workbench.plugins.robot_link import misfit
+from workbench.plugins.misfit import misfit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +125,9 @@ class LinkEnded(SendingEnd, Command):
 def _send(state: State, entry: Entry) -> Decision:
     if state.plan is None or state.approval is None:
         raise CommandRefused(Refusal.NO_APPROVED_PLAN())
-    message = StateText.SENDS(person=entry.actor, plan=row_message(state))
+    message: Message = StateText.SENDS(person=entry.actor, plan=row_message(state))
+    if state.cell.controller.motion.sends_poses:
+        message = PosesText.SENDS(person=entry.actor, plan=row_message(state))
     until = state.approval.until
     after = begin_stage(state, RunState, phase=Phase.SENDING, message=message, let_until=until)
     return after, (Send(state.plan, state.approval, following(state)),)

@@ -59,13 +59,15 @@ def moved_away(cell: Cell, plan: Plan, joints: Mapping[str, float]) -> Message |
 
     No point of an arm may be further from there than the policy's margin, which the plan's start
     keeps to everything: on its way there the robot touches nothing.  Joints that are not reported
-    are not compared.
+    are not compared.  A robot that gets poses alone moves by its own program, from anywhere.
 
     Args:
         cell: whose arms; those without a part in the plan have to be at home.
         plan: that would be sent.
         joints: name -> [rad], as the controller reports.
     """
+    if cell.controller.motion.sends_poses:
+        return None
     for arm in cell.arms:
         off = shift_of(cell, arm, start_of(cell, plan, arm.name), joints)
         if not math.isfinite(off.worst):

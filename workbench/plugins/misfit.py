@@ -1,0 +1,43 @@
+"""Why the controller of a cell cannot run a plan as it was proven."""
+
+import numpy as np
+
+from workbench.model.cell import Cell
+from workbench.model.messages.devices import DeviceText
+from workbench.model.messages.message import Message
+from workbench.model.plan import Plan
+from workbench.model.release import AS_PLANNED, Manner
+
+
+def mapping_problem(cell: Cell) -> Message | None:
+    """Why the link of a cell does not speak in its controller's numbers; else None."""
+    motion = cell.controller.motion
+    mapped = [arm.name for arm in cell.arms if arm.mapping is not None]
+    if not mapped or motion.maps_axes:
+        return None
+    return DeviceText.NO_MAPPING(link=motion.link, arm=mapped[0])
+
+
+def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | None:
+    """Why the controller of a cell cannot run a plan as it was proven, in this manner; else None.
+
+    The controller is not in the cell's digest: a plan may have been made for another one.
+    """
+    motion = cell.controller.motion
+    if problem := mapping_problem(cell):
+        return problem
+    if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
+        return DeviceText.ONE_ARM(link=motion.link)
+    if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):
+        return DeviceText.FINER_STEPS(link=motion.link)
+    share, is_stepped = manner
+    if share < 1.0 and not motion.takes_share:
+        return DeviceText.NO_SHARE(link=motion.link)
+    if is_stepped and not motion.takes_steps:
+        return DeviceText.NO_STEPS(link=motion.link)
+    longest = max(float(np.diff(leg.t).max()) for arm in plan.arms for leg in arm.legs) / share
+    if longest > motion.longest:
+        return DeviceText.TOO_SLOW(
+            share=share, longest=longest, link=motion.link, most=motion.longest
+        )
+    return None
