@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import workbench
-from workbench.devices.pick_server.axes import axis_words, from_controller
+from workbench.devices.pick_server.axes import axis_words
 from workbench.devices.pick_server.lines import (
     ANSWERS,
     ENDS,
@@ -24,6 +24,7 @@ from workbench.devices.pick_server.lines import (
     read_request,
     words_of,
 )
+from workbench.model.derived.controller_axes import from_controller
 from workbench.model.errors import InputError
 from workbench.model.robot import AxisMapping
 from workbench.plugins.robot_link import controller_by, link_named

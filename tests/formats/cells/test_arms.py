@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from three_arms import NAMES, write_cell
 
-from workbench.devices.pick_server.axes import from_controller, to_controller
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell as write_whole_cell
+from workbench.model.derived.controller_axes import from_controller, to_controller
 from workbench.model.errors import FileError
 
 

@@ -26,6 +26,7 @@ from workbench.model.part import Grasp
 from workbench.model.plan import at_least
 from workbench.model.prediction import Forecast, Predictions
 from workbench.model.release import LinkStatus, PartReport, Vote
+from workbench.model.robot import AxisMapping
 from workbench.model.scan import Objection, RejectedHypothesis
 
 NOW = 1_760_000_000.0
@@ -240,6 +241,17 @@ def test_joints_are_told_in_degrees_in_the_order_of_the_controller(cell):
     expected = [0, -130, 30, 0, 40, 0, -135]
     assert [int(axis) for axis, _ in rows] == [1, 2, 3, 4, 5, 6, 7]
     np.testing.assert_allclose([float(value) for _, value in rows], expected, atol=0.005)
+
+
+def test_joints_are_shown_as_a_controller_with_coupled_axes_counts_them(cell):
+    coupled = np.eye(7)
+    coupled[2, 1] = -1.0
+    arm = replace(cell.arms[0], mapping=AxisMapping(coupled, np.zeros(7)))
+    joints = dict(zip(arm.joints, arm.home, strict=True))
+    html = link_views.joints_html(replace(cell, arms=(arm, *cell.arms[1:])), joints)
+    rows = re.findall(r"<tr><th>Axis (\d)</th><td[^>]*>([-\d.]+)</td>", html)
+    shown = [float(value) for _, value in rows]
+    np.testing.assert_allclose(shown[1:3], [-130, 30 + 130], atol=0.005)
 
 
 def test_a_candidate_in_the_scene_names_the_pair_and_the_distance():

@@ -6,10 +6,10 @@ import pinocchio as pin
 from workbench.cli.arguments.cell import CellPose
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table
-from workbench.devices.pick_server.axes import from_controller, to_controller
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.poses.conventions import PoseConvention, convention
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import from_controller, to_controller
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.posture_check import Cause, base_poses, causes_of

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.devices.pick_server.lines import BadLine, Form, read_number
-from workbench.model.cell import Arm, Cell
+from workbench.model.cell import Cell
+from workbench.model.derived.controller_axes import from_controller, to_controller
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.plugins.report_checks import JointBounds, bounds_of
@@ -89,17 +90,6 @@ class AxisWords:
         is_slide = self.near[joint] == NEAR_M
         far = off[joint] * 1000 if is_slide else np.rad2deg(off[joint])
         return f"{self.cell.arms[0].joints[joint]} {far:.1f} {'mm' if is_slide else 'degrees'}"
-
-
-def to_controller(arm: Arm, q: Floats) -> Floats:
-    """A configuration (n,) [rad, m], chain order, in the numbers that the controller shows."""
-    axes = arm.to_axes(q)
-    return axes if arm.mapping is None else arm.mapping.to_controller(axes)
-
-
-def from_controller(arm: Arm, shown: Floats) -> Floats:
-    """The configuration (n,) [rad, m], chain order, of numbers that the controller shows."""
-    return arm.from_axes(shown if arm.mapping is None else arm.mapping.from_controller(shown))
 
 
 def axis_words(cell: Cell, form: Form) -> AxisWords:

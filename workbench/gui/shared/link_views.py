@@ -1,15 +1,17 @@
 """What the page says about the robot link; text and HTML, as in `views`."""
 
-import math
 from collections.abc import Mapping
 from html import escape
+
+import numpy as np
 
 from workbench.app.core.state import Phase, State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import clock, line, parts_placed, table_html
 from workbench.gui.texts.cycle import LinkPageText
 from workbench.gui.texts.labels import LabelText
-from workbench.model.cell import Cell
+from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import to_controller
 from workbench.model.messages.message import FoundPart, Message, as_message
 from workbench.model.release import LinkStatus, PartReport, Receipt
 from workbench.words.words import IN_ENGLISH, Words
@@ -114,18 +116,24 @@ def joints_html(
     reported = words.render(LinkPageText.REPORTED_LAST(at=heard))
     last = line(reported, kind="warn") if heard else ""
     most = max(len(arm.joints) for arm in cell.arms)
+    shown = [_shown(arm, joints) for arm in cell.arms]
     heads = (words.render(LinkPageText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
     head = "".join(f"<th>{escape(text)}</th>" for text in heads)
     rows = ""
     for axis in range(most):
         cells = ""
-        for arm in cell.arms:
-            known = axis < len(arm.joints)
-            joint = arm.joints[arm.axis_order[axis]] if known else ""
-            value = joints.get(joint)
-            text = "-" if value is None else f"{math.degrees(value) * arm.axis_signs[axis]:.2f}"
+        for values in shown:
+            text = f"{values[axis]:.2f}" if axis < len(values) else "-"
             cells += f'<td class="wb-number">{text}</td>'
         name = words.render(LabelText.AXIS(number=axis + 1))
         rows += f"<tr><th>{escape(name)}</th>{cells}</tr>"
     table = f'<table class="wb-facts wb-joints"><tr><th></th>{head}</tr>{rows}</table>'
     return last + table
+
+
+def _shown(arm: Arm, joints: Mapping[str, float]) -> list[float]:
+    """An arm's joints [deg] as its controller counts them; none where one is not reported."""
+    if not all(name in joints for name in arm.joints):
+        return []
+    q = np.array([joints[name] for name in arm.joints])
+    return np.rad2deg(to_controller(arm, q)).tolist()
