@@ -26,7 +26,8 @@ def cell():
 
 
 def by(cell: Cell, **policy) -> Cell:
-    return replace(cell, policy=replace(cell.policy, **policy))
+    """The cell with a policy that is kept to, also where no plan comes out."""
+    return replace(cell, policy=replace(cell.policy, as_needed=False, **policy))
 
 
 def lying(cell: Cell, x: float, y: float) -> Detection:

@@ -40,6 +40,7 @@ def test_the_change_admits_and_a_smaller_one_does_not(deep, detections):
         T = fix.candidate.grasp.T_part_tcp * pose_from_rpy((0, 0, -back / 1000))
         changed = replace(fix.candidate.grasp, T_part_tcp=T)
         alone = replace(cell, parts=(replace(part, library=GraspLibrary((changed,))),))
+        alone = replace(alone, policy=replace(alone.policy, as_needed=False))
         wanted = (fix.candidate.detection, fix.candidate.arm)
         return any(
             one.verdict.is_ok
@@ -95,7 +96,7 @@ def test_where_no_other_grasp_helps_the_margin_is_named(cell, detections, monkey
     """With a margin of 9 mm to the floor, which its fingers do not have."""
     for name in ("TURNS", "BACK_OFFS", "SLIDES", "OPENINGS"):
         monkeypatch.setattr(f"workbench.planning.picking.nearest_fix.{name}", ())
-    wide = replace(cell, policy=replace(cell.policy, near_margin=0.009))
+    wide = replace(cell, policy=replace(cell.policy, near_margin=0.009, as_needed=False))
     candidates = judge(wide, detections)
     fix = nearest_fix(wide, detections, candidates, seed=0)
     assert fix is not None

@@ -53,6 +53,7 @@ def test_parts_that_are_taken_need_no_change(cell, detections):
 
 def test_fingers_that_are_too_wide_open_are_told_so():
     cell = read_cell("yumi")
+    cell = replace(cell, policy=replace(cell.policy, as_needed=False))
     T = cell.bin.T_world_bin * pose_from_rpy((0, 0, 0.019), (0, np.pi / 2, 0))
     rolled = pose_from_rpy((0, 0, 0), (0, 0, np.pi))
     one = (Detection("keyed_cylinder", T * rolled),)

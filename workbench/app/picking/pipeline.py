@@ -34,7 +34,7 @@ FIRST_SEARCH = 0.7
 """Share of the progress for the search by the policy itself, before that by the widened one."""
 
 TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
-"""What fingers that arrive less open may mend."""
+"""What fingers that arrive less open, or other lifts, may mend."""
 
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 
@@ -122,12 +122,9 @@ def _may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> b
     if not policy.as_needed:
         return False
     reasons = {candidate.verdict.reason for candidate in candidates}
-    has_fingers = any(arm.tool.fingers for arm in cell.arms)
-    is_tight = policy.least_air is None and has_fingers
-    has_lifts = set(policy.lifts) != set(LIFT_NAMES)
-    return (has_lifts and Reason.EXTRACT_BLOCKED in reasons) or (
-        is_tight and not reasons.isdisjoint(TIGHT)
-    )
+    if policy.least_air is None and any(arm.tool.fingers for arm in cell.arms):
+        return not reasons.isdisjoint({*TIGHT, Reason.EXTRACT_BLOCKED})
+    return Reason.EXTRACT_BLOCKED in reasons and set(policy.lifts) != set(LIFT_NAMES)
 
 
 def _plan(world: World, scene: Scene, asked: _Asked, stages: "_Stages") -> PlanResult:
