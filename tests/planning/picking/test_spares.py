@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.app.picking import pipeline
-from workbench.app.picking.pipeline import ENOUGH, judge, plan_pick
+from workbench.app.picking.pipeline import judge, plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage
 from workbench.model.cell import Cell
@@ -14,6 +14,7 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import GraspLibrary
 from workbench.model.scan import Detection
+from workbench.planning.picking.propose import ENOUGH
 from workbench.planning.planners.clock import processor_time
 
 

@@ -39,4 +39,4 @@ def _line(checked: CheckedStep, is_next: bool, words: Words) -> str:
     press = f"document.querySelector('[role=tab]:has(.icon-tabler-{icon})')?.dispatchEvent({enter})"
     key = f"if(event.key==='Enter'||event.key===' '){{event.preventDefault();{press}}}"
     opens = f'tabindex="0" role="button" onclick="{press}" onkeydown="{key}"'
-    return f'<li class="{kind}" {opens}>{text}</li>'
+    return f'<li class="{kind}"><span {opens}>{text}</span></li>'
