@@ -93,14 +93,10 @@ def approve(
         check_approvable(cell, proven_plan.plan, proven_plan.proof, actor, manner)
         if proven_plan.plan.scan_digest != plan.scan_digest:
             raise CommandRefused(Refusal.OTHER_SCANS())
-    approval = Approval(
-        plan_digest=plan.digest,
-        proof_digest=proof.digest,
-        cell_digest=cell.digest,
-        scan_digest=plan.scan_digest,
-        actor=actor,
-        at=now,
-        until=min((now, *(vote.at for vote in before))) + cell.policy.approval_minutes * 60.0,
+    began = min((now, *(vote.at for vote in before)))
+    approval = replace(
+        _approval(cell, plan, proof, actor, now),
+        until=began + cell.policy.approval_minutes * 60.0,
         before=before,
         speed_share=manner[0],
         is_stepped=manner[1],
@@ -124,19 +120,23 @@ def let_out(cell: Cell, plan: Plan, proof: Proof, by: str, now: float) -> Approv
         CommandRefused: see `approve`; or the robot link sends paths.
     """
     check_approvable(cell, plan, proof, by)
-    approval = Approval(
+    approval = _approval(cell, plan, proof, by, now)
+    approval = replace(approval, is_unwatched=True, is_switched_off=True)
+    refuse(lacks_people(cell, approval))
+    return approval
+
+
+def _approval(cell: Cell, plan: Plan, proof: Proof, actor: str, now: float) -> Approval:
+    """An approval of this plan and proof in this cell, from now on."""
+    return Approval(
         plan_digest=plan.digest,
         proof_digest=proof.digest,
         cell_digest=cell.digest,
         scan_digest=plan.scan_digest,
-        actor=by,
+        actor=actor,
         at=now,
         until=now + cell.policy.approval_minutes * 60.0,
-        is_unwatched=True,
-        is_switched_off=True,
     )
-    refuse(lacks_people(cell, approval))
-    return approval
 
 
 def check_approvable(
