@@ -82,6 +82,12 @@ def test_a_real_scanner_that_was_never_calibrated_is_next(cell, state):
     assert next_step(checked) is Step.CALIBRATION
 
 
+def test_merged_scanners_have_their_own_calibrations(cell, state):
+    scanner = replace(cell.scanner, source="merged", calibration=None)
+    found = said(replace(state, cell=replace(cell, scanner=scanner)))[Step.CALIBRATION]
+    assert found == (True, "Each of the merged scanners is calibrated.")
+
+
 def test_a_cell_without_parts_and_a_part_without_grasps_are_different(cell, state):
     none = said(replace(state, cell=replace(cell, parts=())))[Step.GRASPS]
     assert none == (False, "Make the part from its CAD file.")

@@ -136,7 +136,7 @@ def empty_pile(
             last = result.plans[-1]
             seen_for = seconds_seen(last, sees_from(cell, last))
     end = _End(lying, refusal, result, failures >= MOST_FAILURES)
-    return _emptied(cell, task, tally, end, estimates=estimates)
+    return _record_pile(cell, task, tally, end, estimates=estimates)
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +149,7 @@ class _End:
     is_stopped: bool
 
 
-def _emptied(
+def _record_pile(
     cell: Cell, task: PileTask, tally: _Tally, end: _End, *, estimates: bool
 ) -> EmptiedPile:
     """The record of an emptied pile, with the reason why each part is left."""

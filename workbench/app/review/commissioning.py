@@ -87,6 +87,9 @@ def _calibration(cell: Cell, now: float) -> CheckedStep:
         is_young = days <= scanner.calibration_days
         says = text.CALIBRATED(days=days) if is_young else text.CALIBRATION_OLD(days=days)
         return CheckedStep(Step.CALIBRATION, is_young, says)
+    if scanner.source == "merged":
+        # It takes no view of a scanner that is not calibrated.
+        return CheckedStep(Step.CALIBRATION, True, text.MERGED())
     # A made-up scanner hangs where the cell says.
     is_simulated = scanner.source == "simulated"
     return _of(Step.CALIBRATION, is_simulated, text.SIMULATED(), text.NOT_CALIBRATED())

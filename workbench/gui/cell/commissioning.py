@@ -1,6 +1,5 @@
 """The steps of commissioning as a list: what is done, what is next, and a way to its tab."""
 
-import time
 from collections.abc import Mapping
 from html import escape
 
@@ -24,7 +23,7 @@ TABS: Mapping[Step, str] = {
 
 def steps_html(view: View, words: Words = IN_ENGLISH) -> str:
     """A line for each step, which opens the tab where the step is done."""
-    checked = checklist(view.state, view.statistics, time.time())
+    checked = checklist(view.state, view.statistics, view.at)
     upcoming = next_step(checked)
     lines = "".join(_line(each, each.step is upcoming, words) for each in checked)
     return f'<ol class="wb-checks">{lines}</ol>'

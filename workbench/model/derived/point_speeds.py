@@ -1,7 +1,7 @@
-"""How fast points of an arm, its tool and the part in its hand are, beside what a cell allows.
+"""How fast points of an arm, its tool and a held part are, as shares of what a cell allows.
 
 A leg is a curve whose parameter grows by 1 from waypoint to waypoint.  What is computed here is one
-more slope beside those of the joints, whose speed is at most 1: planning and streaming keep it like
+more slope like those of the joints, whose speed is at most 1: planning and streaming keep it like
 the speed of a joint.  The proof has another computation of its own.
 """
 
@@ -30,7 +30,7 @@ KEPT_SHARE = 0.98
 """Of a limit of the policy: between the marks of a curve points may be a little faster."""
 
 WAY_MARKS = 33
-"""On a straight way from one waypoint to the next."""
+"""On a straight segment between two waypoints."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +65,7 @@ class PointSpeeds:
         return np.maximum(fastest, tcp) / KEPT_SHARE
 
     def share_along(self, start: Floats, end: Floats) -> float:
-        """The largest share on the straight way from one configuration (n,) [rad, m] to another."""
+        """The largest share on the straight segment between configurations (n,) [rad, m]."""
         steps = np.tile(end - start, (WAY_MARKS, 1))
         at = np.linspace(0.0, 1.0, WAY_MARKS)[:, None]
         return float(self.shares(start + at * steps, steps).max())

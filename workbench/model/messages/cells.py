@@ -107,6 +107,7 @@ class CommissioningText(Text, subject="commissioning"):
     NO_LOAD = "State mass_g of {tools:and} in the cell file: the controller gets no load."
     CALIBRATED = "The scanner was calibrated {days} {days:day|days} ago."
     CALIBRATION_OLD = "The calibration is {days} {days:day|days} old. Calibrate the scanner again."
+    MERGED = "Each of the merged scanners is calibrated."
     SIMULATED = "A simulated scanner needs no calibration."
     NOT_CALIBRATED = "Calibrate the scanner: nobody has measured where it stands."
     GRASPS = "{count} {count:grasp|grasps} for the parts of the cell."

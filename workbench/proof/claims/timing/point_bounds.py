@@ -206,7 +206,7 @@ def _boxed(body: Hasty) -> Hasty:
 
 
 def _between(slopes: Floats, widths: Floats, slides: Bools, onward: Floats, out: Floats) -> Floats:
-    """What |p'| may be more by (k,) [m] in the pieces beside each mark.
+    """What |p'| may be more by (k,) [m] in the pieces on both sides of each mark.
 
     A point is at the end of a chain of lengths, each turned by the joints before it.  Let w be the
     sum of their rates and c that of their bends.  The first three derivatives of a product of turns

@@ -153,7 +153,7 @@ class _Together:
         return -1 if found is None else found[1]
 
     def _full_shares(self, marked: "_Marked") -> Floats:
-        """The largest share (m,) on each straight way."""
+        """The largest share (m,) on each straight segment."""
         return np.asarray(marked.shares.reshape(len(self._steps), -1).max(axis=1))
 
     def _quick(self, marked: "_Marked", share: float = 1.0) -> Floats:
