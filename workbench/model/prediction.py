@@ -65,7 +65,7 @@ class PileTask:
     `bounds`: what stays is tried by all grasps of the tool, too.  `change`: a change of the
     cell (`app.emptying.changes`) that the pile is emptied with, None for none; it lies as without
     it, and what stays is told without a nearest fix.  `picks`: plans in a row after one look, at
-    most.
+    most.  `recipe` is the number of the cell's recipe, 0 for none.
     """
 
     cell: str
@@ -78,6 +78,7 @@ class PileTask:
     bounds: bool = False
     change: Message | None = None
     picks: int = 1
+    recipe: int = field(default_factory=int, metadata=LATER)
 
 
 NOT_FOUND, STOPPED = "not found", "stopped"
@@ -135,7 +136,8 @@ class EmptiedPile:
     sees, and how long finding and planning took for it [s].  `warned_picks` are those of plans that
     say that the hand goes where something not found may go on unseen, `warned_touches` the touches
     among these.  `holdable` of those left some hand fits at and holds as they lie, None when nobody
-    asked.
+    asked.  `kits` were
+    completed, of how many that its parts make; None where the recipe fills none.
     """
 
     task: PileTask
@@ -158,6 +160,7 @@ class EmptiedPile:
     warned_picks: int = field(default_factory=int, metadata=LATER)
     warned_touches: int = field(default_factory=int, metadata=LATER)
     holdable: int | None = field(default_factory=lambda: None, metadata=LATER)
+    kits: tuple[int, int] | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,6 +84,7 @@ def test_the_line_goes_from_a_scan_to_a_finished_cycle(line, samples):
         "overrides": PlanOverrides("sbl", 900, "highest", 0.01, 0.8),
         "placed": (),
         "avoided": (),
+        "wanted": None,
         "seed": 6,
     }
     assert isinstance(send, Send)

@@ -53,6 +53,7 @@ def test_the_jobs_lead_from_a_seed_to_a_proven_plan(yumi):
         "overrides": PlanOverrides(planner="sbl"),
         "placed": (),
         "avoided": (),
+        "wanted": None,
         "seed": 0,
     }
     result, told = run("plan", yumi, arguments)
@@ -81,6 +82,7 @@ def test_a_refusal_within_the_accuracy_of_the_bodies_says_so(yumi, monkeypatch):
         "overrides": PlanOverrides(),
         "placed": (),
         "avoided": (),
+        "wanted": None,
         "seed": 0,
     }
     found, _ = run("plan", cell, arguments)

@@ -15,6 +15,7 @@ from workbench.model.messages.message import Message
 from workbench.model.messages.states import StateText
 from workbench.model.plan import Plan, Proof, Proven
 from workbench.model.prediction import Emptying
+from workbench.model.recipes.kit import KitProgress
 from workbench.model.release import Approval, PartReport, Receipt, Vote
 from workbench.model.scan import Detection, Obstacle, Remark, Scan, SearchOverrides, SearchRecord
 
@@ -155,6 +156,7 @@ class SessionState:
     `whole` is the cell without a recipe while one is chosen; `cell` is the cell by that recipe.
     `unapproved_by` is the engineer who has switched approval off, empty while it is on; it counts
     only while the robot link sends poses alone.
+    `kit` is how far kits by the recipe that is chosen have come.
     """
 
     cell: Cell = field(kw_only=False)
@@ -176,6 +178,7 @@ class SessionState:
     unscanned: SentFor | None = field(default_factory=lambda: None, metadata=LATER)
     whole: Cell | None = field(default_factory=lambda: None, metadata=LATER)
     unapproved_by: str = field(default_factory=str, metadata=LATER)
+    kit: KitProgress = field(default_factory=KitProgress, metadata=LATER)
 
     @property
     def is_saved(self) -> bool:

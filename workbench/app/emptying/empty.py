@@ -17,12 +17,14 @@ from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import kit_of, recipe_of
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
+from workbench.model.recipes.kit import Wanted, lacking
 from workbench.model.scan import Detection, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
@@ -60,6 +62,8 @@ class _Tally:
     beside: list[tuple[float, float]] = field(default_factory=list[tuple[float, float]])
     warned_picks: int = 0
     warned_touches: int = 0
+    kit: list[str] = field(default_factory=list[str])
+    kits: int = 0
 
 
 def empty_pile(
@@ -192,6 +196,7 @@ def _record_pile(
         tally.warned_picks,
         tally.warned_touches,
         holdable(cell, rest, seed=task.seed) if estimates else None,
+        (tally.kits, _kits_possible(cell, task.count)) if kit_of(cell) else None,
     )
 
 
@@ -210,7 +215,7 @@ def fallen(plain: Cell, cell: Cell, task: PileTask) -> tuple[Detection, ...]:
     Raises:
         InputError: they do not fit.
     """
-    pile = drop_parts(kinds_in_turn(plain.parts, task.count), plain.bin, seed=task.seed)
+    pile = drop_parts(kinds_in_turn(plain, task.count), plain.bin, seed=task.seed)
     if not task.change:
         return pile
     step = cell.bin.T_world_bin * plain.bin.T_world_bin.inverse()
@@ -254,12 +259,36 @@ def _look_and_plan(
         obstacles=around.seen,
         unseen=around.unseen,
         avoided=_left_alone(detections, [detection for detection, _ in avoided]),
+        wanted=_wanted(cell, tally),
         seed=seed,
         cancelled=cancelled,
     )
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
     return result
+
+
+def _wanted(cell: Cell, tally: _Tally) -> Wanted | None:
+    """What the kit that is being filled lacks; None where nobody fills kits."""
+    items = kit_of(cell)
+    if not items:
+        return None
+    return Wanted(lacking(items, Counter(tally.kit)), recipe_of(cell, cell.recipe).in_order)
+
+
+def _add_to_kit(cell: Cell, tally: _Tally, part: str) -> None:
+    """Count a part for the kit that is being filled; after a complete one an empty one follows."""
+    items = kit_of(cell)
+    tally.kit.append(part)
+    if items and not lacking(items, Counter(tally.kit)):
+        tally.kits += 1
+        tally.kit.clear()
+
+
+def _kits_possible(cell: Cell, count: int) -> int:
+    """How many whole kits a pile of this many parts makes."""
+    kinds = Counter(part.name for part in kinds_in_turn(cell, count))
+    return min(kinds[item.part] // item.count for item in kit_of(cell))
 
 
 def _as_seen(
@@ -330,6 +359,7 @@ def _carry_out(
         else:
             tally.taken += 1
             tally.rolled += taking.is_turned
+            _add_to_kit(cell, tally, plan.detections[arm_plan.detection].part)
         if taking.number is None:
             picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
             continue

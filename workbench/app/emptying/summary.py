@@ -52,6 +52,7 @@ def summary(
         "taken_rolled": sum(scene.rolled for scene in scenes),
         "estimate_share": _estimate(scenes, taken, parts),
         "bound_share": _bound_share(scenes, taken, parts),
+        **_kits(scenes),
         "picks": taken + sum(kinds.values()),
         "failed_picks": sum(kinds.values()),
         "failed_by_kind": kinds,
@@ -71,6 +72,15 @@ def summary(
         "left_by_reason": dict(_reasons(scenes).most_common()),
         "scenes": [_scene(scene) for scene in scenes],
     }
+
+
+def _kits(scenes: Sequence[EmptiedPile]) -> dict[str, int | None]:
+    """Kits that were completed, and that the parts of the piles make; None where none is filled."""
+    counts = [pile.kits for pile in scenes if pile.kits is not None]
+    if not counts:
+        return {"kits": None, "kits_possible": None}
+    complete, possible = map(sum, zip(*counts, strict=True))
+    return {"kits": complete, "kits_possible": possible}
 
 
 def _by_kind(pile: EmptiedPile) -> dict[str, int]:

@@ -6,25 +6,30 @@ from dataclasses import replace
 from itertools import cycle, islice
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import kit_of
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.part import Part
+from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.perception.simulation.room import check_room
 
 
-def kinds_in_turn(parts: Sequence[Part], count: int) -> tuple[Part, ...]:
-    """What falls into a bin: this many parts, of each kind one in turn."""
-    return tuple(islice(cycle(parts), count))
+def kinds_in_turn(cell: Cell, count: int) -> tuple[Part, ...]:
+    """What falls into a bin: this many parts, of each kind one in turn, or what kits consist of."""
+    kit = [cell.part(item.part) for item in kit_of(cell) for _ in range(item.count)]
+    return tuple(islice(cycle(kit or cell.parts), count))
 
 
 def with_kinds(cell: Cell, kinds: Sequence[str]) -> Cell:
-    """The cell, picking only these of its parts; all of them where none is named.
+    """The cell, picking only these of its parts, without a kit; as it is where none is named.
 
     Raises:
         InputError: it does not pick one of them.
     """
-    return replace(cell, parts=tuple(map(cell.part, kinds))) if kinds else cell
+    if not kinds:
+        return cell
+    return replace(cell, parts=tuple(map(cell.part, kinds)), recipe=NO_RECIPE)
 
 
 def check_pile(cell: Cell, count: int) -> None:
@@ -36,7 +41,7 @@ def check_pile(cell: Cell, count: int) -> None:
     """
     if not cell.parts:
         raise InputError(PileText.NO_PART(cell=cell.name))
-    check_room(kinds_in_turn(cell.parts, count), cell.bin)
+    check_room(kinds_in_turn(cell, count), cell.bin)
     for part in cell.parts:
         _check_grasps(cell, part)
 

@@ -7,15 +7,16 @@ from types import MappingProxyType
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES, Cell, PlanOverrides, Policy
-from workbench.model.derived.by_recipe import strategies_of
+from workbench.model.derived.by_recipe import check_strategy
 from workbench.model.derived.policies import widened
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
-from workbench.model.messages.refusals import ChangeRefusal, Refusal
+from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import Plan, PlanResult, Proof, count_taken
+from workbench.model.recipes.kit import Wanted
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
@@ -36,6 +37,9 @@ FIRST_SEARCH = 0.7
 TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
 """What fingers that arrive less open, or other lifts, may mend."""
 
+TWO_ARMS = (*BOTH, "both")
+"""Strategies that only two arms can follow."""
+
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 
 TRIED, JUDGED = 0.2, 0.75
@@ -52,6 +56,7 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     overrides: PlanOverrides = AS_THE_CELL,
     obstacles: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, Message] = NOTHING,
+    wanted: Wanted | None = None,
     seed: int = 0,
     report: Report = silent,
     cancelled: Cancelled = never,
@@ -72,6 +77,8 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         overrides: what this request changes of the cell's policy.
         obstacles: what the scan shows beside the parts.
         avoided: indices of parts that are left alone for now, and why; they stay obstacles.
+        wanted: how many parts of each kind may be taken; None: any.  Where one alone is, an arm
+            takes it whatever the strategy says of two.
         seed: of everything random.
         report: progress.
         cancelled: asked between candidates; True ends the work.
@@ -83,11 +90,16 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     if not detections:
         raise InputError(Refusal.NO_PARTS())
     check_strategy(cell, strategy)
+    if wanted is not None:
+        avoided = {**wanted.refusals([detection.part for detection in detections]), **avoided}
+        is_last = sum(wanted.now.values()) == 1
+        strategy = "auto" if is_last and strategy in TWO_ARMS else strategy
     policy = overrides.on(cell.policy)
     asked = _Asked(
         strategy,
         cell.policy.threshold if threshold is None else threshold,
         avoided,
+        wanted,
         seed,
         within(report, 0.0, FIRST_SEARCH),
         cancelled,
@@ -111,6 +123,7 @@ class _Asked:
     strategy: str
     threshold: float
     avoided: Mapping[int, Message]
+    wanted: Wanted | None
     seed: int
     report: Report
     cancelled: Cancelled
@@ -153,7 +166,7 @@ def _plan(world: World, scene: Scene, asked: _Asked, stages: "_Stages") -> PlanR
         stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
         if not is_last and not has_enough_picks(
-            world, looked.picks, asked.strategy, asked.threshold, asked.avoided
+            world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
         ):
             continue
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
@@ -204,6 +217,7 @@ def _attempt(
             strategy,
             asked.threshold,
             scene.scan_digest,
+            wanted=asked.wanted,
             seed=asked.seed,
             cancelled=asked.cancelled,
         )
@@ -239,22 +253,6 @@ def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proo
             why = PlanNote.QUICKER_REFUSED(violation=first.violations[0].message)
             return replace(plan, notes=(*plan.notes, why)), proof
     return plans[0], first
-
-
-def check_strategy(cell: Cell, strategy: str) -> None:
-    """Look whether a strategy says anything about a cell.
-
-    One for two arms does so in a cell with one: that none comes of it is the verdict of planning.
-
-    Raises:
-        InputError: it is neither a word for strategies nor the name of an arm of the cell.
-    """
-    if strategy not in (*BOTH, *strategies_of(cell), "both"):
-        raise InputError(
-            ChangeRefusal.STRATEGY(
-                strategy=f"{strategy!r:.60}", known=strategies_of(cell), cell=cell.name
-            )
-        )
 
 
 def _without(

@@ -17,6 +17,7 @@ from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proven
+from workbench.model.recipes.kit import Wanted
 from workbench.model.scan import Detection, Obstacle, Scan, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH
@@ -38,6 +39,7 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
     obstacles: tuple[Obstacle, ...] = (),
     unseen: tuple[Obstacle, ...] = (),
     avoided: Mapping[int, Message] = NOTHING,
+    wanted: Wanted | None = None,
     strategy: str = "auto",
     report: Report = silent,
     **asked: Any,
@@ -58,6 +60,7 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
         unseen: where that may go on unseen.  Plans stay clear of it as well, where there is one
             that does; otherwise the note of the first says so.
         avoided: indices of parts that are left alone for now, and why.
+        wanted: how many parts of each kind may be taken by the whole row; None: any.
         strategy: as `plan_pick`.
         report: progress.
         asked: else as `plan_pick`.
@@ -72,11 +75,11 @@ def plan_row(  # noqa: PLR0913 - all that a request for a plan can say, by keywo
     if unseen:
         clear = replace(scene, obstacles=(*obstacles, *unseen))
         first = within(report, 0.0, USUALLY)
-        result = _rows(cell, clear, picks, avoided, strategy, first, **asked)
+        result = _rows(cell, clear, picks, avoided, strategy, first, wanted=wanted, **asked)
         if _holds(result):
             return result
         report = within(report, USUALLY, 1.0)
-    result = _rows(cell, scene, picks, avoided, strategy, report, **asked)
+    result = _rows(cell, scene, picks, avoided, strategy, report, wanted=wanted, **asked)
     return _add_note(result, PlanNote.GOES_UNSEEN()) if unseen and _holds(result) else result
 
 
@@ -159,12 +162,13 @@ def _row(
     picks: int,
     avoided: Mapping[int, Message],
     report: Report,
+    wanted: Wanted | None = None,
     **asked: Any,
 ) -> PlanResult:
     """A plan and those after it, all by one strategy."""
     left = dict(avoided)
     report_plan = within(report, 0.0, 1.0 / picks)
-    first = _next(cell, scene, left, report_plan, is_last=picks == 1, **asked)
+    first = _next(cell, scene, left, report_plan, is_last=picks == 1, wanted=wanted, **asked)
     if not _holds(first) or first.plan is None or picks == 1:
         return first
     row, done = list(first.row), 1
@@ -175,14 +179,18 @@ def _row(
             moved = may_have_moved(cell, plan)
             if moved is not None:
                 ends = ends or renumber(moved.problem, first.plan, plan.detections)
-            left = _carry_over(plan, left)
+            left, wanted = _carry_over(plan, left), _still_wanted(plan, wanted)
             scene = scene_after(cell, plan)
+        if wanted is not None and not wanted.counts:
+            ends = RowEnd.KIT_COMPLETE()
         if ends or not scene.detections:
             ends = ends or RowEnd.NO_PART()
             break
         done += 1
         report_plan = _of(report, done, picks)
-        result = _next(cell, scene, left, report_plan, is_last=done == picks, **asked)
+        result = _next(
+            cell, scene, left, report_plan, is_last=done == picks, wanted=wanted, **asked
+        )
         if result.plan is None or result.proof is None:
             why = RowEnd.NO_PLAN(verdict=result.verdict.message)
             ends = renumber(why, first.plan, scene.detections)
@@ -247,6 +255,13 @@ def _carry_over(plan: Plan, avoided: Mapping[int, Message]) -> dict[int, Message
     taken = {arm.detection for arm in plan.arms}
     stay = [number for number in range(len(plan.detections)) if number not in taken]
     return {stay.index(number): why for number, why in avoided.items() if number in stay}
+
+
+def _still_wanted(plan: Plan, wanted: Wanted | None) -> Wanted | None:
+    """What is wanted once a plan was carried out; a part on a station goes on by the next plan."""
+    if wanted is None or plan.stations:
+        return wanted
+    return wanted.without([plan.detections[arm.detection].part for arm in plan.arms])
 
 
 def _of_strategy(report: Report, strategy: str, number: int, count: int) -> Report:

@@ -22,6 +22,7 @@ from workbench.app.records.forms import Content, ReadFile, large_arrays, restore
 from workbench.formats.files.json_pieces import encode_json
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
+from workbench.model.derived.by_recipe import kit_of
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import JobCancelled, JournalError, WorkbenchError
 from workbench.model.messages.catalogue import message_of
@@ -162,6 +163,19 @@ def summary(state: State) -> Mapping[str, Any]:
         "changed": list(map(str, state.changed)) or None,
         "emptied": None if state.emptying is None else _digest_of(state.emptying),
         "asking": list(state.asking) or None,
+        "kit": _kit(state),
+    }
+
+
+def _kit(state: State) -> Mapping[str, int] | None:
+    if not kit_of(state.cell):
+        return None
+    kit = state.kit
+    return {
+        "recipe": state.cell.recipe,
+        "parts": len(kit.parts),
+        "complete": kit.complete,
+        "incomplete": kit.incomplete,
     }
 
 

@@ -132,6 +132,7 @@ def plan(
         obstacles=(*around.seen, *boxes_around(cell, arguments["placed"])),
         unseen=around.unseen,
         avoided=dict(arguments["avoided"]),
+        wanted=arguments["wanted"],
         seed=arguments["seed"],
         report=report,
         cancelled=cancelled,

@@ -12,12 +12,14 @@ from typing import Any, Literal
 
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
+from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
+from workbench.app.statistics.kits import KitCount, Kits, add_kits
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
 from workbench.app.statistics.rows import numbers_of_row, picks_of_row
 from workbench.app.statistics.turns import Turns
@@ -40,6 +42,7 @@ COUNTED = SCANS | {
         JobEnded,
         SendPlan,
         LinkEnded,
+        NewKit,
         ReportPick,
     )
 }
@@ -100,13 +103,14 @@ class Statistics:
 
     `refusals` are what is said of refused candidates (`kind_of`), and of how many; `judged` how
     often each grasp was tried and would have worked; `remaining` are the parts that stayed when a
-    planning brought no plan, the latest ones.
+    planning brought no plan, the latest ones; `kits` are those that were taken away.
     """
 
     cycles: tuple[CycleRecord, ...] = ()
     refusals: tuple[tuple[str, int], ...] = ()
     judged: Uses = field(default_factory=lambda: NO_USES)
     remaining: tuple[RemainingPart, ...] = ()
+    kits: tuple[KitCount, ...] = ()
 
     @property
     def picks(self) -> tuple[tuple[CycleRecord, PickRecord], ...]:
@@ -182,6 +186,7 @@ class Count:
         self._found: Any = ()
         self._judged: Uses = NO_USES
         self._remaining = Remaining()
+        self._kits = Kits()
         # Of a row: what each plan takes, and its parts by the numbers of the first; which is sent.
         self._row: tuple[tuple[PickRecord, ...], ...] = ()
         self._numbers: tuple[tuple[int, ...], ...] = ()
@@ -204,6 +209,8 @@ class Count:
                 ) from error
 
     def _add(self, kind: str, number: int, body: Any) -> None:
+        if kind == NewKit.__name__:
+            return self._kits.add(body["after"])
         at, stage = float(body["at"]), self._begun[0]
         self._take(kind, number, at, body["command"])
         if kind == GoOn.__name__:
@@ -222,6 +229,7 @@ class Count:
             tuple(self._refusals.most_common()),
             self._judged,
             self._remaining.value,
+            self._kits.value,
         )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
@@ -388,4 +396,5 @@ def together(parts: Iterable[Statistics]) -> Statistics:
         tuple(refusals.most_common()),
         uses,
         tuple(left for part in parts for left in part.remaining)[-MOST:],
+        add_kits(*(part.kits for part in parts)),
     )

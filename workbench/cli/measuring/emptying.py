@@ -6,7 +6,6 @@ from typing import Any
 from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.emptying.summary import summary
 from workbench.app.emptying.what_if import rank_changes, tasks_with_changes
-from workbench.app.picking.pipeline import check_strategy
 from workbench.app.picking.row import check_picks
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyEmptying
@@ -14,6 +13,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import MOST_PICKS
+from workbench.model.derived.by_recipe import check_strategy, with_recipe
 from workbench.model.errors import InputError
 from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.pile_results import emptied_all
@@ -52,16 +52,17 @@ def emptying(typed: StudyEmptying) -> int:
             typed.strategy,
             typed.bound,
             picks=typed.picks,
+            recipe=typed.recipe,
         )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
-    cell = read_cell(typed.cell)
+    cell = with_recipe(read_cell(typed.cell), typed.recipe)
     check_strategy(cell, typed.strategy)
     check_picks(cell, typed.picks)
     check_task(tasks[0])
     kinds = kinds_of(typed.what_if) if typed.what_if else frozenset[str]()
     if kinds:
-        tasks = tasks_with_changes(cell_of(typed.cell, typed.part), tasks, kinds)
+        tasks = tasks_with_changes(cell_of(typed.cell, typed.part, typed.recipe), tasks, kinds)
     if typed.picks > 1:
         tasks += [replace(task, picks=1) for task in tasks if not task.change]
     with progress("emptying") as report:
@@ -163,6 +164,8 @@ def _print(found: dict[str, Any], title: str) -> None:
         f"{found['picks']} picks, {found['failed_picks']} failed ({kinds}), "
         f"{found['touches']} touches, {found['knocked_out']} knocked out of the bin"
     )
+    if found["kits"] is not None:
+        print(f"{found['kits']} of {found['kits_possible']} kits complete")
     if found["warned_picks"]:
         print(
             f"{found['warned_picks']} of the picks, with {found['warned_touches']} of the touches, "

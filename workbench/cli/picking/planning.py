@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEED_LIMIT
-from workbench.app.picking.pipeline import check_strategy, plan_pick
+from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
@@ -34,7 +34,7 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
-from workbench.model.derived.by_recipe import strategy_of, with_recipe
+from workbench.model.derived.by_recipe import check_strategy, strategy_of, with_recipe
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy

@@ -1,6 +1,7 @@
 """`workbench statistics`: what recorded sessions have brought, as tables, JSON or CSV."""
 
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,7 @@ def _form(counted: Statistics, sessions: int) -> dict[str, Any]:
             for stage, usual, most in counted.stage_medians()
         },
         "refusals": dict(counted.refusals),
+        "kits": [asdict(kit) for kit in counted.kits],
     }
 
 
@@ -78,6 +80,9 @@ def _print(counted: Statistics, sessions: int) -> None:
     said = "" if rate is None else f", {rate:.0f} for each hour of cycles"
     named = f"{number_of(sessions, 'session')}, {number_of(len(counted.cycles), 'cycle')}"
     print(f"{named}, {number_of(counted.picked, 'part')} taken{said}")
+    for kit in counted.kits:
+        kits = f"{number_of(kit.complete, 'kit')} complete, {kit.incomplete} incomplete"
+        print(f"recipe {kit.recipe}: {kits}")
     rows = [
         (
             group,

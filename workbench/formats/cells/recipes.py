@@ -6,6 +6,7 @@ from workbench.formats.files.toml_documents import number, text
 from workbench.formats.files.toml_keys import Table
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import recipe_problem
+from workbench.model.recipes.kit import MOST_ITEMS, MOST_OF_ITEM, KitItem
 from workbench.model.recipes.recipe import HIGHEST, MOST_RECIPES, Recipe
 
 
@@ -32,6 +33,8 @@ def read_recipes(table: Table) -> tuple[Recipe, ...]:
                 if recipe.has("threshold_mm")
                 else None,
                 recipe.number("speed", 0.5, low=0.01, high=1) if recipe.has("speed") else None,
+                _items(recipe),
+                recipe.flag("in_order", False),
             )
         )
         recipe.finish()
@@ -39,6 +42,18 @@ def read_recipes(table: Table) -> tuple[Recipe, ...]:
         raise table.error("recipe", f"{len(found)} recipes, {MOST_RECIPES} are allowed")
     table.once("recipe.number", (str(recipe.number) for recipe in found))
     table.once("recipe.name", (recipe.name for recipe in found))
+    return tuple(found)
+
+
+def _items(recipe: Table) -> tuple[KitItem, ...]:
+    """What belongs in a kit, no kind twice."""
+    found: list[KitItem] = []
+    for item in recipe.tables("item"):
+        found.append(KitItem(item.text("part"), item.whole("count", 1, low=1, high=MOST_OF_ITEM)))
+        item.finish()
+    if len(found) > MOST_ITEMS:
+        raise recipe.error("item", f"{len(found)} items, {MOST_ITEMS} are allowed")
+    recipe.once("item.part", (item.part for item in found))
     return tuple(found)
 
 
@@ -66,6 +81,10 @@ def recipe_lines(recipe: Recipe) -> Iterator[str]:
         yield f"threshold_mm = {number(recipe.threshold * 1000)}"
     if recipe.speed is not None:
         yield f"speed = {number(recipe.speed)}"
+    if recipe.in_order:
+        yield "in_order = true"
+    for item in recipe.items:
+        yield from ("", "[[recipe.item]]", f"part = {text(item.part)}", f"count = {item.count}")
 
 
 def _names(table: Table, key: str) -> tuple[str, ...]:

@@ -60,7 +60,13 @@ A_RECORD = {
 
 A_STATION = {"name": "table", "size_mm": [100, 100]}
 
-A_RECIPE = {"number": 1, "name": "caps", "threshold_mm": 100, "speed": 0.3}
+A_RECIPE = {
+    "number": 1,
+    "name": "caps",
+    "threshold_mm": 100,
+    "speed": 0.3,
+    "item": [{"part": "cap", "count": 2}],
+}
 
 A_BIN = {"size_mm": [100, 100, 50], "region": [{"name": "left", "size_mm": [50, 100, 50]}]}
 

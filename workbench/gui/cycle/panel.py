@@ -20,6 +20,7 @@ from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
 from workbench.gui.cycle.going_on import GoOnButton
+from workbench.gui.cycle.kit import KitInputs
 from workbench.gui.cycle.outcomes import OutcomeInputs
 from workbench.gui.cycle.overrides import OverridesInputs
 from workbench.gui.cycle.plan_views import plan_line
@@ -68,6 +69,7 @@ class CyclePanel:
         gui = visitor.gui
         with group(gui, "1 · Scan"):
             self._recipe = RecipeInput(visitor, self._follow_recipe)
+            self._kit = KitInputs(visitor)
             gui.add_html(ROW)
             parts, seed = visitor.look.now.scan_asked
             self._kind = gui.add_dropdown(
@@ -160,6 +162,7 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._recipe.show(None if old is None else old.state, state)
+        self._kit.show(state)
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)
         self._threshold.draw(state, new.at)

@@ -5,12 +5,14 @@ from html import escape
 
 from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
+from workbench.app.statistics.kits import KitCount
 from workbench.app.statistics.remaining import remaining_words
 from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import line, table_html, time_of_day, zone
 from workbench.gui.texts.statistics import StatisticsText
 from workbench.model.candidate import Reason
+from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.work import LinkText
 from workbench.words.words import IN_ENGLISH, Words
@@ -76,6 +78,7 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         ("Cycles", f"{len(counted.cycles)}"),
         ("Parts taken", words.render(taken)),
         ("Parts per hour", words.render(hourly)),
+        *(_kit_row(kit, words) for kit in counted.kits),
     ]
     hours = counted.by_hour()
     charts = [
@@ -107,6 +110,11 @@ def statistics_html(counted: Statistics, words: Words = IN_ENGLISH) -> str:
         ),
     ]
     return table_html(rows) + "".join(charts)
+
+
+def _kit_row(kit: KitCount, words: Words) -> tuple[str, str]:
+    total = KitText.TOTAL(complete=kit.complete, incomplete=kit.incomplete)
+    return words.render(StatisticsText.KITS(recipe=kit.recipe)), words.render(total)
 
 
 def _median(usual: float, most: float) -> Message:

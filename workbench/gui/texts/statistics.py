@@ -15,6 +15,7 @@ class StatisticsText(Text, subject="page-statistics"):
     SUCCESS_BY = "Success by {group}"
     BY_HOUR = "Parts taken in each hour [{zone}]"
     MEDIAN_TIME = "{median}, most {most}"
+    KITS = "Kits by recipe {recipe}"
     TAKEN_OF = "{taken} of {total}"
     READING = "{name}: reading …"
     RESTORING = "{name}: restoring …"

@@ -6,7 +6,9 @@ from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
+from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import Entry, GraspPattern, Part
+from workbench.model.recipes.kit import KitItem
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe, names_of
 
 
@@ -20,6 +22,22 @@ def strategies_of(cell: Cell) -> tuple[str, ...]:
     if len(arms) < 2:
         return ("auto", *arms)
     return ("auto", "alternated", "coordinated", *arms, "both")
+
+
+def check_strategy(cell: Cell, strategy: str) -> None:
+    """Look whether a strategy says anything about a cell.
+
+    One for two arms does so in a cell with one: that none comes of it is the verdict of planning.
+
+    Raises:
+        InputError: it is neither a word for strategies nor the name of an arm of the cell.
+    """
+    if strategy not in (*strategies_of(cell), "alternated", "coordinated", "both"):
+        raise InputError(
+            ChangeRefusal.STRATEGY(
+                strategy=f"{strategy!r:.60}", known=strategies_of(cell), cell=cell.name
+            )
+        )
 
 
 def recipe_of(cell: Cell, number: int) -> Recipe:
@@ -71,12 +89,21 @@ def strategy_of(cell: Cell) -> str:
     return recipe_of(cell, cell.recipe).strategy or "auto"
 
 
+def kit_of(cell: Cell) -> tuple[KitItem, ...]:
+    """What belongs in a kit by the recipe that is chosen; empty where nobody fills kits."""
+    return () if cell.recipe == NO_RECIPE else recipe_of(cell, cell.recipe).items
+
+
 def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:
     """The key of a recipe that does not fit a cell, and why; None where all of it does."""
     kinds = tuple(part.name for part in cell.parts)
     for name in recipe.parts:
         if name not in kinds:
             return "parts", RecipeText.NO_PART(part=name, known=kinds)
+    picked = recipe.parts or kinds
+    for item in recipe.items:
+        if item.part not in picked:
+            return "item", RecipeText.NOT_PICKED(part=item.part, known=picked)
     if recipe.strategy and recipe.strategy not in strategies_of(cell):
         text = RecipeText.NO_STRATEGY(strategy=recipe.strategy, known=strategies_of(cell))
         return "strategy", text

@@ -19,6 +19,7 @@ from workbench.model.messages.cells import (
     CommissioningText,
     DifferenceText,
     InventoryText,
+    KitText,
     LoadText,
     RecipeText,
 )
@@ -130,6 +131,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     CommissioningText,
     LoadText,
     RecipeText,
+    KitText,
     InventoryText,
     CommandText,
     RoleText,

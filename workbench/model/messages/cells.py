@@ -62,6 +62,7 @@ class RecipeText(Text, subject="recipe"):
     MISFIT = "recipe {number} {name} does not fit the cell: {problem}"
     NO_PART = "part {part} is not one of the cell's parts: {known}"
     NO_GRASP = "grasp {grasp} is not one of its parts' grasps: {known}"
+    NOT_PICKED = "part {part} of the kit is not one of the recipe's parts: {known}"
     PART_WITHOUT_GRASP = "part {part} has no enabled grasp among those of the recipe"
     NO_PLACE = "place {place} is not one of the named places: {known}"
     ARM_WITHOUT_PLACE = "the {arm} arm has no place among those of the recipe"
@@ -70,6 +71,23 @@ class RecipeText(Text, subject="recipe"):
     STILL_PLACED = (
         "a part {part} stands on a pallet, and the recipe does not know it; empty the pallets first"
     )
+
+
+class KitText(Text, subject="kit"):
+    """Kits: what they have and lack, and what follows from that."""
+
+    ITEM = "{count} of {of} {part}"
+    STATE = "kit: {items}"
+    LACK = "{count} {part}"
+    LACKS = "the kit lacks {items}"
+    COMPLETE = "the kit is complete; take it away and begin a new kit"
+    NOT_FOUND = "the kit lacks {items}, and none was found; scan again, or begin a new kit"
+    HAS_ENOUGH = "the kit needs no {part} now"
+    BEGUN = "a new kit is begun; before it {complete} {complete:kit|kits} complete, {incomplete} incomplete"
+    BEFORE = "before it {complete} {complete:kit|kits} complete, {incomplete} incomplete"
+    TOTAL = "{complete} complete, {incomplete} incomplete"
+    NOTHING = "the kit has no part yet"
+    NO_KIT = "no recipe with a kit is chosen"
 
 
 class LoadText(Text, subject="load"):

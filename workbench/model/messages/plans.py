@@ -74,6 +74,7 @@ class RowEnd(Text, subject="row"):
     NO_PLAN = "no plan after that: {verdict}"
     REFUSED = "the proof of the next plan does not hold: {violation}"
     MOST = "a row has at most {count} plans"
+    KIT_COMPLETE = "the kit is complete"
 
 
 def strategy_message(strategy: str) -> Message:

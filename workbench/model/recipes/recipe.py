@@ -1,6 +1,9 @@
-"""A recipe: what belongs together when a cell picks parts of a kind."""
+"""A recipe: what belongs together when a cell picks parts of a kind, or fills kits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+from workbench.model.digest import LATER
+from workbench.model.recipes.kit import KitItem
 
 NO_RECIPE = 0
 """The number that stands for none: the cell is as its file states it."""
@@ -19,6 +22,9 @@ class Recipe:
     `grasps` are names of entries of their libraries, and `places` names of the arms' places.  A
     planning for which nobody names a strategy takes `strategy`.  `threshold` [m] and `speed`, a
     share of the joints' speeds, replace those of the policy.
+
+    Where there are `items`, parts are taken as long as a kit of these lacks them.  `in_order`:
+    those of an item only when the items before it are complete.
     """
 
     number: int
@@ -29,6 +35,8 @@ class Recipe:
     strategy: str = ""
     threshold: float | None = None
     speed: float | None = None
+    items: tuple[KitItem, ...] = field(default_factory=tuple, metadata=LATER)
+    in_order: bool = field(default_factory=bool, metadata=LATER)
 
 
 def names_of(places: int, names: tuple[str, ...]) -> tuple[str, ...]:

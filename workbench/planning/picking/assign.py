@@ -13,6 +13,7 @@ from workbench.model.messages.plans import PlanNote, strategy_message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import CancelText
 from workbench.model.plan import Plan, Strategy
+from workbench.model.recipes.kit import Wanted
 from workbench.planning.collision.world import World
 from workbench.planning.picking.dual_arm import CARRYING, coordinate, ends_are_clear, pairs_of
 from workbench.planning.picking.order import Cost, cost_of
@@ -46,6 +47,7 @@ def has_enough_picks(
     strategy: str,
     threshold: float,
     avoided: Container[int] = (),
+    wanted: Wanted | None = None,
 ) -> bool:
     """Whether resolving more candidates cannot give a better kind of plan.
 
@@ -57,6 +59,7 @@ def has_enough_picks(
         strategy: as that of `plan_first_feasible`.
         threshold: [m] as that of `plan_first_feasible`.
         avoided: indices of parts that nobody takes for now.
+        wanted: how many parts of each kind may be taken; None: any.
     """
     if strategy not in ("auto", "both", *BOTH):
         return any(strategy == Strategy.single(pick.candidate.arm) for pick in picks)
@@ -69,7 +72,10 @@ def has_enough_picks(
     apart = [
         (a, b, float(np.linalg.norm(at[a] - at[b])))
         for a, b in combinations(range(len(at)), 2)
-        if heap[a] != heap[b] and a not in avoided and b not in avoided
+        if heap[a] != heap[b]
+        and a not in avoided
+        and b not in avoided
+        and (wanted is None or wanted.allows([world.detections[k].part for k in (a, b)]))
     ]
     far = threshold if strategy == "auto" and world.cell.moves_both_arms else 0.0
     pairs = [(a, b) for a, b, distance in apart if distance >= far] or [(a, b) for a, b, _ in apart]
@@ -87,6 +93,7 @@ def plan_first_feasible(
     threshold: float,
     scan_digest: str,
     *,
+    wanted: Wanted | None,
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[tuple[Plan, ...], Verdict]:
@@ -102,6 +109,7 @@ def plan_first_feasible(
             the controller can move them so.
         threshold: [m] with `auto`, two arms work at once only on parts at least this far apart.
         scan_digest: what the detections were found in.
+        wanted: how many parts of each kind may be taken; None: any.
         seed: of everything random.
         cancelled: asked between assignments; True ends the work.
 
@@ -114,8 +122,8 @@ def plan_first_feasible(
         JobCancelled: `cancelled` said so.
     """
     verdict = Verdict(Reason.NO_PATH, Stage.ROUTE, note=_nobody_for(picks, strategy))
-    request = _Request(world, picks, strategy, threshold, scan_digest, seed)
-    for chosen, assigned in islice(_assignments(world, picks, strategy, request.cost), ATTEMPTS):
+    request = _Request(world, picks, strategy, threshold, scan_digest, wanted, seed)
+    for chosen, assigned in islice(_assignments(request), ATTEMPTS):
         if cancelled():
             raise JobCancelled(CancelText.PLANNING())
         result = _plan_picks(request, chosen, assigned, cancelled)
@@ -136,6 +144,7 @@ class _Request:
     strategy: str
     threshold: float
     scan_digest: str
+    wanted: Wanted | None
     seed: int
 
     @property
@@ -248,9 +257,7 @@ def _is_alike(pick: Pick, other: Pick) -> bool:
     return same and pick.rubs == other.rubs
 
 
-def _assignments(
-    world: World, picks: list[Pick], strategy: str, cost: Cost
-) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
+def _assignments(request: _Request) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """Ways to give parts to arms, best first: two arms where possible, then one.
 
     Parts that only rub off along what they lie against wait until nothing else can be taken: what
@@ -261,13 +268,14 @@ def _assignments(
     pairs are ordered by the sum of their costs, and the arm with the less goes first.
     """
     best: dict[tuple[str, int], Pick] = {}
-    for pick in picks:
+    cost = request.cost
+    for pick in request.picks:
         key = (pick.candidate.arm, pick.candidate.detection)
         if key not in best or _preference(pick) < _preference(best[key]):
             best[key] = pick
     ordered = sorted(best.values(), key=lambda pick: (cost(pick), pick.seconds))
     for do_rub in (False, True):
-        for chosen, assigned in _by_cost(world, picks, ordered, strategy, cost):
+        for chosen, assigned in _by_cost(request, ordered, cost):
             if any(pick.rubs for pick in assigned) == do_rub:
                 yield chosen, assigned
 
@@ -278,14 +286,17 @@ def _preference(pick: Pick) -> tuple[int, bool, float]:
 
 
 def _by_cost(
-    world: World, picks: Sequence[Pick], ordered: Sequence[Pick], strategy: str, cost: Cost
+    request: _Request, ordered: Sequence[Pick], cost: Cost
 ) -> Iterator[tuple[Strategy, tuple[Pick, ...]]]:
     """All ways to give parts to arms, least cost first; `ordered` has a pick for each of them."""
+    world, strategy = request.world, request.strategy
     if strategy in ("auto", *BOTH):
         has_pairs = any(part.library.pairs for part in world.cell.parts)
-        pairs = pairs_of(world, picks if has_pairs else ordered, cost)
+        pairs = pairs_of(world, request.picks if has_pairs else ordered, cost)
         for pair in filter(_of_several_heaps(world), pairs):
-            yield Strategy.ALTERNATED, pair
+            kinds = [world.detections[pick.candidate.detection].part for pick in pair]
+            if request.wanted is None or request.wanted.allows(kinds):
+                yield Strategy.ALTERNATED, pair
     for pick in ordered:
         alone = Strategy.single(pick.candidate.arm)
         if strategy in ("auto", alone):

@@ -64,7 +64,9 @@ def emptied_all(
 
 def _path(folder: Path, task: PileTask) -> Path:
     """The file of a pile: another cell, part, seed or program has another one."""
-    said = repr((canonical(task), _digest(task.cell, task.part, task.change), _program()))
+    said = repr(
+        (canonical(task), _digest(task.cell, task.part, task.change, task.recipe), _program())
+    )
     return folder / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.json"
 
 
@@ -75,8 +77,8 @@ def _program() -> str:
 
 
 @lru_cache(maxsize=256)
-def _digest(cell: str, part: str, change: Message | None) -> str:
-    return apply_change(cell_of(cell, part), change).digest
+def _digest(cell: str, part: str, change: Message | None, recipe: int) -> str:
+    return apply_change(cell_of(cell, part, recipe), change).digest
 
 
 def _read(folder: Path, task: PileTask) -> EmptiedPile | None:
@@ -108,4 +110,6 @@ def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
     stages = tuple((str(name), float(seconds)) for name, seconds in content.pop("stages"))
     beside = tuple((float(moves), float(took)) for moves, took in content.pop("beside"))
     lists = {key: tuple(content.pop(key)) for key in ("failed", "planning", "outcomes")}
+    kits = content.pop("kits")
+    lists["kits"] = None if kits is None else tuple(kits)
     return EmptiedPile(task=task, left=left, stages=stages, beside=beside, **lists, **content)

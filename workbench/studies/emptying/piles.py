@@ -10,8 +10,10 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.messages.message import Message
 from workbench.model.prediction import TOGETHER, EmptiedPile, PileTask
+from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.scan import ALL_KINDS, SearchOverrides
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
@@ -20,18 +22,18 @@ from workbench.planning.picking.propose import propose
 from workbench.plugins.localizer import find_parts
 
 
-def cell_of(name: str, part: str) -> Cell:
-    """The cell, picking what `PileTask.part` names.
+def cell_of(name: str, part: str, recipe: int = NO_RECIPE) -> Cell:
+    """The cell by its recipe of that number, picking what `PileTask.part` names.
 
     Raises:
-        InputError: cell or part cannot be read.
+        InputError: cell or part cannot be read, or there is no such recipe.
     """
-    cell = read_cell(name)
+    cell = with_recipe(read_cell(name), recipe)
     if part in ("", ALL_KINDS):
-        return cell if part else replace(cell, parts=cell.parts[:1])
+        return cell if part or recipe else replace(cell, parts=cell.parts[:1])
     known = {known_part.name: known_part for known_part in cell.parts}
     kinds = (known[kind] if kind in known else read_part(kind) for kind in part.split(TOGETHER))
-    return replace(cell, parts=tuple(kinds))
+    return replace(cell, parts=tuple(kinds), recipe=NO_RECIPE)
 
 
 def check_task(task: PileTask) -> None:
@@ -40,21 +42,21 @@ def check_task(task: PileTask) -> None:
     Raises:
         InputError: cell or part cannot be read, or see `check_pile`.
     """
-    check_pile(cell_of(task.cell, task.part), task.count)
+    check_pile(cell_of(task.cell, task.part, task.recipe), task.count)
 
 
 def empty_pile(task: PileTask) -> EmptiedPile:
     """Drop a pile and empty it; see `app.emptying.empty`."""
-    cell = _warm(task.cell, task.part, task.seen, task.change)
-    pile = empty.fallen(cell_of(task.cell, task.part), cell, task)
+    cell = _warm(task.cell, task.part, task.seen, task.change, task.recipe)
+    pile = empty.fallen(cell_of(task.cell, task.part, task.recipe), cell, task)
     return empty.empty_pile(cell, task, pile, estimates=not task.change)
 
 
 @lru_cache(maxsize=4)
-def _warm(name: str, part: str, seen: str, change: Message | None) -> Cell:
+def _warm(name: str, part: str, seen: str, change: Message | None, recipe: int) -> Cell:
     """The cell, after one plan: compiled code is loaded before a clock runs."""
-    cell = apply_change(cell_of(name, part), change)
-    pile = drop_parts(kinds_in_turn(cell.parts, 2), cell.bin, seed=0)
+    cell = apply_change(cell_of(name, part, recipe), change)
+    pile = drop_parts(kinds_in_turn(cell, 2), cell.bin, seed=0)
     if seen == "scan":
         scan = synthesize(cell, pile, seed=0)
         find_parts(scan, cell, seed=0, detail=SearchOverrides().detail)

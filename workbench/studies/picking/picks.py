@@ -49,7 +49,7 @@ def measure(
         scenes: how many piles.
         parts: how many parts in each.
         seed: of the first pile; the others follow.
-        strategy: see `pipeline.check_strategy`.
+        strategy: see `model.derived.by_recipe.check_strategy`.
         planner: of the free legs; the cell's when None.
         air: also search, for parts that have no place by themselves, for a handover in the air.
         report: progress.

@@ -18,6 +18,7 @@ from workbench.app.core.control import (
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan, WantThreshold
@@ -344,6 +345,11 @@ CALLS: tuple[Call, ...] = (
                 _whole(NO_RECIPE, HIGHEST),
             ),
         ),
+    ),
+    Call(
+        "/kit",
+        "Say that the kit has been taken away, complete or not, and an empty one stands there.",
+        NewKit,
     ),
     Call("/cell/undo", "Take back the last change.", UndoCell),
     Call("/cell/redo", "Take back the last undo.", RedoCell),

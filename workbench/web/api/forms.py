@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from workbench.app.core.cycle.kits import lacks_of
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
 from workbench.app.emptying.summary import summary
@@ -12,7 +13,7 @@ from workbench.app.review.commissioning import CheckedStep
 from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.derived.by_recipe import strategies_of
+from workbench.model.derived.by_recipe import kit_of, strategies_of
 from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
 from workbench.model.plan import Proof, Violation, parts_taken
@@ -41,6 +42,7 @@ def state_form(state: State, live: Live) -> Form:
         "cell_digest": state.cell.digest,
         "recipe": state.cell.recipe,
         "recipes": [{"number": r.number, "name": r.name} for r in state.cell.recipes],
+        "kit": _kit_form(state),
         "is_saved": state.is_saved,
         "control": state.control,
         "asking": list(state.asking),
@@ -72,6 +74,24 @@ def state_form(state: State, live: Live) -> Form:
             {"detection": o.detection, "is_picked": o.is_picked, "by": o.by, "why": str(o.why)}
             for o in (() if sent is None else sent.outcomes)
         ],
+    }
+
+
+def _kit_form(state: State) -> Form | None:
+    """What belongs in a kit and what it has, and how many were taken away before it."""
+    counts = state.kit.counts
+    items = [
+        {"part": item.part, "count": item.count, "has": counts.get(item.part, 0)}
+        for item in kit_of(state.cell)
+    ]
+    if not items:
+        return None
+    is_complete = not lacks_of(state)
+    return {
+        "items": items,
+        "is_complete": is_complete,
+        "complete_before": state.kit.complete,
+        "incomplete_before": state.kit.incomplete,
     }
 
 
@@ -195,6 +215,10 @@ def statistics_form(statistics: Statistics) -> Form:
         "picks_per_hour": statistics.picks_per_hour,
         "rates": {name: _rates(statistics, name) for name in GROUPS},
         "refusals": {reason: count for reason, count in statistics.refusals},
+        "kits": [
+            {"recipe": kit.recipe, "complete": kit.complete, "incomplete": kit.incomplete}
+            for kit in statistics.kits
+        ],
         "stages": {
             stage: {"median": middle, "largest": largest}
             for stage, middle, largest in statistics.stage_medians()

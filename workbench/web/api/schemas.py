@@ -84,6 +84,14 @@ STATE = record(
     cell_digest=DIGEST,
     recipe=WHOLE,
     recipes=many(record(number=WHOLE, name=TEXT)),
+    kit=or_none(
+        record(
+            items=many(record(part=TEXT, count=WHOLE, has=WHOLE)),
+            is_complete=FLAG,
+            complete_before=WHOLE,
+            incomplete_before=WHOLE,
+        )
+    ),
     is_saved=FLAG,
     control=TEXT,
     asking=many(TEXT),
@@ -269,6 +277,7 @@ STATISTICS = record(
     picks_per_hour=or_none(NUMBER),
     rates=by_name(by_name(record(picked=WHOLE, failed=WHOLE))),
     refusals=by_name(WHOLE),
+    kits=many(record(recipe=WHOLE, complete=WHOLE, incomplete=WHOLE)),
     stages=by_name(record(median=NUMBER, largest=NUMBER)),
 )
 COMMISSIONING = many(record(step=TEXT, is_done=FLAG, text=TEXT, said=SAID))

@@ -11,6 +11,7 @@ from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
@@ -90,6 +91,7 @@ METHODS: tuple[Method, ...] = (
         lambda given: ChooseRecipe(given[0]),
         (Argument("Recipe", ua.VariantType.UInt32, "one of the variable Recipes; 0: none"),),
     ),
+    Method("NewKit", lambda given: NewKit()),
     Method("Stop", lambda given: Stop()),
     Method("Cancel", lambda given: CancelJob()),
     Method("Acknowledge", lambda given: AcknowledgeFault()),

@@ -6,11 +6,12 @@ from typing import Any
 from asyncua import ua
 
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.kits import lacks_of
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.rights import obstacle
 from workbench.app.core.state import State
 from workbench.app.runtime.live import Live
-from workbench.model.derived.by_recipe import strategies_of
+from workbench.model.derived.by_recipe import kit_of, strategies_of
 
 VARIABLES: Mapping[str, ua.VariantType] = {
     "Number": ua.VariantType.UInt32,
@@ -20,6 +21,10 @@ VARIABLES: Mapping[str, ua.VariantType] = {
     "Control": ua.VariantType.String,
     "Recipe": ua.VariantType.UInt32,
     "Recipes": ua.VariantType.String,
+    "KitLacks": ua.VariantType.String,
+    "KitIsComplete": ua.VariantType.Boolean,
+    "KitsComplete": ua.VariantType.UInt32,
+    "KitsIncomplete": ua.VariantType.UInt32,
     "PartsFound": ua.VariantType.UInt32,
     "PlanDigest": ua.VariantType.String,
     "Plans": ua.VariantType.UInt32,
@@ -40,7 +45,7 @@ VARIABLES: Mapping[str, ua.VariantType] = {
 
 def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, Any]:
     """The value of each variable; `head` is number and hash of the journal's last entry."""
-    job = state.job
+    job, lacks = state.job, lacks_of(state)
     return {
         "Number": state.number,
         "Phase": str(state.phase),
@@ -49,6 +54,10 @@ def values_of(state: State, live: Live, head: tuple[int, str]) -> Mapping[str, A
         "Control": state.control,
         "Recipe": state.cell.recipe,
         "Recipes": ", ".join(f"{r.number} {r.name}" for r in state.cell.recipes),
+        "KitLacks": ", ".join(f"{count} {part}" for part, count in lacks.items()),
+        "KitIsComplete": bool(kit_of(state.cell)) and not lacks,
+        "KitsComplete": state.kit.complete,
+        "KitsIncomplete": state.kit.incomplete,
         "PartsFound": len(state.detections or ()),
         "PlanDigest": "" if state.plan is None else state.plan.digest,
         "Plans": len(state.plans),

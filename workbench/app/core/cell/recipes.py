@@ -16,6 +16,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
+from workbench.model.recipes.kit import KitProgress
 from workbench.model.recipes.recipe import HIGHEST, NO_RECIPE
 
 
@@ -54,7 +55,8 @@ def _choose(state: State, number: int) -> Changed:
     if number == state.cell.recipe:
         return replace(state, message=message), ()
     after, effects = with_cell(state, by_recipe(state, number), message)
-    return replace(after, whole=None if number == NO_RECIPE else whole), effects
+    after = replace(after, whole=None if number == NO_RECIPE else whole, kit=KitProgress())
+    return after, effects
 
 
 def _message(cell: Cell, number: int) -> Message:

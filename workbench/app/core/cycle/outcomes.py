@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import (
     Avoided,
@@ -92,7 +93,7 @@ class ReportPick(Command):
         refuse(outcome_problem(state, self))
 
     def apply(self, state: State, entry: Entry) -> Decision:
-        return with_outcome(state, self, entry.actor, entry.at), ()
+        return _in_kit(with_outcome(state, self, entry.actor, entry.at), self), ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,6 +147,8 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
                 state = with_outcome(state, said, ROBOT_LINK, at)
     placed = state.parts_placed + (0 if _goes_on(state.plan) else ended.parts_placed)
     state = replace(state, parts_placed=placed, part_reports=ended.parts, waits=0)
+    if not ended.fault and not _goes_on(state.plan):
+        state = _with_placed_in_kit(state, ended)
     if ended.fault:
         message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
@@ -156,8 +159,40 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
         if part.is_picked is False
     ]
     finished = StateText.CYCLE_FINISHED(count=placed, total=expected)
-    message = all_of((finished, *failed))
+    message = all_of((finished, *failed, lacks_message(state)))
     return stop_after_failures(replace(state, phase=Phase.DONE, message=message))
+
+
+def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
+    """The state with the parts of a plan in the kit that came to their places.
+
+    Where nobody says of each part whether it was picked, all came there if as many were placed.
+    """
+    if state.plan is None:
+        return state
+    first, arms = state.plans[0], state.plan.arms
+    reported = {part.detection: part.is_picked for part in ended.parts}
+    are_all_placed = ended.parts_placed == len(arms)
+    for number, arm in zip(parts_taken(first, state.plan), arms, strict=True):
+        is_picked = reported.get(arm.detection)
+        came = are_all_placed if is_picked is None else is_picked
+        if came and not _has_failed(state, ReportPick(number, is_picked=True)):
+            state = with_kit_part(state, first.digest, number, first.detections[number].part)
+    return state
+
+
+def _in_kit(state: State, command: ReportPick) -> State:
+    """The state after a word about a part; while it is on its way, that it comes counts later."""
+    sent = sent_for(state)
+    if sent is None:
+        return state
+    first = sent.plans[0]
+    if not command.is_picked:
+        return without_kit_part(state, first.digest, command.detection)
+    if state.phase is Phase.SENDING:
+        return state
+    part = first.detections[command.detection].part
+    return with_kit_part(state, first.digest, command.detection, part)
 
 
 def _has_failed(state: State, said: ReportPick) -> bool:

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.kits import kit_problem, lacks_message, wanted_parts
 from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begin_stage
 from workbench.app.core.tasks import Begun, begin_task
@@ -50,7 +51,7 @@ class MakePlan(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)
         joints = standing_joints(state.cell, asked.joints)
-        refuse(scan_problem(state.cell, state.scan, joints))
+        refuse(scan_problem(state.cell, state.scan, joints) or kit_problem(state))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return make_plan(state, entry, self)
@@ -105,6 +106,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
         "overrides": command.overrides,
         "placed": state.placed,
         "avoided": avoided_parts(state, entry.at),
+        "wanted": wanted_parts(state),
         "seed": command.seed,
     }
     state = replace(state, wanted_threshold=threshold)
@@ -127,7 +129,7 @@ def with_plan(state: State, result: PlanResult, job: Job) -> State:
     """
     if result.plan is None:
         phase = Phase.LOCALIZED
-        message = StateText.NO_PLAN(verdict=result.verdict.message)
+        message = all_of((StateText.NO_PLAN(verdict=result.verdict.message), lacks_message(state)))
     elif result.proof is None or not result.proof.holds:
         phase = Phase.PLANNED
         message = StateText.NO_PROOF()

@@ -6,6 +6,7 @@ from typing import Any
 from workbench.app.core.cell.emptying import emptying_words
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
+from workbench.app.core.cycle.kits import kit_problem
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import with_scan
@@ -82,7 +83,7 @@ def gone_on(before: State, after: State, entry: Entry) -> Begun:
             return find_parts(after, entry, job.then.find, then=job.then)
         case "localize", Phase.LOCALIZED:
             joints = standing_joints(after.cell, entry.joints)
-            if problem := scan_problem(after.cell, after.scan, joints):
+            if problem := scan_problem(after.cell, after.scan, joints) or kit_problem(after):
                 return replace(after, message=all_of((problem, StateText.ENDS_HERE()))), ()
             return make_plan(after, entry, job.then.plan)
         case "scan" | "localize", _:

@@ -1,0 +1,51 @@
+"""The kit that is being filled: what it has, and the button for a new one."""
+
+import viser
+
+from workbench.app.core.cycle.kits import NewKit, kit_message, lacks_of
+from workbench.app.core.state import State
+from workbench.gui.shared.views import line, sentence
+from workbench.gui.shared.visitor import Visitor
+from workbench.model.messages.cells import KitText
+from workbench.model.messages.message import all_of
+from workbench.words.words import Words
+
+
+class KitInputs:
+    """A line and a button, which nobody sees where the recipe fills no kit.
+
+    Concurrency: clicks give commands; the renderer's thread draws.
+    """
+
+    def __init__(self, visitor: Visitor):
+        """Add both."""
+        self._visitor = visitor
+        self._line = visitor.gui.add_html("", visible=False)
+        self._new = visitor.gui.add_button(
+            "New kit",
+            icon=viser.Icon.PACKAGE,
+            color="gray",
+            visible=False,
+            hint="The kit has been taken away, complete or not, and an empty one stands there.",
+        )
+        visitor.on_press(self._new, NewKit)
+
+    def show(self, state: State) -> None:
+        """Bring it up to date."""
+        words = _kit_words(state, self._visitor.words)
+        self._line.visible = self._new.visible = bool(words)
+        if self._line.content != words:
+            self._line.content = words
+        self._visitor.admit(self._new, state, NewKit)
+
+
+def _kit_words(state: State, words: Words) -> str:
+    """What the kit has, and how many were filled before it; empty where there is none."""
+    has = kit_message(state)
+    if has is None:
+        return ""
+    kit = state.kit
+    total = KitText.BEFORE(complete=kit.complete, incomplete=kit.incomplete)
+    full = None if lacks_of(state) else KitText.COMPLETE()
+    said = all_of((has, full, total if kit.complete + kit.incomplete else None))
+    return line(sentence(words.render(said)), kind="hint" if full is None else "warn")
