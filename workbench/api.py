@@ -36,6 +36,7 @@ from workbench.journal.journal import Journal
 from workbench.model.calibration import BallPlate, Calibration, PlateObservation
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell, PlanOverrides
+from workbench.model.derived.by_recipe import wanted_parts
 from workbench.model.digest import digest_of
 from workbench.model.errors import (
     CommandRefused,
@@ -167,7 +168,8 @@ def plan(
 
     Args:
         cell: with its arms, places and policy.
-        detections: the parts in the bin, at least one; those not taken are obstacles.
+        detections: the parts in the bin, at least one; those not taken are obstacles.  By a
+            recipe that fills kits, those of an empty kit may be taken.
         scan: in which they were found; what else it shows within reach is avoided, and where that
             may go on unseen wherever there is a plan that can; the plan's note says where none can.
         strategy: `auto`, `alternated`, `coordinated`, `both`, or the name of
@@ -193,6 +195,7 @@ def plan(
         overrides=PlanOverrides() if overrides is None else overrides,
         obstacles=around.seen,
         unseen=around.unseen,
+        wanted=wanted_parts(cell),
         seed=seed,
     )
 

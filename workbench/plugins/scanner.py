@@ -17,7 +17,7 @@ GROUP: Group = "workbench.scanners"
 class ScanRequest:
     """What a simulated scanner shall see; a real one sees what lies there.
 
-    `parts` parts of the kind `part` (empty: the cell's first) dropped by `seed`.
+    `parts` parts of the kind `part` (empty: for kits, or the first) dropped by `seed`.
     """
 
     seed: int = 0

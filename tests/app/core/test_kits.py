@@ -6,8 +6,8 @@ import pytest
 from line import Line
 
 from workbench.app.core.cell.recipes import ChooseRecipe
-from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.kits import NewKit, lacks_of
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.parts import FindParts
@@ -96,7 +96,7 @@ def test_for_a_complete_kit_nothing_is_planned_until_a_new_one_is_begun(line, by
     found(line, by_recipe)
     assert "the kit is complete" in refused(line, MakePlan())
     state = line.do(NewKit())
-    assert str(state.message) == "a new kit is begun; before it 1 kit complete, 0 incomplete"
+    assert str(state.message) == "a new kit is begun; 1 kit complete, 0 incomplete before it"
     assert line.do(MakePlan()).job is not None
 
 

@@ -11,9 +11,11 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.gui.shared.movable_frames import with_places
-from workbench.model.derived.by_recipe import strategy_of, with_recipe
+from workbench.model.derived.by_recipe import kit_of, strategy_of, wanted_parts, with_recipe
+from workbench.model.digest import canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.recipes.kit import KitItem, Wanted
 from workbench.model.recipes.recipe import MOST_RECIPES, Recipe
 
 FIRST = "[[arm.place]]\nposition_mm = [330, "
@@ -143,3 +145,53 @@ def test_places_that_are_saved_keep_their_names(with_recipes):
     again = read_cell(path)
     assert again.arms[0].place_names == ("tray", "", "", "", "")
     assert again.recipes == cell.recipes
+
+
+KIT = """[[recipe]]
+number = 3
+name = "kit"
+in_order = true
+
+[[recipe.item]]
+part = "bracket"
+
+[[recipe.item]]
+part = "keyed_cylinder"
+count = 2
+"""
+
+
+def test_a_recipe_says_what_a_kit_consists_of(with_recipes, tmp_path):
+    cell = read_cell(with_recipes(FAST, KIT))
+    items = (KitItem("bracket", 1), KitItem("keyed_cylinder", 2))
+    assert kit_of(cell) == kit_of(with_recipe(cell, 1)) == ()
+    assert kit_of(with_recipe(cell, 3)) == items
+    assert wanted_parts(cell) is None
+    counts = {"bracket": 1, "keyed_cylinder": 1}
+    assert wanted_parts(with_recipe(cell, 3), counts) == Wanted({"keyed_cylinder": 1}, True)
+    again = read_cell(write_cell(tmp_path / "written", cell, {}))
+    assert again.recipes == cell.recipes
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "says"),
+    [
+        ('part = "bracket"', 'part = "nut"', "part nut of the kit is not one of the recipe's"),
+        ("in_order", 'parts = ["bracket"]\nin_order', "keyed_cylinder of the kit is not one"),
+        ('part = "keyed_cylinder"', 'part = "bracket"', "'bracket' is there 2 times"),
+        ("count = 2", "count = 0", "0 is not a whole number from 1 to 99"),
+        ("count = 2", "count = 1.5", "a whole number"),
+        ("count = 2", "many = 2", "many"),
+        ("in_order = true", "in_order = 1", "true or false"),
+    ],
+)
+def test_a_kit_that_cannot_be_is_refused_with_its_key(with_recipes, was, becomes, says):
+    with pytest.raises(FileError, match=says):
+        read_cell(with_recipes(KIT.replace(was, becomes)))
+
+
+def test_the_digest_of_a_cell_without_kits_is_as_ever():
+    cell = read_cell("yumi")
+    plain = replace(cell, recipes=(Recipe(1, "fast", speed=0.8),))
+    assert "items" not in str(canonical(plain.recipes[0]))
+    assert "items" in str(canonical(Recipe(1, "kit", items=(KitItem("bolt", 1),))))

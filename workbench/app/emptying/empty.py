@@ -17,14 +17,14 @@ from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import kit_of, recipe_of
+from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
 from workbench.model.messages.work import CancelText, ProgressText
 from workbench.model.plan import Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
-from workbench.model.recipes.kit import Wanted, lacking
+from workbench.model.recipes.kit import lacking
 from workbench.model.scan import Detection, SearchOverrides, Unexplained
 from workbench.perception.scene.unexplained import look_around
 from workbench.perception.simulation.piles import drop_parts
@@ -259,21 +259,13 @@ def _look_and_plan(
         obstacles=around.seen,
         unseen=around.unseen,
         avoided=_left_alone(detections, [detection for detection, _ in avoided]),
-        wanted=_wanted(cell, tally),
+        wanted=wanted_parts(cell, Counter(tally.kit)),
         seed=seed,
         cancelled=cancelled,
     )
     tally.planning.append(sum(result.seconds.values()))
     tally.stages.update(result.seconds)
     return result
-
-
-def _wanted(cell: Cell, tally: _Tally) -> Wanted | None:
-    """What the kit that is being filled lacks; None where nobody fills kits."""
-    items = kit_of(cell)
-    if not items:
-        return None
-    return Wanted(lacking(items, Counter(tally.kit)), recipe_of(cell, cell.recipe).in_order)
 
 
 def _add_to_kit(cell: Cell, tally: _Tally, part: str) -> None:

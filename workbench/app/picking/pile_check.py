@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import cycle, islice
 
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import kit_of
@@ -12,13 +11,14 @@ from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.part import Part
 from workbench.model.recipes.recipe import NO_RECIPE
+from workbench.model.scan import ALL_KINDS
+from workbench.perception.simulation.piles import parts_in_turn
 from workbench.perception.simulation.room import check_room
 
 
 def kinds_in_turn(cell: Cell, count: int) -> tuple[Part, ...]:
     """What falls into a bin: this many parts, of each kind one in turn, or what kits consist of."""
-    kit = [cell.part(item.part) for item in kit_of(cell) for _ in range(item.count)]
-    return tuple(islice(cycle(kit or cell.parts), count))
+    return parts_in_turn(cell, "" if kit_of(cell) else ALL_KINDS, count)
 
 
 def with_kinds(cell: Cell, kinds: Sequence[str]) -> Cell:

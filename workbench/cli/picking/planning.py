@@ -34,7 +34,7 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
-from workbench.model.derived.by_recipe import check_strategy, strategy_of, with_recipe
+from workbench.model.derived.by_recipe import check_strategy, strategy_of, wanted_parts, with_recipe
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -85,6 +85,7 @@ def plan(typed: arguments.PlanArguments) -> int:
             overrides=overrides,
             obstacles=around.seen,
             unseen=around.unseen,
+            wanted=wanted_parts(cell),
             seed=typed.seed,
             report=report,
         )

@@ -46,7 +46,7 @@ from workbench.gui.shared.views import (
 )
 from workbench.gui.shared.visitor import Visitor, whole
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import strategy_of
+from workbench.model.derived.by_recipe import kit_of, strategy_of
 from workbench.model.errors import InputError
 from workbench.model.messages.commands import EditText
 from workbench.model.messages.refusals import Refusal
@@ -230,7 +230,7 @@ class CyclePanel:
         if self._kind.options != kinds:
             self._kind.options = kinds
         self._kind.visible = self._gap.visible = (
-            len(kinds) > 1 and cell.scanner.source == "simulated"
+            len(kinds) > 1 and cell.scanner.source == "simulated" and not kit_of(cell)
         )
 
     def _react(self) -> None:
@@ -266,7 +266,8 @@ class CyclePanel:
         parts, seed = whole(self._parts.value), whole(self._seed.value)
         if parts in range(1, MOST_PARTS + 1) and seed in range(SEED_LIMIT):
             self._visitor.look.change(scan_asked=(parts, seed))
-        return TakeScan(seed, parts, self._kind.value)
+        kind = "" if kit_of(self._visitor.bench.state.cell) else self._kind.value
+        return TakeScan(seed, parts, kind)
 
     def _wanted_bin(self) -> Command:
         state = self._visitor.bench.state

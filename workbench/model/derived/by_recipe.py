@@ -1,5 +1,6 @@
 """A cell by one of its recipes, and why a recipe does not fit a cell."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from workbench.model.cell import Arm, Cell
@@ -8,7 +9,7 @@ from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import Entry, GraspPattern, Part
-from workbench.model.recipes.kit import KitItem
+from workbench.model.recipes.kit import KitItem, Wanted, lacking
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe, names_of
 
 
@@ -92,6 +93,14 @@ def strategy_of(cell: Cell) -> str:
 def kit_of(cell: Cell) -> tuple[KitItem, ...]:
     """What belongs in a kit by the recipe that is chosen; empty where nobody fills kits."""
     return () if cell.recipe == NO_RECIPE else recipe_of(cell, cell.recipe).items
+
+
+def wanted_parts(cell: Cell, counts: Mapping[str, int] | None = None) -> Wanted | None:
+    """What a kit lacks that has these parts by kind; None where nobody fills kits: everything."""
+    items = kit_of(cell)
+    if not items:
+        return None
+    return Wanted(lacking(items, counts or {}), recipe_of(cell, cell.recipe).in_order)
 
 
 def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:

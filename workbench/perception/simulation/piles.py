@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import kit_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.parts import PileText
@@ -41,17 +42,30 @@ OUTSIDE = 0.001
 
 
 def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection, ...]:
-    """Parts that fell into the cell's bin: `count` of a kind, of the first one when it is empty.
-
-    Of the kind `ALL_KINDS` is one of each in turn.
+    """Parts that fell into the cell's bin; see `parts_in_turn`.
 
     Raises:
         InputError: the cell has no part, or none of that kind; or they do not fit.
     """
+    return drop_parts(parts_in_turn(cell, kind, count), cell.bin, seed=seed)
+
+
+def parts_in_turn(cell: Cell, kind: str, count: int) -> tuple[Part, ...]:
+    """This many parts: of a kind, or with `ALL_KINDS` one of each kind in turn.
+
+    When the kind is empty they are what kits consist of, or without a kit of the first kind.
+
+    Raises:
+        InputError: the cell has no part, or none of that kind.
+    """
     if not cell.parts:
         raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    kinds = cell.parts if kind == ALL_KINDS else (cell.part(kind or cell.parts[0].name),)
-    return drop_parts(tuple(islice(cycle(kinds), count)), cell.bin, seed=seed)
+    kit = tuple(cell.part(item.part) for item in kit_of(cell) for _ in range(item.count))
+    if kind == ALL_KINDS:
+        kinds = cell.parts
+    else:
+        kinds = kit if kit and not kind else (cell.part(kind or cell.parts[0].name),)
+    return tuple(islice(cycle(kinds), count))
 
 
 def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection, ...]:

@@ -6,11 +6,11 @@ from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.state import Phase, PlanState, State, begin_stage, stale_by
-from workbench.model.derived.by_recipe import kit_of, recipe_of
+from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.message import Message
-from workbench.model.recipes.kit import KitPart, KitProgress, Wanted, lacking
+from workbench.model.messages.message import Message, Others
+from workbench.model.recipes.kit import KitPart, KitProgress, lacking
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +29,8 @@ class NewKit(Command):
         kit = KitProgress(
             (), state.kit.complete + is_complete, state.kit.incomplete + (not is_complete)
         )
-        message = KitText.BEGUN(complete=kit.complete, incomplete=kit.incomplete)
+        before = KitText.BEFORE(complete=kit.complete, incomplete=kit.incomplete)
+        message = Others.ALSO(first=KitText.BEGUN(), last=before)
         if state.phase in (Phase.PLANNED, Phase.APPROVED):
             # That plan is for what the kit before lacked, and around what stood there.
             state = begin_stage(
@@ -43,16 +44,9 @@ def lacks_of(state: State) -> Mapping[str, int]:
     return lacking(kit_of(state.cell), state.kit.counts)
 
 
-def wanted_parts(state: State) -> Wanted | None:
-    """What may be taken for the kit; None where the recipe fills none: everything."""
-    if not kit_of(state.cell):
-        return None
-    return Wanted(lacks_of(state), recipe_of(state.cell, state.cell.recipe).in_order)
-
-
 def kit_problem(state: State) -> Message | None:
     """Why no part can be taken for the kit; None when one can, or there is no kit."""
-    wanted = wanted_parts(state)
+    wanted = wanted_parts(state.cell, state.kit.counts)
     if wanted is None:
         return None
     if not wanted.counts:

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
-from workbench.app.core.cycle.kits import kit_problem, lacks_message, wanted_parts
+from workbench.app.core.cycle.kits import kit_problem, lacks_message
 from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begin_stage
 from workbench.app.core.tasks import Begun, begin_task
@@ -17,7 +17,7 @@ from workbench.app.core.value_checks import (
     check_overrides,
 )
 from workbench.model.cell import Cell, PlanOverrides
-from workbench.model.derived.by_recipe import strategies_of, strategy_of
+from workbench.model.derived.by_recipe import strategies_of, strategy_of, wanted_parts
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
@@ -106,7 +106,7 @@ def make_plan(state: State, entry: Entry, command: MakePlan) -> Begun:
         "overrides": command.overrides,
         "placed": state.placed,
         "avoided": avoided_parts(state, entry.at),
-        "wanted": wanted_parts(state),
+        "wanted": wanted_parts(state.cell, state.kit.counts),
         "seed": command.seed,
     }
     state = replace(state, wanted_threshold=threshold)

@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 class TakeScan(Command):
     """Trigger the scanner.  `seed`, `parts` and `part` shape the simulated pile.
 
-    `part` is which kind falls, of those that the cell picks; empty: the first; "all": one of
-    each in turn.
+    `part` is which kind falls, of those that the cell picks; "all": one of each in turn; empty:
+    what kits consist of, or the first.
     """
 
     right: ClassVar[Right] = Right(CommandText.TAKE_SCAN, SAFE)
