@@ -25,7 +25,7 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	browser/test_cell_tab.py browser/test_changes.py browser/test_control.py \
 	browser/test_emptying_tab.py browser/test_filling.py browser/test_foreign_tab.py \
 	browser/test_front_door.py browser/test_getting_ready.py browser/test_grasps_tab.py \
-	browser/test_keeping.py browser/test_learning.py browser/test_live_verdicts.py \
+	browser/test_keeping.py browser/test_kits.py browser/test_learning.py browser/test_live_verdicts.py \
 	browser/test_long_row.py browser/test_nearest.py browser/test_parts_tab.py \
 	browser/test_pictures.py browser/test_recipes.py browser/test_recorded.py \
 	browser/test_restoring.py browser/test_rows.py browser/test_scan_colours.py \

@@ -4,6 +4,7 @@ import viser
 
 from workbench.app.core.cycle.kits import NewKit, kit_message, lacks_of
 from workbench.app.core.state import State
+from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.model.messages.cells import KitText
@@ -30,13 +31,18 @@ class KitInputs:
         )
         visitor.on_press(self._new, NewKit)
 
-    def show(self, state: State) -> None:
+    def show(self, new: View) -> None:
         """Bring it up to date."""
-        words = _kit_words(state, self._visitor.words)
+        state, visitor = new.state, self._visitor
+        words = _kit_words(state, visitor.words)
         self._line.visible = self._new.visible = bool(words)
         if self._line.content != words:
             self._line.content = words
-        self._visitor.admit(self._new, state, NewKit)
+        problem = visitor.words.render(
+            visitor.refusal(state, NewKit(), new.at, new.live.joints) if words else None
+        )
+        self._new.disabled = bool(problem)
+        visitor.explain(self._new, problem)
 
 
 def _kit_words(state: State, words: Words) -> str:

@@ -1,0 +1,72 @@
+"""A kit filled over HTTP, and as a PLC and the statistics see it."""
+
+from dataclasses import replace
+
+import pytest
+from prepared_bench import make_results
+
+from workbench.app.picking.pipeline import plan_pick
+from workbench.app.statistics.kits import KitCount
+from workbench.app.statistics.statistics import statistics, together
+from workbench.model.derived.by_recipe import with_recipe
+from workbench.model.recipes.kit import KitItem
+from workbench.model.recipes.recipe import Recipe
+from workbench.web.opcua.values import values_of
+
+PAIR = Recipe(7, "pairs", items=(KitItem("keyed_cylinder", 2),))
+
+
+@pytest.fixture(scope="module")
+def results():
+    usual = make_results()
+    cell = with_recipe(replace(usual.cell, recipes=(PAIR,)), 7)
+    planned = plan_pick(cell, usual.detections, usual.scan.digest, seed=0)
+    return replace(usual, cell=cell, planned=planned)
+
+
+def cycle(site) -> None:
+    for path, phase in (("/scan", "scanned"), ("/localize", "localized"), ("/plan", "planned")):
+        site.post(path)
+        site.reach(phase)
+    plan = site.bench.state.plan.digest
+    for path in ("/watch", "/approve", "/send"):
+        assert site.post(path, plan=plan).ok, path
+    site.reach("done")
+
+
+def test_a_kit_is_filled_and_replaced_over_http(site):
+    kit = site.get("/state").json()["kit"]
+    assert kit == {
+        "items": [{"part": "keyed_cylinder", "count": 2, "has": 0}],
+        "is_complete": False, "complete_before": 0, "incomplete_before": 0,
+    }  # fmt: skip
+    assert site.post("/kit").json()["said"]["id"] == "kit.nothing"
+    cycle(site)
+    kit = site.get("/state").json()["kit"]
+    assert (kit["items"][0]["has"], kit["is_complete"]) == (2, True)
+    values = values_of(site.bench.state, site.bench.live, site.bench.head)
+    assert (values["KitLacks"], values["KitIsComplete"], values["KitsComplete"]) == ("", True, 0)
+    for path, phase in (("/scan", "scanned"), ("/localize", "localized")):
+        site.post(path)
+        site.reach(phase)
+    refused = site.post("/plan")
+    assert (refused.status_code, refused.json()["said"]["id"]) == (409, "kit.complete")
+    assert site.post("/kit", who="vic").status_code == 403
+    assert site.post("/kit", who="bob").status_code == 200
+    kit = site.get("/state").json()["kit"]
+    assert (kit["items"][0]["has"], kit["complete_before"]) == (0, 1)
+    values = values_of(site.bench.state, site.bench.live, site.bench.head)
+    assert (values["KitLacks"], values["KitsComplete"]) == ("2 keyed_cylinder", 1)
+
+
+def test_kits_are_counted_by_recipe_over_sessions(site):
+    cycle(site)
+    site.post("/kit")
+    cycle(site)
+    site.post("/report", detection=0, is_picked=False)
+    site.post("/kit")
+    assert site.get("/statistics").json()["kits"] == [
+        {"recipe": 7, "complete": 1, "incomplete": 1}
+    ]
+    counted = statistics(site.bench.entries(0))
+    assert together([counted, counted]).kits == (KitCount(7, 2, 2),)
