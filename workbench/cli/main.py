@@ -113,6 +113,7 @@ HOW: Mapping[type, str] = {
     cell.CellCheck: "authoring.cell_check:check_cell",
     cell.CellShow: "authoring.cell:show_cell",
     cell.CellPose: "authoring.pose:pose",
+    cell.CellTool: "authoring.tool:add_tool",
     cell.CellSchema: "authoring.cell:print_schema",
     part.PartImport: "authoring.part:import_part",
     part.PartFromScans: "authoring.part_scans:from_scans",

@@ -113,6 +113,18 @@ def check_number(option: str, value: float, low: float, high: float) -> None:
         raise InputError(f"{option} must lie between {low:g} and {high:g}, not {value}")
 
 
+def split_option(option: str, typed: str, sign: str) -> tuple[str, str]:
+    """The name and the value in one word.
+
+    Raises:
+        InputError: one of them is missing.
+    """
+    name, found, value = typed.partition(sign)
+    if not name or not found:
+        raise InputError(f"{option} {typed!r}: NAME{sign}VALUE is expected")
+    return name, value
+
+
 def milliseconds(seconds: float) -> float:
     """A time in milliseconds as people read it, to a tenth."""
     return round(seconds * 1000, 1)

@@ -55,8 +55,9 @@ class CellNew:
     bin: Maybe[str] = None
     """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
     reach it."""
-    tool: Literal["gripper", "suction"] = "gripper"
-    """What the arms carry to begin with."""
+    tool: str = "gripper"
+    """What the arms carry to begin with: gripper, suction, or URDF or xacro of a gripper with two
+    fingers."""
     part: PartName = "keyed_cylinder"
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""
@@ -102,6 +103,32 @@ class CellPose:
 
 
 @dataclass(frozen=True, slots=True)
+class CellTool:
+    """Have an arm carry a gripper from its URDF or xacro: body, two fingers, stroke and TCP.
+
+    The root link is put onto the flange, its z out of the arm.  What is written stands in the cell
+    file, to be changed there or in the tab Cell.
+    """
+
+    cell: Positional[CellName]
+    gripper: Positional[Path]
+    """URDF or xacro, with its meshes beside or above it."""
+    name: str = ""
+    """Name of the tool; that of the robot in the file when not given."""
+    arm: tuple[str, ...] = ()
+    """Which arms; all when not given."""
+    widest_mm: Maybe[float] = None
+    """It is never opened further; where not given as far as tips of a linkage come forward by no
+    more than 5 mm as they close."""
+    mesh_unit: Maybe[Literal["m", "mm"]] = None
+    """Unit of meshes of which neither the URDF nor their own file says it."""
+    xacro: tuple[str, ...] = ()
+    """Arguments for a xacro file, each NAME:=VALUE."""
+    package_path: tuple[Path, ...] = ()
+    """Folders with packages that the file names; those around it are found without."""
+
+
+@dataclass(frozen=True, slots=True)
 class CellSchema:
     """Print the JSON Schema of cell files, for editors that check while one types."""
 
@@ -115,5 +142,6 @@ class CellCommands:
         | Annotated[CellCheck, subcommand("check")]
         | Annotated[CellShow, subcommand("show")]
         | Annotated[CellPose, subcommand("pose")]
+        | Annotated[CellTool, subcommand("tool")]
         | Annotated[CellSchema, subcommand("schema")]
     )

@@ -1,11 +1,37 @@
 """The tools that arms of a new cell carry until somebody describes theirs."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import numpy as np
 
+from workbench.formats.robots.descriptions import read_description
+from workbench.formats.robots.grippers import gripper_of
 from workbench.model.cell import Finger, Tool
 from workbench.model.geometry import Box, Cylinder, Solid, pose_from_rpy
 
 DARK, LIGHT = (0.35, 0.36, 0.4), (0.55, 0.57, 0.6)
+
+
+def first_tool(typed: str, package_paths: Sequence[Path]) -> tuple[Tool, tuple[str, ...]]:
+    """The tool that somebody names, and what was decided about it.
+
+    Args:
+        typed: `gripper`, `suction`, or the path of a URDF or xacro file.
+        package_paths: folders where packages are searched for first.
+
+    Raises:
+        InputError: the file holds no gripper.
+        FileError: it cannot be read.
+    """
+    match typed:
+        case "gripper":
+            return gripper(), ()
+        case "suction":
+            return suction_cup(), ()
+        case _:
+            found = read_description(Path(typed), package_paths=package_paths)
+            return gripper_of(found, found.robot.name)
 
 
 def gripper() -> Tool:

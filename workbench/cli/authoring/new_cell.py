@@ -10,10 +10,10 @@ import numpy as np
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
-from workbench.cli.authoring.first_tools import gripper, suction_cup
+from workbench.cli.authoring.first_tools import first_tool
 from workbench.cli.authoring.new_cell_report import Made, print_report
 from workbench.cli.exits import SUCCESS
-from workbench.cli.terminal import check_number, check_whole, progress
+from workbench.cli.terminal import check_number, check_whole, progress, split_option
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.klampt.robots import read_rob
@@ -26,7 +26,7 @@ from workbench.formats.klampt.world_reader import (
 from workbench.formats.parts.reading import read_part
 from workbench.formats.robots.descriptions import Description, read_description
 from workbench.formats.robots.urdf_package import simplify_robot
-from workbench.model.cell import Arm, Cell, ScannerMount
+from workbench.model.cell import Arm, Cell, ScannerMount, Tool
 from workbench.model.derived.policies import POLICIES
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
@@ -76,7 +76,8 @@ def new_cell(typed: CellNew) -> int:
             report=lambda done, link: report(0.1 + 0.4 * done, f"convex pieces: {link}"),
         )
         report(0.5, "finding pairs of links that need no check")
-        cell = _standing(typed, _bare(typed, robot, arms.flanges), world)
+        tool, tool_notes = first_tool(typed.tool, typed.package_path)
+        cell = _standing(typed, _bare(typed, robot, arms.flanges, tool), world)
         unchecked = pairs_without_check(cell)
         cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
         make_ready(report, ("planning",))
@@ -87,7 +88,7 @@ def new_cell(typed: CellNew) -> int:
         )
         report(0.95, "writing the cell")
         path = write_cell(folder, found.cell, unchecked)
-    decisions = (*description.notes, *arms.notes, ACCELERATION, MASS, *found.notes)
+    decisions = (*description.notes, *arms.notes, *tool_notes, ACCELERATION, MASS, *found.notes)
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
     print_report(made, as_json=typed.json)
     return SUCCESS
@@ -122,7 +123,7 @@ def _read(typed: CellNew) -> tuple[KlamptWorld, Description]:
     else:
         found = read_description(
             typed.urdf,
-            arguments=dict(_split_option("--xacro", argument, ":=") for argument in typed.xacro),
+            arguments=dict(split_option("--xacro", argument, ":=") for argument in typed.xacro),
             package_paths=typed.package_path,
             mesh_unit=typed.mesh_unit,
         )
@@ -138,14 +139,6 @@ def _file_to_name(folder: Path) -> str:
     names = ", ".join(str(path.relative_to(folder)) for path in files[:MOST_NAMED])
     more = f" and {len(files) - MOST_NAMED} more" if len(files) > MOST_NAMED else ""
     return f"{folder} is a folder; name one of its files: {names}{more}"
-
-
-def _split_option(option: str, typed: str, sign: str) -> tuple[str, str]:
-    """The name and the value in one word."""
-    name, found, value = typed.partition(sign)
-    if not name or not found:
-        raise InputError(f"{option} {typed!r}: NAME{sign}VALUE is expected")
-    return name, value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -183,7 +176,7 @@ def _read_fixed(typed: CellNew, found: Description) -> dict[str, float]:
     movable = {follower.joint.name: follower.joint for follower in found.followers}
     values: dict[str, float] = {}
     for assignment in typed.fix:
-        name, value = _split_option("--fix", assignment, "=")
+        name, value = split_option("--fix", assignment, "=")
         joint = movable.get(name) or found.robot.joint(name)
         try:
             number = float(value)
@@ -213,10 +206,9 @@ def _standing(typed: CellNew, cell: Cell, world: KlamptWorld) -> Cell:
     )
 
 
-def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...]) -> Cell:
+def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tool: Tool) -> Cell:
     """A cell with arms and tools; where everything else is comes later."""
     part = read_part(find("parts", typed.part))
-    tool = suction_cup() if typed.tool == "suction" else gripper()
     chains = [
         tuple(joint.name for joint in robot.chain(flange) if joint.kind != "fixed")
         for flange in flanges
