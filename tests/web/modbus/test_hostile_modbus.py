@@ -9,6 +9,7 @@ import threading
 import pytest
 from waiting import PATIENCE, wait_until
 
+from workbench.model.errors import InputError
 from workbench.web.modbus import server as modbus_server
 from workbench.web.modbus.registers import MAP_VERSION, SIZE, Register
 from workbench.web.modbus.server import MOST_CLIENTS, ModbusOptions, ModbusServer
@@ -165,6 +166,16 @@ def test_addresses_that_are_not_stated_are_refused(site):
             assert answer(link, READ) == GOOD
         with connected(server) as link:
             assert is_cut_off(link)
+
+
+@pytest.mark.parametrize("clients", [(), ("::1",)])
+def test_addresses_of_ipv6_are_compared_as_they_are(site, clients):
+    try:
+        server = ModbusServer(site.bench, ModbusOptions(0, "::1", clients))
+    except InputError:
+        pytest.skip("this machine has no IPv6")
+    with contextlib.closing(server), connected(server) as link:
+        assert answer(link, READ) == GOOD
 
 
 def test_random_bytes_change_nothing(site, server):

@@ -9,6 +9,7 @@ from waiting import PATIENCE, wait_until
 
 from workbench.app.core.control import TakeControl
 from workbench.app.core.cycle.approval import Approve
+from workbench.app.core.cycle.jobs import CancelJob
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.state import Phase
 from workbench.model.errors import InputError
@@ -92,6 +93,7 @@ def test_a_plc_runs_a_cycle_that_a_person_approves(site, plc):
     assert site.effects.sent == [digest]
     assert plc.give(SEND, *plan) == not_done(Error.NOT_NOW)
     assert (plc.read(Register.PARTS_PLACED), plc.read(Register.PARTS_LEFT)) == (2, 0)
+    assert plc.read(Register.APPROVED) == 0, "it is spent"
     assert plc.give(PICKED, first.detection + 1) == DONE
     assert plc.give(FAILED, site.bench.state.plan.arms[1].detection + 1) == DONE
     assert (plc.read(Register.PARTS_PICKED), plc.read(Register.PICKS_FAILED)) == (1, 1)
@@ -195,8 +197,6 @@ def test_a_running_task_is_followed_and_cancelled(site, plc):
 
 
 def test_a_task_that_somebody_else_cancels_has_no_result(site, plc):
-    from workbench.app.core.cycle.jobs import CancelJob
-
     site.effects.hold.set()
     assert not plc.write(*plc.words(SCAN)).isError()
     wait_until(lambda: site.bench.state.job is not None)

@@ -97,7 +97,7 @@ def values_of(state: State, live: Live) -> dict[int, int]:
         Register.PLANS: len(state.plans),
         Register.PLANS_SENT: plans_sent(state),
         Register.PROOF_HOLDS: state.proof is not None and state.proof.holds,
-        Register.APPROVED: state.approval is not None,
+        Register.APPROVED: state.phase in (Phase.APPROVED, Phase.SENDING),
         Register.MAY_GO_ON: not obstacle(state, GoOn),
         Register.PLAN_HIGH: high,
         Register.PLAN_LOW: low,

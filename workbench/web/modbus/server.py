@@ -20,7 +20,6 @@ from pymodbus.pdu import DecodePDU, ExceptionResponse, ModbusPDU
 
 from workbench.app.runtime.bench import Bench
 from workbench.model.errors import InputError
-from workbench.web.http.origins import is_loopback, network_of
 from workbench.web.modbus.jobs import Jobs
 from workbench.web.modbus.registers import SIZE, WRITTEN, Register, values_of
 
@@ -45,7 +44,12 @@ HEADER = struct.Struct(">HHHB")
 """Transaction, protocol, length of what follows, unit (MODBUS Messaging on TCP/IP, 3.1.3)."""
 
 LONGEST = 254
+"""Of this length."""
+
 STARTING = 60.0
+"""[s] After which a server that has not begun, or ended, does not any more."""
+
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,9 +160,10 @@ class ModbusServer:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """One connection until it ends; whoever sends what is no Modbus is cut off."""
-        address = network_of((writer.get_extra_info("peername") or ("",))[0])
-        if address not in self._clients and not (not self._clients and is_loopback(address)):
-            log.warning("refused a connection over Modbus from %s: not stated", address)
+        peer = writer.get_extra_info("peername")
+        if not peer or not self._is_stated(_address(peer[0])):
+            # Nobody is there any more, or may be.
+            log.warning("refused a connection over Modbus from %s: not stated", peer)
             writer.transport.abort()
             return
         if len(self._here) >= MOST_CLIENTS:
@@ -175,6 +180,9 @@ class ModbusServer:
         finally:
             self._here.pop(exchange, None)
             writer.transport.abort()
+
+    def _is_stated(self, address: Address) -> bool:
+        return address in self._clients if self._clients else address.is_loopback
 
     async def _answer(
         self, exchange: Exchange, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
@@ -207,22 +215,28 @@ class ModbusServer:
         return await request.datastore_update(context, unit)
 
 
-def _check(options: ModbusOptions) -> frozenset[str]:
+def _address(text: str) -> Address:
+    """An address without its zone, of IPv4 where it stands for one."""
+    found = ipaddress.ip_address(text.partition("%")[0])
+    return (isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped) or found
+
+
+def _check(options: ModbusOptions) -> frozenset[Address]:
     """The addresses that may connect; none where all of this machine may.
 
     Raises:
         InputError: the options do not state one address, or nobody who may connect.
     """
     try:
-        is_any = ipaddress.ip_address(options.host).is_unspecified
-        clients = frozenset(str(ipaddress.ip_address(client)) for client in options.clients)
+        host = _address(options.host)
+        clients = frozenset(map(_address, options.clients))
     except ValueError as error:
         raise InputError(f"Modbus takes addresses, no names: {error}") from error
-    if is_any:
+    if host.is_unspecified:
         raise InputError(
             f"Modbus has no logins: state one address of this machine, not {options.host}"
         )
-    if not clients and not is_loopback(options.host):
+    if not clients and not host.is_loopback:
         raise InputError(
             f"Modbus on {options.host} could be used by anybody: state who may connect, or listen "
             "on 127.0.0.1"
