@@ -3,7 +3,6 @@
 Approvals and acknowledgements of faults are not here: they are a person's.
 """
 
-import asyncio
 import logging
 import secrets
 import threading
@@ -141,7 +140,7 @@ class Awaited:
 class Jobs:
     """Gives a bench the commands of a PLC, each counter once.
 
-    Lifetime: until `close`.  Concurrency: `give` from one event loop, the rest from any thread.
+    Lifetime: until `close`.  Concurrency: any thread.
     """
 
     def __init__(self, bench: Bench) -> None:
@@ -171,7 +170,7 @@ class Jobs:
         is_known = words[Register.COUNTER] in (last, last % HIGHEST + 1)
         return is_known and words[Register.SESSION_MEANT] == self.session
 
-    async def give(self, words: Sequence[int]) -> None:
+    def give(self, words: Sequence[int]) -> None:
         """Give a command whose words are in order; one that was given already changes nothing."""
         _, number, first, second, counter = words
         with self._lock:
@@ -179,34 +178,36 @@ class Jobs:
                 return
             self._waits = None
             self.answered = Answered(counter, number, Answer.RUNNING)
-        error, waits = await asyncio.to_thread(self._do, number, first, second)
+        before = self._bench.state
+        error = self._do(number, first, second)
         with self._lock:
             if counter != self.answered.counter:
                 return
-            if error is not Error.NONE or waits is None:
-                answer = Answer.NOT_DONE if error is not Error.NONE else Answer.DONE
-                self.answered = replace(self.answered, answer=answer, error=error)
-            self._waits = waits
+            if error is not Error.NONE:
+                self.answered = replace(self.answered, answer=Answer.NOT_DONE, error=error)
+            elif brings := JOBS[number].brings:
+                self._waits = Awaited(brings, before)
+            else:
+                self.answered = replace(self.answered, answer=Answer.DONE)
         # The task may have ended before anybody waited for it.
         self._look()
 
-    def _do(self, number: int, first: int, second: int) -> tuple[Error, Awaited | None]:
-        job, before = JOBS.get(number), self._bench.state
-        if job is None:
-            return Error.COMMAND, None
-        command = job.make(before, first, second)
+    def _do(self, number: int, first: int, second: int) -> Error:
+        if number not in JOBS:
+            return Error.COMMAND
+        command = JOBS[number].make(self._bench.state, first, second)
         if command is None:
-            return Error.ARGUMENT, None
+            return Error.ARGUMENT
         try:
             self._bench.do(command, ACTOR, Role.OPERATOR)
         except WorkbenchError as error:
             log.info("refused the command %d over Modbus: %s", number, error)
-            return _why(self._bench.state), None
+            return _why(self._bench.state)
         except Exception:
             # A rim: what goes wrong with one command ends no other.
             log.exception("the command %d over Modbus failed", number)
-            return Error.INTERNAL, None
-        return Error.NONE, Awaited(job.brings, before) if job.brings else None
+            return Error.INTERNAL
+        return Error.NONE
 
     def _look(self) -> None:
         """Note the end of the task that the last command has begun."""

@@ -97,7 +97,7 @@ class Exchange:
             return ExcCodes.ILLEGAL_VALUE
         self.words = words
         if is_command:
-            await self.jobs.give(words)
+            await asyncio.to_thread(self.jobs.give, words)
         return None
 
 
