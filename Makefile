@@ -11,9 +11,9 @@ INSTALL := $(PIP) --no-build-isolation --editable
 LIBRARIES := libusb-1.0-0 libgl1 libegl1 libx11-6 libgomp1
 BROWSER := chromium-headless-shell fonts-dejavu-core
 
-# What stands for devices in the tests: a web server, and a camera of GenICam; and readers of zip
+# What stands for devices in the tests: a web server, a camera of GenICam, a PLC; and readers of zip
 # files of others.
-STAND_INS := apache2-bin aravis-tools unzip libarchive-tools p7zip-full
+STAND_INS := apache2-bin aravis-tools mbpoll unzip libarchive-tools p7zip-full
 
 # What `make test` leaves to `make test-all`: what takes longest for what it finds, and the tabs of
 # the page by themselves; the cycle through the page stays.  Single tests of other files have the

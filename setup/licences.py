@@ -7,7 +7,7 @@ from pathlib import Path
 from workbench.app.provenance.components import Component, components
 
 LIST = Path(__file__).with_name("licences.toml")
-EXTRAS = ("bench", "cluster", "egm", "evidence", "mcap", "opcua", "realsense", "ur-rtde")
+EXTRAS = ("bench", "cluster", "egm", "evidence", "mcap", "modbus", "opcua", "realsense", "ur-rtde")
 
 
 def problems(found: tuple[Component, ...], known: dict) -> list[str]:

@@ -17,6 +17,7 @@ from workbench.formats.files.whole_files import write_whole
 
 EXTRAS = {
     "opcua": "workbench serve --opcua, workbench opcua",
+    "modbus": "workbench serve --modbus",
     "evidence": "workbench evidence --sign, report.pdf",
     "mcap": "workbench session export --mcap",
     "egm": "robot links by Externally Guided Motion",

@@ -21,6 +21,7 @@ from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.digest import canonical, digest_of
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import pose_from_rpy
+from workbench.model.robot import AxisMapping
 
 SHIPPED = shipped("yumi")
 ARM = SHIPPED.arms[0]
@@ -121,13 +122,28 @@ def scans(folder, count=3):
 
 def test_joint_values_come_back_in_chain_order(tmp_path):
     poses, plate = scans(tmp_path), BallPlate(0.01, np.array([0.05, 0.07, 0.09]))
-    write_scanned_poses(tmp_path, ARM, plate, poses)
+    write_scanned_poses(tmp_path, SHIPPED, ARM, plate, poses)
     found = read_scanned_poses(tmp_path, SHIPPED)
     assert (found.arm, found.unit) == ("right", "m")
     assert found.plate.radius == plate.radius and np.allclose(found.plate.sides, plate.sides)
     for one, other in zip(found.poses, poses, strict=True):
         assert one.scan == other.scan
         assert np.allclose(one.q, other.q, atol=1e-6)
+
+
+def test_joint_values_are_those_that_a_controller_with_coupled_axes_shows(tmp_path):
+    coupling = np.eye(7)
+    coupling[2, 1] = -1.0
+    arm = replace(ARM, mapping=AxisMapping(coupling, np.zeros(7)))
+    cell = replace(SHIPPED, arms=(arm, *SHIPPED.arms[1:]))
+    (pose, *_) = scans(tmp_path)
+    write_scanned_poses(tmp_path, cell, arm, BallPlate(), [pose])
+    (line,) = [one for one in (tmp_path / FILE).read_text().splitlines() if "joints_deg" in one]
+    shown = [float(word) for word in line.partition("[")[2].rstrip("]").split(",")]
+    axes = np.rad2deg(arm.to_axes(pose.q))
+    assert np.allclose(shown[2], axes[2] - axes[1], atol=1e-3)
+    (found,) = read_scanned_poses(tmp_path, cell).poses
+    assert np.allclose(found.q, pose.q, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -144,7 +160,7 @@ def test_joint_values_come_back_in_chain_order(tmp_path):
     ],
 )
 def test_a_wrong_folder_is_refused_with_file_and_key(tmp_path, old, new, problem):
-    write_scanned_poses(tmp_path, ARM, BallPlate(), scans(tmp_path))
+    write_scanned_poses(tmp_path, SHIPPED, ARM, BallPlate(), scans(tmp_path))
     text = (tmp_path / FILE).read_text()
     assert old in text
     (tmp_path / FILE).write_text(text.replace(old, new))
@@ -155,7 +171,9 @@ def test_a_wrong_folder_is_refused_with_file_and_key(tmp_path, old, new, problem
 
 def test_an_arm_that_cannot_stand_there_is_refused(tmp_path):
     (pose, *_) = scans(tmp_path)
-    write_scanned_poses(tmp_path, ARM, BallPlate(), [ScannedPose(pose.scan, np.full(7, 6.0))])
+    write_scanned_poses(
+        tmp_path, SHIPPED, ARM, BallPlate(), [ScannedPose(pose.scan, np.full(7, 6.0))]
+    )
     with pytest.raises(FileError, match="outside the limits of the right arm"):
         read_scanned_poses(tmp_path, SHIPPED)
 
@@ -163,7 +181,7 @@ def test_an_arm_that_cannot_stand_there_is_refused(tmp_path):
 def test_no_folder_and_no_poses_are_refused(tmp_path):
     with pytest.raises(InputError, match=FILE):
         read_scanned_poses(tmp_path / "nowhere", SHIPPED)
-    write_scanned_poses(tmp_path, ARM, BallPlate(), [])
+    write_scanned_poses(tmp_path, SHIPPED, ARM, BallPlate(), [])
     with pytest.raises(FileError, match="1 to 60 poses are expected, 0 are given"):
         read_scanned_poses(tmp_path, SHIPPED)
 

@@ -8,14 +8,15 @@ import pytest
 
 from workbench.gui.plan.curves import (
     NEAR_MARGIN_LEGS,
+    axis_curves,
     clearance_curves,
     doing,
-    joint_curves,
     lanes_html,
     speed_curve,
 )
 from workbench.gui.shared.playback import Run, timeline
 from workbench.gui.shared.plots import cursor_style
+from workbench.model.robot import AxisMapping
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +53,9 @@ def test_names_of_sync_points_do_not_lie_over_each_other(cell, runs):
     assert np.diff(named).min() >= 4.4
 
 
-def test_the_joint_curves_begin_at_home_in_degrees_and_wire_order(cell, result, runs):
+def test_the_curves_of_axes_begin_at_home_in_degrees_and_wire_order(cell, result, runs):
     right = cell.arm("right")
-    times, *axes = joint_curves(right, runs, result.plan.cycle_seconds)
+    times, *axes = axis_curves(cell, right, runs, result.plan.cycle_seconds)
     assert times[-1] == pytest.approx(result.plan.cycle_seconds)
     np.testing.assert_allclose(
         [curve[0] for curve in axes], [0, -130, 30, 0, 40, 0, -135], atol=0.01
@@ -118,3 +119,14 @@ def test_no_joint_is_faster_than_its_limit(cell, result, runs):
     for arm in cell.arms:
         share = speed_curve(arm, cell, runs, result.plan.cycle_seconds)
         assert 1.0 < share.max() <= 100.0
+
+
+def test_the_curves_of_axes_are_counted_as_a_controller_with_coupled_axes_does(cell, result, runs):
+    coupled = np.eye(7)
+    coupled[2, 1] = -1.0
+    arm, seconds = cell.arm("right"), result.plan.cycle_seconds
+    _, *plain = axis_curves(cell, arm, runs, seconds)
+    mapped = replace(arm, mapping=AxisMapping(coupled, np.zeros(7)))
+    _, *shown = axis_curves(cell, mapped, runs, seconds)
+    np.testing.assert_allclose(shown[2], plain[2] - plain[1])
+    np.testing.assert_allclose(shown[3], plain[3])

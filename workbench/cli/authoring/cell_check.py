@@ -9,7 +9,7 @@ from workbench.app.picking.pallets import pallet_problems, pallets_of
 from workbench.app.picking.stations import station_problems
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.cell import CellCheck
-from workbench.cli.authoring.pose import shown_axes
+from workbench.cli.authoring.pose import round_axes
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.terminal import print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
@@ -74,7 +74,7 @@ def check_cell(typed: CellCheck) -> int:
             _axes(cell, arm),
         )
         if arm.mapping is not None:
-            shown = ", ".join(f"{value:g}" for value in shown_axes(cell, arm, arm.home))
+            shown = ", ".join(f"{value:g}" for value in round_axes(cell, arm, arm.home))
             print(f"home as the controller shows it: {shown}")
     print_table(
         "Reach: tool straight down over a grid in the bin, and the places",

@@ -9,7 +9,7 @@ from workbench.cli.terminal import print_json, print_table
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.poses.conventions import PoseConvention, convention
 from workbench.model.cell import Arm, Cell
-from workbench.model.derived.controller_axes import from_controller, to_controller
+from workbench.model.derived.controller_axes import from_shown, shown_axes
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.planning.kinematics.posture_check import Cause, base_poses, causes_of
@@ -31,13 +31,13 @@ def pose(typed: CellPose) -> int:
     ]
     causes = () if T_shown is None else causes_of(kinematics, arm, q, T_shown)
     if typed.json:
-        form = {"arm": arm.name, "joints_deg": shown_axes(cell, arm, q), "format": typed.format}
+        form = {"arm": arm.name, "joints_deg": round_axes(cell, arm, q), "format": typed.format}
         form |= {"numbers": list(written.names)}
         form |= {"poses": [{"what": what, "shown": _round_pose(written, T)} for what, T in rows]}
         form |= {"causes": [_form(written, cause) for cause in causes]}
         print_json(form)
     else:
-        joints = ", ".join(f"{value:g}" for value in shown_axes(cell, arm, q))
+        joints = ", ".join(f"{value:g}" for value in round_axes(cell, arm, q))
         title = f"{arm.name} arm of {cell.name} at {joints} deg, as {written.maker} shows it"
         table = [(what, *_digits(written, T)) for what, T in rows]
         print_table(title, ("what", *written.names), table)
@@ -53,19 +53,12 @@ def _configuration(cell: Cell, arm: Arm, joints: tuple[float, ...]) -> Floats:
         raise InputError(
             f"--joints-deg needs {len(arm.joints)} numbers for the {arm.name} arm, not {joints}"
         )
-    return from_controller(arm, np.asarray(joints) * _axis_units(cell, arm))
+    return from_shown(cell, arm, np.asarray(joints))
 
 
-def shown_axes(cell: Cell, arm: Arm, q: Floats) -> list[float]:
-    """A configuration (n,) [rad, m], chain order, as the controller shows it: degrees and mm."""
-    return [round(float(x), 4) + 0.0 for x in to_controller(arm, q) / _axis_units(cell, arm)]
-
-
-def _axis_units(cell: Cell, arm: Arm) -> Floats:
-    """What one degree, or one mm, of each of the controller's axes is in rad or m."""
-    kinds = {joint.name: joint.kind for joint in cell.robot.joints}
-    units = [0.001 if kinds[name] == "prismatic" else np.pi / 180 for name in arm.joints]
-    return np.array(units)[list(arm.axis_order)]
+def round_axes(cell: Cell, arm: Arm, q: Floats) -> list[float]:
+    """What the controller shows [deg, mm] at a configuration (n,) [rad, m], for people."""
+    return [round(float(x), 4) + 0.0 for x in shown_axes(cell, arm, q)]
 
 
 def _round_pose(written: PoseConvention, T: pin.SE3) -> list[float]:

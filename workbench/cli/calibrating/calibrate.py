@@ -41,6 +41,7 @@ from workbench.formats.files.whole_files import make_folder
 from workbench.formats.poses.hand_eye import write_scanner_pose
 from workbench.model.calibration import BallPlate, Calibration, NextPose, PlateObservation
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import shown_axes
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.perception.calibration.balls import sight_plate
@@ -87,14 +88,14 @@ def calibrate(typed: arguments.Calibrate) -> int:
         form = poses_form(calibration) | in_cell_form(cell, calibration) | {"not_seen": missed}
         if typed.next:
             form["next"] = [
-                _next_form(cell.arm(found.arm), next_pose) for next_pose in following[:1]
+                _next_form(cell, cell.arm(found.arm), next_pose) for next_pose in following[:1]
             ]
         print_json(form)
     else:
         print_poses(calibration)
         print_in_cell(cell, calibration)
         if typed.next:
-            _print_next(cell.arm(found.arm), following)
+            _print_next(cell, cell.arm(found.arm), following)
         if typed.simulate:
             off = _true_pose(cell).actInv(calibration.T_world_scanner)
             print(f"off the truth of this simulation: {between(off)}")
@@ -155,7 +156,7 @@ def _simulate(cell: Cell, typed: arguments.Calibrate) -> None:
             report(number / len(poses), pose.scan.name)
             scan = simulated_sight(seen, arm, pose.q, plate, seed=typed.seed + number)
             write_cloud(pose.scan, scan, axes=cell.scanner.cloud_axes)
-    write_scanned_poses(folder, arm, plate, poses)
+    write_scanned_poses(folder, cell, arm, plate, poses)
 
 
 def _save(typed: arguments.Calibrate, cell: Cell, calibration: Calibration) -> None:
@@ -179,7 +180,7 @@ def _next(
     return next_poses(cell, observations, calibration, seed=len(observations))
 
 
-def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
+def _print_next(cell: Cell, arm: Arm, following: tuple[NextPose, ...]) -> None:
     if not following:
         print(f"next: the {arm.name} arm reaches no other pose in which the plate is seen")
         return
@@ -189,13 +190,13 @@ def _print_next(arm: Arm, following: tuple[NextPose, ...]) -> None:
         f"that would bring the worst corner from {best.error * 1000:.2f} "
         f"to {best.error_with * 1000:.2f} mm"
     )
-    print(f"joints_deg = {format_numbers(np.rad2deg(arm.to_axes(best.q)), 1)}")
+    print(f"joints_deg = {format_numbers(shown_axes(cell, arm, best.q), 1)}")
 
 
-def _next_form(arm: Arm, pose: NextPose) -> dict[str, object]:
+def _next_form(cell: Cell, arm: Arm, pose: NextPose) -> dict[str, object]:
     return {
         "after": pose.after,
         "steps": list(pose.steps),
-        "joints_deg": [round(float(value), 2) for value in np.rad2deg(arm.to_axes(pose.q))],
+        "joints_deg": [round(float(value), 2) for value in shown_axes(cell, arm, pose.q)],
         "largest_corner_mm": round(pose.error_with * 1000, 4),
     }

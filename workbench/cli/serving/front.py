@@ -7,8 +7,8 @@ from pathlib import Path
 
 from workbench.app.review.history import History
 from workbench.app.runtime.bench import Bench
+from workbench.cli.arguments.serving import Serve
 from workbench.cli.arguments.session import SessionOpen
-from workbench.cli.arguments.top import Serve
 from workbench.cli.serving.ending import queue_end_signals
 from workbench.cli.terminal import check_number, check_whole
 from workbench.model.errors import InputError

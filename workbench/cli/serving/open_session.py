@@ -5,8 +5,8 @@ import logging
 from workbench.app.records.session_archive import open_journal
 from workbench.app.review.history import History
 from workbench.app.runtime.readiness import make_ready
+from workbench.cli.arguments.serving import Serve
 from workbench.cli.arguments.session import SessionOpen
-from workbench.cli.arguments.top import Serve
 from workbench.cli.exits import SUCCESS
 from workbench.cli.serving.front import front_options, serve_with_front, wait_for_the_end
 from workbench.cli.terminal import progress

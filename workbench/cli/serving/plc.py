@@ -1,4 +1,4 @@
-"""OPC UA beside a bench, when somebody has asked for it."""
+"""OPC UA and Modbus beside a bench, where somebody has asked for them."""
 
 import logging
 import os
@@ -7,7 +7,7 @@ from contextlib import closing, contextmanager
 
 from workbench.app.core.people import Person, Role
 from workbench.app.runtime.bench import Bench
-from workbench.cli.arguments.top import Serve
+from workbench.cli.arguments.serving import Serve
 from workbench.cli.terminal import check_whole
 from workbench.model.errors import InputError
 from workbench.web.access.lockout import Lockout
@@ -61,3 +61,27 @@ def plc(bench: Bench, typed: Serve) -> Generator[None]:
             yield
         finally:
             server.close()
+
+
+@contextmanager
+def modbus(bench: Bench, typed: Serve) -> Generator[None]:
+    """Serve Modbus as long as the block runs, if a port was typed for it.
+
+    Raises:
+        InputError: the library is missing, the address cannot be had, or it is not stated who may
+            connect.
+    """
+    if typed.modbus is None:
+        yield
+        return
+    check_whole("--modbus", typed.modbus, 1, 65535)
+    try:
+        from workbench.web.modbus.server import ModbusOptions, ModbusServer
+    except ModuleNotFoundError as error:
+        needed = "the library pymodbus: pip install 'workbench[modbus]'"
+        raise InputError(f"--modbus needs {needed}") from error
+    options = ModbusOptions(typed.modbus, typed.modbus_host, typed.modbus_client)
+    with closing(ModbusServer(bench, options)) as server:
+        host, port = server.address
+        print(f"Modbus: {host} port {port}, for {', '.join(typed.modbus_client) or 'this machine'}")
+        yield

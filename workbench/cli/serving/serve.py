@@ -17,12 +17,12 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.runtime.effect_runner import EffectRunner
 from workbench.app.runtime.watch import CellWatch
 from workbench.app.runtime.watch_poses import PosesWatch
-from workbench.cli.arguments import top as arguments
+from workbench.cli.arguments.serving import Serve
 from workbench.cli.serving.front import front_options, serve_with_front, wait_for_the_end
 from workbench.cli.serving.logs import begin_log
 from workbench.cli.serving.open_session import look_at
 from workbench.cli.serving.people import roles
-from workbench.cli.serving.plc import plc
+from workbench.cli.serving.plc import modbus, plc
 from workbench.cli.serving.simulation import simulated_controller
 from workbench.cli.terminal import progress
 from workbench.formats.cells.predictions import predictions_path, read_predictions
@@ -42,7 +42,7 @@ SESSIONS = Path("sessions")
 CONNECT_SECONDS = 0.5
 
 
-def serve(typed: arguments.Serve) -> int:
+def serve(typed: Serve) -> int:
     """Serve the page until SIGINT or SIGTERM."""
     options = front_options(typed)
     places = {anchor: place(anchor) for anchor in typed.anchor}
@@ -81,6 +81,7 @@ def serve(typed: arguments.Serve) -> int:
         stack.callback(PosesWatch(bench).close)
         stack.callback(Anchors(bench, places, time.time).close)
         stack.enter_context(plc(bench, typed))
+        stack.enter_context(modbus(bench, typed))
         stack.enter_context(robot_jobs(bench))
         page = serve_with_front(
             bench,

@@ -14,6 +14,7 @@ from workbench.formats.files.units import UNITS
 from workbench.formats.files.whole_files import is_file, write_whole
 from workbench.model.calibration import BallPlate, CalibrationRecord
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import from_shown, shown_axes
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, frozen, put
 
@@ -21,6 +22,9 @@ POSES_FORMAT = "workbench-calibration/1"
 FILE = "calibration.toml"
 
 MOST_POSES = 60
+
+MOST_SHOWN = 10_000.0
+"""[deg, mm] Of an axis; offsets and couplings add to its limits, which are checked after."""
 
 UPPER = np.triu_indices(6)
 
@@ -152,9 +156,9 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
     if not is_file(scan):
         raise table.error("scan", f"there is no file {name!r} beside {FILE}")
     count = len(arm.joints)
-    shown = np.deg2rad(table.numbers("joints_deg", count, low=-720, high=720))
+    shown = table.numbers("joints_deg", count, low=-MOST_SHOWN, high=MOST_SHOWN)
     table.finish()
-    q = arm.from_axes(shown)
+    q = from_shown(cell, arm, shown)
     lower, upper, _ = cell.robot.limits(arm.joints)
     if not np.all((q >= lower - 1e-3) & (q <= upper + 1e-3)):
         raise table.error("joints_deg", f"lies outside the limits of the {arm.name} arm")
@@ -162,7 +166,7 @@ def _pose(table: Table, cell: Cell, arm: Arm) -> ScannedPose:
 
 
 def write_scanned_poses(
-    folder: Path, arm: Arm, plate: BallPlate, poses: Sequence[ScannedPose]
+    folder: Path, cell: Cell, arm: Arm, plate: BallPlate, poses: Sequence[ScannedPose]
 ) -> None:
     """Write `calibration.toml` for scans in metres that lie in the folder.
 
@@ -181,6 +185,6 @@ def write_scanned_poses(
         f"sides_mm = {sides}   # 1 to 2, 2 to 3, 3 to 1: centres",
     ]
     for pose in poses:
-        shown = numbers(np.rad2deg(arm.to_axes(pose.q)), 4)
+        shown = numbers(shown_axes(cell, arm, pose.q), 4)
         lines += ["", "[[pose]]", f"scan = {text(pose.scan.name)}", f"joints_deg = {shown}"]
     write_whole(folder / FILE, ("\n".join(lines) + "\n").encode())

@@ -22,6 +22,12 @@ from workbench.gui.shared.views import sentence
 from workbench.gui.shared.visitor import Visitor
 from workbench.gui.texts.cell import CellPageText
 from workbench.model.cell import Arm
+from workbench.model.derived.controller_axes import (
+    from_shown,
+    shown_axes,
+    shown_limits,
+    shown_units,
+)
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.commands import EditText
@@ -74,20 +80,20 @@ class JogControls:
         visitor.on_end(self._hide_gizmo, in_scene=True)
 
     def _sliders(self, gui: viser.GuiApi, arm: Arm) -> list[viser.GuiSliderHandle[float]]:
-        lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
-        sliders: list[viser.GuiSliderHandle[float]] = []
-        for axis, (k, sign) in enumerate(zip(arm.axis_order, arm.axis_signs, strict=True)):
-            low, high = sorted((sign * math.degrees(lower[k]), sign * math.degrees(upper[k])))
-            sliders.append(
-                gui.add_slider(
-                    self._visitor.words.render(CellPageText.AXIS(number=axis + 1)),
-                    min=math.ceil(low * 10) / 10,
-                    max=math.floor(high * 10) / 10,
-                    step=0.1,
-                    initial_value=round(sign * math.degrees(arm.home[k]), 1),
-                )
+        cell, words = self._visitor.cell, self._visitor.words
+        units, home = shown_units(cell, arm), shown_axes(cell, arm, arm.home)
+        return [
+            gui.add_slider(
+                words.render(CellPageText.AXIS(number=axis, unit=unit)),
+                min=math.ceil(round(low * 10, 6)) / 10,
+                max=math.floor(round(high * 10, 6)) / 10,
+                step=0.1,
+                initial_value=round(float(value), 1),
             )
-        return sliders
+            for axis, (unit, low, high, value) in enumerate(
+                zip(units, *shown_limits(cell, arm), home, strict=True), start=1
+            )
+        ]
 
     def show(self, old: View | None, new: View) -> None:
         """Bring what is shown from `old` to `new`."""
@@ -129,11 +135,9 @@ class JogControls:
         self._show_gizmo(arm, is_on and not problem)
 
     def _show_sliders(self, arm: Arm, q: Floats) -> None:
-        for slider, k, sign in zip(
-            self._axes[arm.name], arm.axis_order, arm.axis_signs, strict=True
-        ):
-            shown = round(sign * math.degrees(q[k]), 1)
-            slider.value = min(max(shown, slider.min), slider.max)
+        values = shown_axes(self._visitor.cell, arm, q)
+        for slider, value in zip(self._axes[arm.name], values, strict=True):
+            slider.value = min(max(round(float(value), 1), slider.min), slider.max)
 
     def _show_gizmo(self, arm: Arm, is_on: bool) -> None:
         """The gizmo follows the tool of the chosen arm; only this browser has it."""
@@ -188,7 +192,9 @@ class JogControls:
             return
         lower, upper, _ = self._visitor.cell.robot.limits(arm.joints)
         jog = {**own.now.jog, arm.name: np.clip(q, lower, upper)}
-        self._mine, self._by_axes, self._elbows = jog, by_axes, elbows
+        # Where a joint at its limit counts in several axes, the other sliders have to follow.
+        is_whole = bool(np.allclose(jog[arm.name], q))
+        self._mine, self._by_axes, self._elbows = jog, by_axes and is_whole, elbows
         own.change(jog=jog)
 
     def _slid(self, name: str, event: Any) -> None:
@@ -196,11 +202,12 @@ class JogControls:
         jog = self._visitor.own.now.jog
         if event.client is None or jog is None or name != self._arm.value:
             return
-        arm, q = self._chosen, np.array(jog[name])
-        for slider, k, sign in zip(self._axes[name], arm.axis_order, arm.axis_signs, strict=True):
+        arm, cell = self._chosen, self._visitor.cell
+        shown = shown_axes(cell, arm, jog[name])
+        for axis, slider in enumerate(self._axes[name]):
             if slider is event.target:
-                q[k] = sign * math.radians(float(slider.value))
-        self._move(q, by_axes=True)
+                shown[axis] = float(slider.value)
+        self._move(from_shown(cell, arm, shown), by_axes=True)
 
     def _turn_elbow(self, share: float) -> None:
         """To a share of the way, -1..1, along what the elbow can do from where it was first."""

@@ -364,7 +364,8 @@ def _needs_other_controls(before: Cell, now: Cell) -> bool:
 
     def made_for(cell: Cell) -> str:
         arms = [
-            (arm.name, arm.joints, cell.robot.limits(arm.joints), arm.axis_order, arm.axis_signs)
+            (arm.name, arm.joints, cell.robot.limits(arm.joints), arm.axis_order)
+            + (arm.axis_signs, arm.mapping)
             for arm in cell.arms
         ]
         return digest_of((arms, cell.policy))

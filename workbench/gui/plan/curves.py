@@ -19,6 +19,7 @@ from workbench.gui.shared.plots import Curve, Plot
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import shown_axes, units_said
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message, plain
 from workbench.model.messages.plans import leg_message, motion_message
@@ -177,11 +178,11 @@ def doing(runs: tuple[Run, ...], time: float) -> Message | str:
     return "at the end" if runs and time > 0 else "at home"
 
 
-def joint_curves(arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
-    """Times (k,) [s] and the angle (k,) [deg] of each joint, in the controller's order."""
+def axis_curves(cell: Cell, arm: Arm, runs: tuple[Run, ...], seconds: float) -> tuple[Floats, ...]:
+    """Times (k,) [s] and where each axis is (k,) [deg, mm], as the controller counts it."""
     times = np.linspace(0.0, max(seconds, 1e-3), SAMPLES)
-    wire = arm_path(arm, runs, times)[:, list(arm.axis_order)] * np.array(arm.axis_signs)
-    return (times, *np.rad2deg(wire).T)
+    shown = [shown_axes(cell, arm, q) for q in arm_path(arm, runs, times)]
+    return (times, *np.array(shown).T)
 
 
 def clearance_curves(runs: tuple[Run, ...], proof: Proof) -> tuple[Floats, Floats, Floats, Floats]:
@@ -275,8 +276,8 @@ def plots_of(
     even = np.linspace(0.0, max(seconds, 1e-3), len(speeds[0].values))
     found.append(Plot("Fastest axis, of its limit", "%", even, speeds, low=0.0, high=100.0))
     for arm in cell.arms:
-        times, *angles = joint_curves(arm, runs, seconds)
-        axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], angle) for k, angle in enumerate(angles))
+        times, *shown = axis_curves(cell, arm, runs, seconds)
+        axes = (Curve(f"{k + 1}", JOINTS[k % len(JOINTS)], axis) for k, axis in enumerate(shown))
         title = words.render(PlanText.ARM_AXES(arm=arm.name))
-        found.append(Plot(title, "deg", times, tuple(axes)))
+        found.append(Plot(title, units_said(cell, arm), times, tuple(axes)))
     return tuple(found)

@@ -11,7 +11,7 @@ from workbench.gui.shared.views import clock, line, parts_placed, table_html
 from workbench.gui.texts.cycle import LinkPageText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Arm, Cell
-from workbench.model.derived.controller_axes import to_controller
+from workbench.model.derived.controller_axes import shown_axes, units_said
 from workbench.model.messages.message import FoundPart, Message, as_message
 from workbench.model.release import LinkStatus, PartReport, Receipt
 from workbench.words.words import IN_ENGLISH, Words
@@ -103,7 +103,7 @@ def _part(report: PartReport) -> Message:
 def joints_html(
     cell: Cell, joints: Mapping[str, float], heard: str = "", words: Words = IN_ENGLISH
 ) -> str:
-    """What the controller reports of its joints [deg], in its own order.
+    """What the controller reports of its joints [deg, mm], as it counts them.
 
     Args:
         cell: whose joints.
@@ -116,8 +116,11 @@ def joints_html(
     reported = words.render(LinkPageText.REPORTED_LAST(at=heard))
     last = line(reported, kind="warn") if heard else ""
     most = max(len(arm.joints) for arm in cell.arms)
-    shown = [_shown(arm, joints) for arm in cell.arms]
-    heads = (words.render(LinkPageText.ARM_DEGREES(arm=arm.name)) for arm in cell.arms)
+    shown = [_shown(cell, arm, joints) for arm in cell.arms]
+    heads = (
+        words.render(LinkPageText.ARM_UNITS(arm=arm.name, units=units_said(cell, arm)))
+        for arm in cell.arms
+    )
     head = "".join(f"<th>{escape(text)}</th>" for text in heads)
     rows = ""
     for axis in range(most):
@@ -131,9 +134,9 @@ def joints_html(
     return last + table
 
 
-def _shown(arm: Arm, joints: Mapping[str, float]) -> list[float]:
-    """An arm's joints [deg] as its controller counts them; none where one is not reported."""
+def _shown(cell: Cell, arm: Arm, joints: Mapping[str, float]) -> list[float]:
+    """An arm's axes [deg, mm] as its controller counts them; none where one is not reported."""
     if not all(name in joints for name in arm.joints):
         return []
     q = np.array([joints[name] for name in arm.joints])
-    return np.rad2deg(to_controller(arm, q)).tolist()
+    return shown_axes(cell, arm, q).tolist()

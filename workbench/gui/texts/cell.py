@@ -40,5 +40,5 @@ class CellPageText(Text, subject="page-cell"):
     MORE_PAIRS = "and {count} more"
     PENETRATION = "{depth:mm} inside"
     DISTANCE = "{distance:mm}"
-    AXIS = "Axis {number} [deg]"
+    AXIS = "Axis {number} [{unit}]"
     TOOL_OF = "Tool, {arm}"

@@ -81,4 +81,4 @@ class LinkPageText(Text, subject="page-link"):
     FAILED = "{part} failed: {why}"
     UNKNOWN = "{part} unknown: {why}"
     REPORTED_LAST = "The controller reported these last at {at}."
-    ARM_DEGREES = "{arm} [deg]"
+    ARM_UNITS = "{arm} [{units}]"

@@ -37,11 +37,14 @@ LOGGERS = {
     "workbench.web.opcua.certificates": AT_ONCE,
     "workbench.web.opcua.admission": AT_ONCE,
     "workbench.web.opcua.server": AT_ONCE,
+    "workbench.web.modbus.jobs": AT_ONCE,
+    "workbench.web.modbus.server": AT_ONCE,
     "aiohttp.server": AT_ONCE_BELOW,
     "asyncio": AT_ONCE_BELOW,
     "websockets.server": AT_ONCE_BELOW,
     "asyncua.server.binary_server_asyncio": AT_ONCE_BELOW,
     "asyncua.server.uaprocessor": AT_ONCE_BELOW,
+    "pymodbus.logging": AT_ONCE_BELOW,
 }
 """That write what others cause."""
 

@@ -8,12 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from asyncua import ua
 from asyncua.ua.status_codes import StatusCodes
 
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.controller_axes import shown_axes, shown_units
 
 NEVER = StatusCodes.BadNotConnected
 """Nothing that the workbench listens to tells this."""
@@ -109,13 +111,14 @@ def _of_arm(
         (*own, "MotionDeviceCategory"): _number(ARTICULATED if is_articulated else OTHER),
         (*own, "ParameterSet", "SpeedOverride"): _speed(state),
     }
-    for axis, place, sign in zip(axis_names(arm), arm.axis_order, arm.axis_signs, strict=True):
-        is_linear = kinds[place] == "prismatic"
+    # Where axes are coupled, one joint that is not reported leaves all of them unknown.
+    shown = shown_axes(cell, arm, np.array([joints.get(name, math.nan) for name in arm.joints]))
+    for axis, unit, value in zip(axis_names(arm), shown_units(cell, arm), shown, strict=True):
+        is_linear = unit == "mm"
         whole: Path = (*own, "Axes", axis)
-        angle = joints.get(arm.joints[place])
         found[*whole, "MotionProfile"] = _number(LINEAR if is_linear else ROTARY)
         position: Path = (*whole, "ParameterSet", "ActualPosition")
-        found[position] = _position(None if angle is None else sign * angle, is_linear=is_linear)
+        found[position] = _position(float(value))
         found[*position, "EngineeringUnits"] = MILLIMETRES if is_linear else DEGREES
     for train in train_names(arm):
         temperature = (*own, "PowerTrains", train, MOTOR, "ParameterSet", "MotorTemperature")
@@ -123,12 +126,10 @@ def _of_arm(
     return found
 
 
-def _position(value: float | None, *, is_linear: bool) -> Reading:
-    """Of `value` [rad or m]: degrees or millimetres."""
-    if value is None or not math.isfinite(value):
-        return Reading(status=NOT_NOW)
-    shown = value * 1000 if is_linear else math.degrees(value)
-    return Reading(shown, ua.VariantType.Double)
+def _position(value: float) -> Reading:
+    """Of `value` [deg or mm], NaN where none is reported."""
+    known = Reading(value, ua.VariantType.Double)
+    return known if math.isfinite(value) else Reading(status=NOT_NOW)
 
 
 def _speed(state: State) -> Reading:

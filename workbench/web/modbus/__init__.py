@@ -1,0 +1,4 @@
+"""Modbus TCP server for small PLCs.
+
+Imports `http`.
+"""
