@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from workbench.formats.grippers.grippers import gripper_of
 from workbench.formats.robots.descriptions import read_description
-from workbench.formats.robots.grippers import gripper_of
 from workbench.model.cell import Finger, Tool
 from workbench.model.geometry import Box, Cylinder, Solid, pose_from_rpy
 

@@ -9,9 +9,9 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, split_option
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import cell_path, read_cell
+from workbench.formats.grippers.grippers import gripper_of
 from workbench.formats.parts.new_part import check_name
 from workbench.formats.robots.descriptions import read_description
-from workbench.formats.robots.grippers import gripper_of
 from workbench.model.errors import InputError
 from workbench.model.messages.parts import DrawnText
 
