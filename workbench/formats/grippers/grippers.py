@@ -33,7 +33,7 @@ TOLERANCE, MOST_PIECES = 0.003, 8
 """[m] By how much a convex piece of the body may be too large, and how many a mesh may have."""
 
 LIP, PRESS = 0.001, 0.003
-"""[m] What is so near to the end of a suction tool is of its lip, which gives way so far."""
+"""[m] Within `LIP` of its end a suction tool has its lip, which gives way by `PRESS`."""
 
 GREY, DARK = (0.55, 0.57, 0.6), (0.25, 0.26, 0.3)
 

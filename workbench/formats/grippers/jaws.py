@@ -161,7 +161,7 @@ def _joined(links: Sequence[MovingLink]) -> MovingLink:
 
 
 def nearest_axis(direction: Floats) -> Floats:
-    """The axis (3,) of the frame, or its opposite, that a direction (3,) is nearest to."""
+    """The unit vector (3,) along an axis of the frame that a direction (3,) is nearest to."""
     axis = np.zeros(3)
     largest = int(np.argmax(np.abs(direction)))
     axis[largest] = np.sign(direction[largest]) or 1.0

@@ -111,5 +111,5 @@ def _scene(task: PileTask, content: dict[str, Any]) -> EmptiedPile:
     beside = tuple((float(moves), float(took)) for moves, took in content.pop("beside"))
     lists = {key: tuple(content.pop(key)) for key in ("failed", "planning", "outcomes")}
     kits = content.pop("kits")
-    lists["kits"] = None if kits is None else tuple(kits)
+    lists |= {} if kits is None else {"kits": tuple(kits)}
     return EmptiedPile(task=task, left=left, stages=stages, beside=beside, **lists, **content)
