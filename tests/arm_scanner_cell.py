@@ -1,5 +1,7 @@
 """The shipped cell with a scanner on an arm, and where that scanner is."""
 
+from dataclasses import replace
+
 import pinocchio as pin
 
 from workbench.formats.cells.reading import read_cell
@@ -22,3 +24,21 @@ def pose_at(cell: Cell, q: Floats) -> pin.SE3:
 def at_view(cell: Cell) -> dict[str, float]:
     """Joints [rad] of all arms when they wait, by name."""
     return cell.joint_values({arm.name: arm.home for arm in cell.arms})
+
+
+def before_view(cell: Cell) -> dict[str, float]:
+    """Joints [rad] of all arms where the one with the scanner has not gone to the view yet."""
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    postures = {arm.name: arm.home for arm in cell.arms} | {carrier.arm: carrier.home}
+    return cell.joint_values(postures)
+
+
+def parked(cell: Cell) -> Cell:
+    """The cell as a controller has it whose arm with the scanner begins at its own home."""
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    arms = (
+        replace(arm, home=carrier.home) if arm.name == carrier.arm else arm for arm in cell.arms
+    )
+    return replace(cell, arms=tuple(arms))

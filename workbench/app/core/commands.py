@@ -16,6 +16,7 @@ from workbench.app.core.cycle import (
     scanning,
     sending,
     unapproved,
+    viewing,
     watching,
 )
 
@@ -23,6 +24,7 @@ SUBJECTS = (
     scanning,
     parts,
     planning,
+    viewing,
     rows,
     watching,
     approval,

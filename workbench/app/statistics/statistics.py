@@ -19,7 +19,7 @@ from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
-from workbench.app.statistics.rows import numbers_of_row, picks_of_row
+from workbench.app.statistics.rows import is_to_view, numbers_of_row, picks_of_row
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.candidate import Reason, kind_of
@@ -165,6 +165,10 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
 """What success is reported by."""
 
 
+OF_A_PLAN = {JobEnded.__name__, SendPlan.__name__, LinkEnded.__name__}
+"""Entries that are about a plan that was made."""
+
+
 class Count:
     """Counts entries as they come, so that a page does not read a long session again and again.
 
@@ -186,6 +190,7 @@ class Count:
         self._row: tuple[tuple[PickRecord, ...], ...] = ()
         self._numbers: tuple[tuple[int, ...], ...] = ()
         self._place = 0
+        self._is_to_view = False  # whether the plan takes a scanner to its view: no cycle
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -225,6 +230,10 @@ class Count:
         )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
+        if kind == JobEnded.__name__ and "plan" in command["result"]:
+            self._is_to_view = is_to_view(command["result"]["plan"])
+        if self._is_to_view and kind in OF_A_PLAN:
+            return
         if kind in SCANS:
             self._cycles.append(CycleRecord(number, at, at))
             self._begun = ("scan", at, number)

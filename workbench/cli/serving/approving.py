@@ -8,10 +8,11 @@ from workbench.app.core.cycle.standing import moved_away
 from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
-from workbench.model.plan import Plan, Proof, Proven, at_least, parts_taken
+from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.plugins.robot_link import states
 from workbench.proof.claims.clearance import linear_clearance
 
@@ -57,7 +58,10 @@ def facts_of(
     """
     first = first or plan
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
-    for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True):
+    if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
+        facts[f"Arm {carrier.arm}"] = f"takes the scanner to view {carrier.view.name}"
+        basis = "the whole bin is full, as no scan shows it yet"
+    for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True):
         kind = plan.detections[arm.detection].part
         takes = f"{FoundPart(part)} ({kind}), grasp {arm.grasp}"
         facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")

@@ -210,7 +210,9 @@ def split_line(text: str) -> tuple[str, str]:
 
 def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:
     """How many parts the controller says are placed, of how many."""
-    expected = sum(len(plan.arms) for plan in state.plans)
+    expected = sum(len(plan.picks) for plan in state.plans)
+    if not expected:
+        return ""
     return words.render(StatusText.PLACED(count=state.parts_placed, total=expected))
 
 
@@ -313,7 +315,7 @@ def forecast_line(
 
 def _ready_message(state: State, plan: Plan) -> Message:
     text = CyclePageText.PLAN(
-        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.arms)
+        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
     )
     if len(state.plans) > 1:
         number = len(state.sent_before) + 1

@@ -24,6 +24,7 @@ from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
@@ -201,6 +202,13 @@ CALLS: tuple[Call, ...] = (
         PLAN_FIELDS,
         begins=True,
         make=_plan,
+    ),
+    Call(
+        "/view",
+        "Plan and prove the path of a scanner on an arm from the arm's home to its view.",
+        PlanView,
+        (SEED, Field("view", "name of the view; empty: that of the cell", _text(LONGEST_NAME), "")),
+        begins=True,
     ),
     Call(
         "/emptying",

@@ -13,9 +13,10 @@ from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.derived.by_recipe import strategies_of
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
-from workbench.model.plan import Proof, Violation, parts_taken
+from workbench.model.plan import Proof, Violation
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
 

@@ -17,6 +17,7 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.derived.by_recipe import strategies_of, strategy_of
+from workbench.model.derived.row_parts import count_taken
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
@@ -24,7 +25,7 @@ from workbench.model.messages.message import all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, PosesText, StateText
-from workbench.model.plan import PlanResult, Proven, count_taken, floor_distance
+from workbench.model.plan import PlanResult, Proven, floor_distance
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""

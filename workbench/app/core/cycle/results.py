@@ -9,6 +9,7 @@ from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import with_scan
+from workbench.app.core.cycle.viewing import with_view_plan
 from workbench.app.core.state import Job, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.calibration import PlateObservation
@@ -63,6 +64,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):
             return with_plan(state, result, job)
+        case ("view", PlanResult()):
+            return with_view_plan(state, result)
         case _:
             wrong = type(result).__name__
             return replace(state, message=_failure_message(job, JobText.WRONG_RESULT(kind=wrong)))
