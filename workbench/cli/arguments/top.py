@@ -212,9 +212,8 @@ class PlanArguments:
     metric: Maybe[float] = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
     picks: Maybe[int] = None
-    """Plans in a row at most, each proven in the scene that those before leave, as far as no part
-    that stays may have moved; the second is written to OUT-2.json, and so on; the cell's when not
-    given."""
+    """Plans in a row at most, each proven in the scene that those before leave, while no part that
+    stays may have moved; the second goes to OUT-2.json, and so on; the cell's when not given."""
     protocol: Maybe[str] = None
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
