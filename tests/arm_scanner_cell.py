@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pinocchio as pin
 
+from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.plugins.robot_link import controller_by
 
 
 def on_arm_cell() -> Cell:
@@ -42,3 +44,9 @@ def parked(cell: Cell) -> Cell:
         replace(arm, home=carrier.home) if arm.name == carrier.arm else arm for arm in cell.arms
     )
     return replace(cell, arms=tuple(arms))
+
+
+def six_axes_cell(link: str) -> Cell:
+    """The shipped cell with six axes and a scanner on its arm, spoken to by that link."""
+    cell = read_cell(find("robots", "tx2_90") / "on_arm.toml")
+    return replace(cell, controller=controller_by(link, "127.0.0.1", 30002, RTDE_PORT))

@@ -8,9 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from arm_scanner_cell import on_arm_cell, parked
+from arm_scanner_cell import on_arm_cell, parked, six_axes_cell
 from patient import PATIENT
-from waiting import PATIENCE
+from pick_scenes import Program, Sent, elsewhere
+from twins import own_host, twin_of
+from waiting import PATIENCE, lasting
 
 from workbench.app.core.cycle.approval import approve
 from workbench.app.viewing.view_plan import plan_view
@@ -83,3 +85,37 @@ def test_it_goes_out_once(cell: Cell) -> None:
         list(send(plan, approval, there))
         with pytest.raises(WorkbenchError):
             list(send(plan, approval, there))
+
+
+@pytest.mark.parametrize("link", ["ur-rtde", "ur-rtde-blend", "ur-rtde-servo"])
+def test_a_controller_of_universal_robots_stands_at_the_view(link: str) -> None:
+    pytest.importorskip("rtde_receive", reason="ur-rtde is not installed")
+    cell = six_axes_cell(link)
+    (arm,), carrier = cell.arms, cell.scanner.on_arm
+    assert carrier is not None
+    plan, approval = approved(cell)
+    start = arm.to_axes(plan.arms[0].legs[0].q[0]).tolist()
+    with twin_of(cell, own_host(), start=start) as (twin, there):
+        receipts = list(send(plan, lasting(approval), there))
+        q = arm.from_axes(np.asarray(twin.q))
+    assert receipts[-1].done == receipts[-1].total
+    assert not any(receipt.part for receipt in receipts)
+    assert np.abs(q - carrier.view.q).max() < np.deg2rad(0.1)
+
+
+def test_a_robot_program_gets_one_leg_and_reports_no_part() -> None:
+    cell = elsewhere(six_axes_cell("pick-server"), ask_s=60.0)
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    plan, approval = approved(cell)
+    sent_plan = Sent(cell, plan, lasting(approval))
+    robot = Program(cell, cell.controller.port)
+    robot.q = np.asarray(plan.arms[0].legs[0].q[0])
+    assert robot.begin() == 1
+    leg = robot.leg(1)
+    assert leg[:3] == ("LEG", "view", "open")
+    assert robot.ask("done", "1", *robot.joints()) == ("OK", "end")
+    receipts, error = sent_plan.ended()
+    robot.close()
+    assert error is None and not any(receipt.part for receipt in receipts)
+    assert np.abs(robot.q - carrier.view.q).max() < np.deg2rad(0.02)

@@ -6,7 +6,7 @@ from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.numbers import renumber
-from workbench.gui.drawing.nearest import certificates_of, free_message, straight_message
+from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText
@@ -109,7 +109,7 @@ def facts_html(
     facts: list[Fact] = [
         *(_plans(state) if len(row) > 1 else _plan(cell, plan)),
         ("Free motion", free_message(state)),
-        ("Linear motion", straight_message(state)),
+        *straight_lines(state),
         ("Proven", _proven(state)),
         ("Kept clear of", _clear_of(state, plan)),
         ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),

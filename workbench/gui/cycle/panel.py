@@ -9,6 +9,7 @@ import viser
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
+from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -29,7 +30,7 @@ from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
-from workbench.gui.cycle.view_button import ViewButton, is_at_view
+from workbench.gui.cycle.view_button import ViewButton
 from workbench.gui.drawing.in_view import hidden_message
 from workbench.gui.drawing.play_button import PlayButton, watched_message
 from workbench.gui.help.groups import group
@@ -315,4 +316,10 @@ def _passing(view: View) -> tuple[bool, int, str, bool, tuple[tuple[float, float
     votes = len(standing_votes(state, view.at))
     # Not at every drawing while it goes on.
     hidden = () if view.look.is_playing else view.hidden
-    return has_run_out, votes, str(moved or "") if is_let_out else "", is_at_view(view), hidden
+    return (
+        has_run_out,
+        votes,
+        str(moved or "") if is_let_out else "",
+        is_at_view(state.cell, view.live.joints),
+        hidden,
+    )

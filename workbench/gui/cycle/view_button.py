@@ -2,7 +2,6 @@
 
 import viser
 
-from workbench.app.core.cycle.arm_scanner import standing_joints, view_problem
 from workbench.app.core.cycle.viewing import PlanView
 from workbench.gui.shared.look import View
 from workbench.gui.shared.visitor import Visitor
@@ -17,7 +16,7 @@ class ViewButton:
         """Add the button."""
         self._visitor = visitor
         self.button = visitor.gui.add_button(
-            "Move to view", icon=viser.Icon.SCAN_EYE, visible=False, hint=SAYS
+            "Go to view", icon=viser.Icon.SCAN_EYE, visible=False, hint=SAYS
         )
         visitor.on_press(self.button, PlanView)
 
@@ -30,9 +29,3 @@ class ViewButton:
         problem = visitor.refusal(state, PlanView(), new.at, new.live.joints)
         visitor.allow(self.button, visitor.words.render(problem))
         return problem is None
-
-
-def is_at_view(view: View) -> bool:
-    """Whether a scan can be taken where the robot stands; a scanner that stands sees always."""
-    cell = view.state.cell
-    return view_problem(cell, standing_joints(cell, view.live.joints)) is None

@@ -118,6 +118,8 @@ def _does(row: Sequence[Plan], place: int, arm_plan: ArmPlan, leg: Leg) -> str:
 
     Straight to the part on the station and straight up with it is one thing for people.
     """
+    if not arm_plan.takes_part:
+        return ""
     if arm_plan.station:
         return ON_STATION if leg.name == "place" else ""
     stands = row[place].detections[arm_plan.detection].T_world_found is not None

@@ -28,9 +28,9 @@ class ApprovalText(Text, subject="page-approval"):
     VALID = "{time:min} after the approval"
     PEOPLE = "{count} are needed; so far {people}"
     NOBODY = "nobody"
-    COVERED = "the whole motion on {legs} legs, {waypoints} waypoints, {corners}"
+    COVERED = "the whole motion on {legs} {legs:leg|legs}, {waypoints} waypoints, {corners}"
     COVERED_FINGERS = (
-        "the whole motion on {legs} legs, {waypoints} waypoints, {corners}, "
+        "the whole motion on {legs} {legs:leg|legs}, {waypoints} waypoints, {corners}, "
         "fingers opening and closing"
     )
     POSES = (

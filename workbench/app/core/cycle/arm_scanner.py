@@ -46,6 +46,11 @@ def view_problem(cell: Cell, joints: Mapping[str, float]) -> Message | None:
     )
 
 
+def is_at_view(cell: Cell, reported: Mapping[str, float]) -> bool:
+    """Whether a scan can be taken while the controller reports joints, name -> [rad, m]."""
+    return view_problem(cell, standing_joints(cell, reported)) is None
+
+
 def view_named(cell: Cell, view: str) -> ArmScanner:
     """The scanner of a cell on its arm, which has the view of that name; empty: any.
 

@@ -50,6 +50,8 @@ class MakePlan(Command):
 
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)
+        if not state.detections:
+            raise CommandRefused(Refusal.NO_PARTS())
         joints = standing_joints(state.cell, asked.joints)
         refuse(scan_problem(state.cell, state.scan, joints))
 
