@@ -205,7 +205,7 @@ CALLS: tuple[Call, ...] = (
     ),
     Call(
         "/view",
-        "Plan and prove the path of a scanner on an arm from the arm's home to its view.",
+        "Plan and prove the path of an arm's scanner to its view.",
         PlanView,
         (SEED, Field("view", "name of the view; empty: that of the cell", _text(LONGEST_NAME), "")),
         begins=True,
