@@ -87,6 +87,12 @@ def test_it_ends_at_the_view_of_the_cell_and_begins_at_its_home(cell: Cell, plan
     assert "does not start where the arm stands" in objections(other, on(other, plan))
 
 
+def test_a_plan_for_another_scan_is_refused(cell: Cell, plan: Plan) -> None:
+    other = replace(plan, scan_digest="0" * 64)
+    said = "\n".join(map(str, prove(cell, plan.scene, other).violations))
+    assert "made for another scan" in said
+
+
 def test_a_view_that_was_changed_makes_another_cell(cell: Cell, plan: Plan) -> None:
     carrier = cell.scanner.on_arm
     assert carrier is not None
