@@ -9,6 +9,7 @@ from line import Line, refused
 
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.outcomes import ReportPick, parts_sent_for
+from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.viewing import PlanView
@@ -55,6 +56,7 @@ def test_it_is_planned_approved_and_sent_like_every_plan_and_then_a_scan_is_take
     assert "does not stand at view bin" in refused(line, TakeScan())
     digest = approved(line, result)
     assert line.state.phase is Phase.APPROVED
+    assert "no parts" in refused(line, MakePlan())
     line.do(SendPlan(digest))
     sent = line.effects[-1]
     assert isinstance(sent, Send) and sent.plan.digest == digest

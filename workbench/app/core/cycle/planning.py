@@ -21,7 +21,7 @@ from workbench.model.derived.row_parts import count_taken
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.message import all_of
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, PosesText, StateText
@@ -48,10 +48,13 @@ class MakePlan(Command):
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
 
+    @classmethod
+    def obstacle(cls, state: State) -> Message | None:
+        is_to_view = state.plan is not None and state.plan.is_view_plan
+        return Refusal.NO_PARTS() if is_to_view else None
+
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)
-        if not state.detections:
-            raise CommandRefused(Refusal.NO_PARTS())
         joints = standing_joints(state.cell, asked.joints)
         refuse(scan_problem(state.cell, state.scan, joints))
 
