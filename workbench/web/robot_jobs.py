@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
-from workbench.app.core.cycle.arm_scanner import standing_joints, view_problem, way_problem
+from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_problem
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -136,14 +136,14 @@ class BenchDesk:
         if state.phase in (Phase.PLANNED, Phase.APPROVED) and _is_to_view(state):
             self._begun = ""
             return "WAIT", "approval"
-        if way_problem(cell, carrier, joints) is not None:
+        if path_problem(cell, carrier, joints) is not None:
             return "NO", "home"
         if self._begun == "view":
             self._begun = ""
             return "NO", "plan"
         # What the robot program has just reported may be on its way to the bench.
         reported = standing_joints(cell, self._bench.live.joints)
-        if way_problem(cell, carrier, reported) is None:
+        if path_problem(cell, carrier, reported) is None:
             self._do(PlanView(carrier.view.name, state.number))
             self._begun = "view"
         return "WAIT", "plan"

@@ -1,4 +1,4 @@
-"""The way to the view as commands: when it is planned, approved and sent, and what it voids."""
+"""The path to the view as commands: when it is planned, approved and sent, and what it voids."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The way of a scanner on an arm to its view: found and proven, or refused with the reason."""
+"""The path of a scanner on an arm to its view: found and proven, or refused with the reason."""
 
 from dataclasses import replace
 

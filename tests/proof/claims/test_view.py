@@ -1,4 +1,4 @@
-"""The way of a scanner to its view, bent: none is proven that an independent judge refuses."""
+"""The path of a scanner to its view, bent: none is proven that an independent judge refuses."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -143,7 +143,7 @@ def plan(
 def view(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> PlanResult:
-    """The way to the view and its proof; parts that were `placed` are in the way."""
+    """The path to the view and its proof; parts that were `placed` are in the way."""
     placed = boxes_around(cell, arguments["placed"])
     seed = arguments["seed"]
     return plan_view(cell, view=arguments["view"], placed=placed, seed=seed, report=report)

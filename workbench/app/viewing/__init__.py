@@ -1,1 +1,1 @@
-"""The way of a scanner on an arm to its view: planned and proven."""
+"""The path of a scanner on an arm to its view: planned and proven."""

@@ -1,4 +1,4 @@
-"""The way of a scanner on an arm to its view: one leg, planned and proven before any scan."""
+"""The path of a scanner on an arm to its view: one leg, planned and proven before any scan."""
 
 from collections.abc import Sequence
 

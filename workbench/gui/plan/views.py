@@ -77,7 +77,7 @@ def _chip(part: int, arm: ArmPlan) -> Message:
 def _loads_html(state: State, plan: Plan, words: Words) -> str:
     """What each arm carries, a line each, and one line where a mass is missing."""
     controller, lines = state.cell.controller, ""
-    for arm in plan.arms:
+    for arm in plan.picks:
         if arm.loads is None:
             continue
         masses = arm.loads.tool.mass, arm.loads.carried(True).mass

@@ -48,6 +48,7 @@ class CyclePageText(Text, subject="page-cycle"):
     DIGESTS = "plan {plan}, proof {proof}"
     MESSAGES_SENT = "{count} of {total} messages sent"
     STEP = "step {number} of {total}"
+    STEP_DONE = "the only step is done"
     STEPS_DONE = "all {total} steps done"
     ENDED_IN_STEP = "ended in step {number} of {total}"
     SENT_OF_PLAN = "{sent} (plan {number})"

@@ -151,7 +151,7 @@ def _sequence(plan: Plan) -> Iterator[Violation]:
 
 
 def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
-    """The way of a scanner to its view: the only one of its plan, without any part."""
+    """The path of a scanner to its view: the only one of its plan, without any part."""
     carrier = cell.scanner.on_arm
     if carrier is None or carrier.arm != arm_plan.arm:
         yield Violation(ProofText.NO_SCANNER(), arm_plan.arm)

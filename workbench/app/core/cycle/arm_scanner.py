@@ -65,8 +65,8 @@ def view_named(cell: Cell, view: str) -> ArmScanner:
     return carrier
 
 
-def way_problem(cell: Cell, carrier: ArmScanner, joints: Mapping[str, float]) -> Message | None:
-    """Why the way to the view cannot begin; None when the arm stands at its home.
+def path_problem(cell: Cell, carrier: ArmScanner, joints: Mapping[str, float]) -> Message | None:
+    """Why the path to the view cannot begin; None when the arm stands at its home.
 
     Args:
         cell: whose scanner it is.

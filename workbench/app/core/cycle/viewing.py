@@ -1,10 +1,10 @@
-"""The way of a scanner on an arm to its view: planned like a pick, before any scan."""
+"""The path of a scanner on an arm to its view: planned like a pick, before any scan."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.arm_scanner import standing_joints, view_named, way_problem
+from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_named
 from workbench.app.core.state import Phase, ScanState, State, before_a_scan, begin_stage
 from workbench.app.core.tasks import begin_task
 from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
@@ -29,7 +29,7 @@ class PlanView(Command):
         check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         check_text("view", self.view)
         carrier = view_named(state.cell, self.view)
-        refuse(way_problem(state.cell, carrier, standing_joints(state.cell, asked.joints)))
+        refuse(path_problem(state.cell, carrier, standing_joints(state.cell, asked.joints)))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         arguments = {"view": self.view, "placed": state.placed, "seed": self.seed}
@@ -37,7 +37,7 @@ class PlanView(Command):
 
 
 def with_view_plan(state: State, result: PlanResult) -> State:
-    """The state after the way to the view was planned.
+    """The state after the path to the view was planned.
 
     With a plan the scan is void: the arm leaves where it was taken.
     """
