@@ -1,11 +1,15 @@
 """The shipped cell with a scanner on an arm, and where that scanner is."""
 
+from dataclasses import replace
+
 import pinocchio as pin
 
+from workbench.devices.universal_robots.rtde import RTDE_PORT
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.model.cell import Cell
 from workbench.model.geometry import Floats
+from workbench.plugins.robot_link import controller_by
 
 
 def on_arm_cell() -> Cell:
@@ -22,3 +26,27 @@ def pose_at(cell: Cell, q: Floats) -> pin.SE3:
 def at_view(cell: Cell) -> dict[str, float]:
     """Joints [rad] of all arms when they wait, by name."""
     return cell.joint_values({arm.name: arm.home for arm in cell.arms})
+
+
+def before_view(cell: Cell) -> dict[str, float]:
+    """Joints [rad] of all arms where the one with the scanner has not gone to the view yet."""
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    postures = {arm.name: arm.home for arm in cell.arms} | {carrier.arm: carrier.home}
+    return cell.joint_values(postures)
+
+
+def parked(cell: Cell) -> Cell:
+    """The cell as a controller has it whose arm with the scanner begins at its own home."""
+    carrier = cell.scanner.on_arm
+    assert carrier is not None
+    arms = (
+        replace(arm, home=carrier.home) if arm.name == carrier.arm else arm for arm in cell.arms
+    )
+    return replace(cell, arms=tuple(arms))
+
+
+def six_axes_cell(link: str) -> Cell:
+    """The shipped cell with six axes and a scanner on its arm, spoken to by that link."""
+    cell = read_cell(find("robots", "tx2_90") / "on_arm.toml")
+    return replace(cell, controller=controller_by(link, "127.0.0.1", 30002, RTDE_PORT))

@@ -10,6 +10,7 @@ import pytest
 
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.runtime.work import find_parts, scan
+from workbench.app.viewing.view_plan import plan_view
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
@@ -53,6 +54,18 @@ def test_a_plan_begins_and_ends_at_the_view_and_its_housing_is_proven(cell: Cell
         replace(plan, cell_digest=other.digest),
     )
     assert any("left camera" in (violation.pair or ()) for violation in proof.violations)
+
+
+def test_a_deep_bin_is_scanned_from_the_arm_and_a_part_is_taken_out() -> None:
+    deep = read_cell(find("robots", "tx2_90") / "on_arm.toml")
+    view = plan_view(deep)
+    assert view.proof is not None and view.proof.holds
+    joints = deep.joint_values({arm.name: arm.home for arm in deep.arms})
+    taken = scan(deep, {"seed": 1, "parts": 4, "part": "", "joints": joints}, silent, never)
+    found = find_parts(deep, {"scan": taken, "seed": 1}, silent, never).detections
+    assert len(found) == 4
+    result = plan_pick(deep, found, taken.digest, seed=1)
+    assert result.proof is not None and result.proof.holds
 
 
 @pytest.mark.extensive

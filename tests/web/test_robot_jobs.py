@@ -6,7 +6,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from arm_scanner_cell import six_axes_cell
 from waiting import PATIENCE, wait_until
 
 import workbench
@@ -128,6 +130,41 @@ def test_poses_go_out_without_approval_only_while_an_engineer_has_switched_it_of
     assert {one.plan_digest for one in let_out} == {digest}
     assert all(one.is_switched_off for one in let_out)
     assert states[-1].unapproved_by == "" and states[-1].parts_placed == 1
+
+
+@pytest.mark.timeout(1800)
+def test_a_robot_program_gets_a_proven_path_to_the_view_and_scans_there(tmp_path):
+    cell = six_axes_cell("pick-server")
+    cell = replace(cell, controller=replace(cell.controller, port=free_port()))
+    bench, carrier = Bench(cell, Journal(tmp_path / "session")), cell.scanner.on_arm
+    robot = Program(cell, cell.controller.port)
+    at_view = robot.joints()
+    with robot_jobs(bench):
+        assert robot.ask("view") == ("OK", *at_view)
+        assert robot.ask("view", *at_view) == ("OK", "view")
+        robot.q = np.asarray(carrier.home) + 0.3
+        assert robot.ask("view", *robot.joints()) == ("NO", "home")
+        robot.q = np.asarray(carrier.home)
+        answer = until_done(robot, "view", *robot.joints(), until="approval")
+        assert answer == ("WAIT", "approval")
+        assert bench.state.phase is Phase.PLANNED and bench.state.plan.is_view_plan
+        assert robot.ask("next", *robot.joints()) == ("WAIT", "approval")
+        approve(bench)
+        assert robot.begin() == 1
+        assert robot.leg(1)[1] == "view"
+        assert robot.ask("done", "1", *robot.joints()) == ("OK", "end")
+        wait_until(lambda: bench.state.phase is Phase.DONE)
+        wait_until(lambda: robot.ask("view", *robot.joints()) == ("OK", "view"))
+        assert until_done(robot, "scan") == ("OK", "scan")
+        assert bench.state.scan is not None
+        robot.close()
+        bench.close()
+    journal = Journal(tmp_path / "session")
+    states = [state for _, state in replay(journal, cell_of(journal))]
+    journal.close()
+    assert states[-1].scan is not None and any(
+        state.plan is not None and state.plan.is_view_plan for state in states
+    )
 
 
 def test_whoever_is_in_control_is_not_overruled(bench, robot):

@@ -68,18 +68,25 @@ class Load:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loads:
-    """What an arm carries: its `tool`, and the `part` in it, both in the flange frame."""
+    """What an arm carries: its `tool`, and the `part` in it, both in the flange frame.
+
+    `part` is None of an arm that takes no part.
+    """
 
     tool: Load
-    part: Load
+    part: Load | None
 
     def carried(self, holding: bool) -> Load:
         """The tool alone, or the tool with the part in it."""
-        return together((self.tool, self.part)) if holding else self.tool
+        if not holding or self.part is None:
+            return self.tool
+        return together((self.tool, self.part))
 
     @property
     def words(self) -> Message:
         """For people."""
+        if self.part is None:
+            return self.tool.words
         return LoadText.BOTH(tool=self.tool.words, both=self.carried(True).words)
 
 
@@ -115,6 +122,12 @@ def loads_of(tool: Tool, part: Part, T_tcp_part: pin.SE3) -> Loads | None:
     if mine is None:
         return None
     return Loads(mine, part_load(part).seen_from(tool.T_flange_tcp * T_tcp_part))
+
+
+def tool_loads(tool: Tool) -> Loads | None:
+    """What an arm carries that takes no part; None where the mass of the tool is not stated."""
+    mine = tool_load(tool)
+    return None if mine is None else Loads(mine, None)
 
 
 def tool_load(tool: Tool) -> Load | None:

@@ -28,8 +28,15 @@ PLAN_FORMAT = "workbench-plan/1"
 UNSIGNED = frozenset({"seconds", "notes", "digest"})
 """Fields outside a plan's digest: computing times and remarks do not change what moves."""
 
-LegName = Literal["reach", "approach", "extract", "return", "place", "home"]
+LegName = Literal["reach", "approach", "extract", "return", "place", "home", "view"]
 LEG_NAMES: tuple[LegName, ...] = ("reach", "approach", "extract", "return", "place", "home")
+"""The legs of an arm that takes a part."""
+
+VIEW_LEGS: tuple[LegName, ...] = ("view",)
+"""The legs of an arm that takes its scanner to the view."""
+
+NO_PART = -1
+"""`ArmPlan.detection` of an arm that takes no part."""
 
 STRATEGY_WORDS = ("auto", "alternated", "coordinated", "both", "single")
 """What a request can ask for besides an arm by its name, so that no arm is called so."""
@@ -122,6 +129,7 @@ def are_in_step(legs: Sequence[Leg]) -> bool:
 class ArmPlan:
     """All that one arm does with one part: `detection` is an index into the plan's list.
 
+    It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view.
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
     tool and part, which the controller gets; None where the tool's mass is not known.
     """
@@ -137,6 +145,11 @@ class ArmPlan:
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))
+
+    @property
+    def takes_part(self) -> bool:
+        """Whether it takes a part, rather than its scanner to the view."""
+        return self.detection != NO_PART
 
     @property
     def seconds(self) -> float:
@@ -206,7 +219,7 @@ class Plan(FactsRepr):
     @property
     def facts(self) -> Mapping[str, object]:
         """What people want to know of it."""
-        taken = ", ".join(f"{a.arm} arm part-{a.detection + 1} by {a.grasp}" for a in self.arms)
+        taken = ", ".join(f"{a.arm} arm part-{a.detection + 1} by {a.grasp}" for a in self.picks)
         cycle, digest = f"{self.cycle_seconds:.1f} s", self.digest[:12]
         return {"strategy": self.strategy, "takes": taken, "cycle": cycle, "digest": digest}
 
@@ -216,6 +229,16 @@ class Plan(FactsRepr):
             if arm.arm == name:
                 return arm
         raise KeyError(name)
+
+    @property
+    def picks(self) -> tuple[ArmPlan, ...]:
+        """What the arms do that take parts."""
+        return tuple(arm for arm in self.arms if arm.takes_part)
+
+    @property
+    def is_view_plan(self) -> bool:
+        """Whether it only moves a scanner to its view."""
+        return bool(self.arms) and not self.picks
 
     @property
     def stations(self) -> tuple[str, ...]:
@@ -334,29 +357,6 @@ class Proven:
 
     plan: Plan
     proof: Proof
-
-
-def number_in(first: Plan, detection: Detection) -> int:
-    """The index of a part in the list of the first plan of a row.
-
-    Later plans have lists without what those before take, or with it on a station; digits of a file
-    may differ in the last place.
-    """
-    T = (detection.T_world_found or detection.T_world_part).homogeneous
-    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
-    return int(np.argmin(away))
-
-
-def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
-    """Indices of the parts that a plan of a row takes, in the list of the first one of the row."""
-    if plan is first:
-        return tuple(arm.detection for arm in plan.arms)
-    return tuple(number_in(first, plan.detections[arm.detection]) for arm in plan.arms)
-
-
-def count_taken(plans: Sequence[Plan]) -> int:
-    """How many parts plans in a row take; one that goes over a station counts once."""
-    return len({number for plan in plans for number in parts_taken(plans[0], plan)})
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -26,6 +26,8 @@ def misfit(plan: Plan, cell: Cell, manner: Manner = AS_PLANNED) -> Message | Non
     motion = cell.controller.motion
     if problem := mapping_problem(cell):
         return problem
+    if motion.sends_poses and plan.is_view_plan:
+        return DeviceText.NO_PATHS(link=motion.link)
     if any(len(step.runs) > motion.arms_at_once for step in plan.sequence):
         return DeviceText.ONE_ARM(link=motion.link)
     if not all(motion.is_sendable(leg.q) for arm in plan.arms for leg in arm.legs):

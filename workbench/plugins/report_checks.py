@@ -127,7 +127,7 @@ class Receipts:
     def __init__(self, plan: Plan, motion: MotionModel) -> None:
         self._plan, self._motion = plan, motion
         self._last: Receipt | None = None
-        self._parts = {(arm.arm, arm.detection) for arm in plan.arms}
+        self._parts = {(arm.arm, arm.detection) for arm in plan.picks}
         self._told = set[str]()
 
     def check(self, receipt: Receipt) -> None:
@@ -161,7 +161,7 @@ class Receipts:
         if last is None or last.done != last.total:
             how_far = f"at message {last.done} of {last.total}" if last else "with nothing told"
             raise ProtocolError(f"the robot link {link} has ended too early, {how_far}")
-        missing = [arm.arm for arm in self._plan.arms if arm.arm not in self._told]
+        missing = [arm.arm for arm in self._plan.picks if arm.arm not in self._told]
         if self._motion.reports_progress and missing:
             raise ProtocolError(
                 f"the robot link {link} has ended and told nothing of the {missing[0]} arm's part"

@@ -8,11 +8,13 @@ from contextlib import contextmanager
 
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
+from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_problem
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import SendPlan, Stop
 from workbench.app.core.cycle.unapproved import ReleasePoses, release_problem
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.people import Role
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.bench import Bench
@@ -68,7 +70,7 @@ class BenchDesk:
                 case "bin":
                     return ("OK", "1") if _whole(request, 9999, 1) == 1 else ("NO", "bin")
                 case "view":
-                    return self._view(state)
+                    return self._view(state, request.words)
                 case "stop":
                     self._begun = ""
                     if state.phase is Phase.SENDING:
@@ -118,12 +120,33 @@ class BenchDesk:
             case _:
                 return "NO", "find"
 
-    def _view(self, state: State) -> Words:
-        carrier = state.cell.scanner.on_arm
+    def _view(self, state: State, words: Words) -> Words:
+        """The joints of the view; or, asked with joints, the path there, which `next` gives."""
+        cell, carrier = state.cell, state.cell.scanner.on_arm
         if carrier is None:
             return "NO", "view"
-        axes = axis_words(state.cell, form_of(state.cell))
-        return ("OK", *axes.format(carrier.view.q))
+        axes = axis_words(cell, form_of(cell))
+        if not words:
+            return ("OK", *axes.format(carrier.view.q))
+        joints = cell.joint_values({carrier.arm: axes.read(words, in_motion=False)})
+        if view_problem(cell, joints) is None:
+            return "OK", "view"
+        if state.job is not None:
+            return "WAIT", "plan"
+        if state.phase in (Phase.PLANNED, Phase.APPROVED) and _is_to_view(state):
+            self._begun = ""
+            return "WAIT", "approval"
+        if path_problem(cell, carrier, joints) is not None:
+            return "NO", "home"
+        if self._begun == "view":
+            self._begun = ""
+            return "NO", "plan"
+        # What the robot program has just reported may be on its way to the bench.
+        reported = standing_joints(cell, self._bench.live.joints)
+        if path_problem(cell, carrier, reported) is None:
+            self._do(PlanView(carrier.view.name, state.number))
+            self._begun = "view"
+        return "WAIT", "plan"
 
     def _refuse(self) -> Words:
         state = self._bench.state
@@ -149,6 +172,12 @@ def robot_jobs(bench: Bench) -> Generator[None]:
     with link.server_of(bench.cell) as server:
         server.conversation.desk = BenchDesk(bench)
         yield
+
+
+def _is_to_view(state: State) -> bool:
+    """Whether a proven plan takes the scanner to its view."""
+    holds = state.proof is not None and state.proof.holds
+    return holds and state.plan is not None and state.plan.is_view_plan
 
 
 def _is_unapproved(state: State) -> bool:

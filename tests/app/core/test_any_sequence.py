@@ -36,6 +36,7 @@ from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.prediction import Emptying
 from workbench.model.release import PartReport, Receipt
+from workbench.model.scan import Scan
 
 RECEIPT = Receipt(NOW, "right", "start", "startR#", 1, 4)
 SEEDS = st.integers(0, 2)
@@ -246,7 +247,8 @@ class AnySequence(Checks, RuleBasedStateMachine):
         number = job.number if job is not None else 1
         ahead = self.line.state.ahead
         brought = () if ahead is None else ahead.brought
-        scene = brought[0][1].digest if brought else self.line.state.scene_digest
+        scans = [result.digest for _, result, _ in brought if isinstance(result, Scan)]
+        scene = scans[0] if scans else self.line.state.scene_digest
         scene = "0" * 64 if other_scan else scene
         results = {
             "scan": self.samples.scan(seed),

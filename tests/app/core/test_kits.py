@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 from line import Line
 
+from workbench.app.core.cell.kits import NewKit, lacks_of
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
-from workbench.app.core.cycle.kits import NewKit, lacks_of
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan

@@ -16,12 +16,12 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.plans.certificates import read_certificate, write_certificate
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.model.candidate import Reason
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import JobCancelled
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.proofs import ProofText
-from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection, Scene
 from workbench.proof.claims.prove import prove, scene_after
 

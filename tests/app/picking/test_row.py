@@ -17,6 +17,7 @@ from workbench.app.picking.row import (
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import MOST_PICKS
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy
@@ -24,7 +25,7 @@ from workbench.model.messages.message import FoundPart, all_of
 from workbench.model.messages.plans import RowEnd
 from workbench.model.messages.proofs import ProofText
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import PlanResult, parts_taken
+from workbench.model.plan import PlanResult
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.robot import Kinematics

@@ -5,9 +5,9 @@ import pytest
 
 from workbench.app.picking.row import plan_row, prove_row
 from workbench.formats.cells.reading import read_cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection, Obstacle
 
 CELL = read_cell("yumi")

@@ -6,7 +6,8 @@ import pytest
 
 from workbench.app.core.state import State
 from workbench.app.review.commissioning import Step, checklist, next_step
-from workbench.app.statistics.statistics import CycleRecord, PickRecord, Statistics
+from workbench.app.statistics.cycles import CycleRecord, PickRecord
+from workbench.app.statistics.statistics import Statistics
 from workbench.formats.cells.reading import read_cell
 from workbench.model.calibration import CalibrationRecord
 

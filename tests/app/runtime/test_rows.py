@@ -27,10 +27,10 @@ from workbench.app.runtime.bench import Bench
 from workbench.app.statistics.statistics import statistics
 from workbench.formats.cells.reading import read_cell
 from workbench.journal.journal import Journal
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection
 from workbench.plugins.robot_link import spoken_to_by
 

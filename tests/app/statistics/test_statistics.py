@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from arm_scanner_cell import at_view, before_view, on_arm_cell
 from line import Line
 
 from workbench.app.core.command import Entry
@@ -17,6 +18,7 @@ from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Sent
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.records.record import command_form, entry_record
 from workbench.app.statistics.grasp_use import GraspUse
@@ -28,6 +30,7 @@ from workbench.app.statistics.statistics import (
     together,
 )
 from workbench.app.statistics.statistics_table import csv_text
+from workbench.app.viewing.view_plan import plan_view
 from workbench.journal.journal import Row
 from workbench.model.errors import JobCancelled, JournalError, LinkError
 from workbench.model.release import PartReport, Receipt
@@ -325,3 +328,19 @@ def test_parts_that_a_planning_without_a_plan_leaves_are_gathered(written, sampl
     assert (left.part, left.hindrance) == ("peg", "floor")
     first = written.rows
     assert len(together([statistics(first), statistics(first)]).remaining) == 2
+
+
+def test_the_path_of_a_scanner_to_its_view_is_no_cycle():
+    cell = on_arm_cell()
+    one = Written(cell)
+    one.joints = before_view(cell)
+    one.do(PlanView())
+    digest = one.ended(plan_view(cell)).plan.digest
+    one.do(WatchPlan(digest))
+    one.do(Approve(digest))
+    one.do(SendPlan(digest))
+    one.joints = at_view(cell)
+    one.do(LinkEnded())
+    assert statistics(one.rows).cycles == ()
+    one.do(TakeScan())
+    assert len(statistics(one.rows).cycles) == 1

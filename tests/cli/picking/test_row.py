@@ -9,8 +9,8 @@ from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.plans.plan_files import read_plan
 from workbench.formats.plans.pose_files import write_poses
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import parts_taken
 from workbench.model.scan import Detection
 
 

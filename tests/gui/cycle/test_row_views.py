@@ -8,7 +8,7 @@ from workbench.app.core.state import Phase
 from workbench.gui.cycle.approval_views import facts_html
 from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.plan.views import plan_html
-from workbench.model.plan import parts_taken
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.release import Receipt
 
 

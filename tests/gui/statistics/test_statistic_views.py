@@ -2,8 +2,9 @@
 
 import pinocchio as pin
 
+from workbench.app.statistics.cycles import CycleRecord, PickRecord
 from workbench.app.statistics.remaining import RemainingPart
-from workbench.app.statistics.statistics import CycleRecord, PickRecord, Statistics
+from workbench.app.statistics.statistics import Statistics
 from workbench.gui.statistics.views import statistics_html
 from workbench.model.scan import Detection
 

@@ -65,8 +65,6 @@ def test_kits_are_counted_by_recipe_over_sessions(site):
     cycle(site)
     site.post("/report", detection=0, is_picked=False)
     site.post("/kit")
-    assert site.get("/statistics").json()["kits"] == [
-        {"recipe": 7, "complete": 1, "incomplete": 1}
-    ]
+    assert site.get("/statistics").json()["kits"] == [{"recipe": 7, "complete": 1, "incomplete": 1}]
     counted = statistics(site.bench.entries(0))
     assert together([counted, counted]).kits == (KitCount(7, 2, 2),)

@@ -3,13 +3,12 @@
 from types import ModuleType
 
 from workbench.app.core import control, session
-from workbench.app.core.cell import changes, emptying, making, part_edits, recipes
+from workbench.app.core.cell import changes, emptying, kits, making, part_edits, recipes
 from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
     approval,
     jobs,
-    kits,
     outcomes,
     parts,
     planning,
@@ -17,6 +16,7 @@ from workbench.app.core.cycle import (
     scanning,
     sending,
     unapproved,
+    viewing,
     watching,
 )
 
@@ -24,17 +24,18 @@ SUBJECTS = (
     scanning,
     parts,
     planning,
+    viewing,
     rows,
     watching,
     approval,
     unapproved,
     sending,
     outcomes,
-    kits,
     ahead,
     jobs,
     changes,
     recipes,
+    kits,
     part_edits,
     making,
     emptying,

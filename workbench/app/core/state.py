@@ -341,7 +341,14 @@ def without_approval(state: State) -> State:
 
 def sent_for(state: State) -> SentFor | None:
     """The plans of whose parts people can say what became of them; None where nothing was sent."""
-    return state.unscanned if state.plan is None else SentFor(plans_begun(state), state.outcomes)
+    if is_remembered(state):
+        return state.unscanned
+    return SentFor(plans_begun(state), state.outcomes)
+
+
+def is_remembered(state: State) -> bool:
+    """Whether the parts that were sent for last are not those of the plan, but `unscanned`."""
+    return state.plan is None or state.plan.is_view_plan
 
 
 def before_a_scan(state: State) -> State:

@@ -113,7 +113,7 @@ def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     """
     kinematics = Kinematics(cell)
     placed: list[Detection] = []
-    for arm_plan in plan.arms:
+    for arm_plan in plan.picks:
         arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
         if arm.keeps_parts or arm_plan.station:
             T = stands_on_station(cell, plan, arm_plan)

@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
+from workbench.model.derived.row_parts import number_in
 from workbench.model.messages.message import FoundPart, Message, found_part
-from workbench.model.plan import Plan, number_in
+from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
 

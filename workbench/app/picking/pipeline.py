@@ -9,13 +9,14 @@ from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES, Cell, PlanOverrides, Policy
 from workbench.model.derived.by_recipe import check_strategy
 from workbench.model.derived.policies import widened
+from workbench.model.derived.row_parts import count_taken
 from workbench.model.errors import InputError, JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.plan import Plan, PlanResult, Proof, count_taken
+from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.recipes.kit import Wanted
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World

@@ -102,6 +102,8 @@ def adopt_plan(cell: Cell, plan: Plan, scan: Scan | None = None) -> Plan:
 
 
 def _with_loads(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> ArmPlan:
+    if not arm_plan.takes_part:
+        return arm_plan
     kinds = {part.name: part for part in cell.parts}
     part = kinds.get(plan.detections[arm_plan.detection].part)
     arm = next((arm for arm in cell.arms if arm.name == arm_plan.arm), None)

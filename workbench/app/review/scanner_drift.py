@@ -183,7 +183,7 @@ def _errors_in_hands(state: State) -> dict[bytes, Floats]:
     """
     if state.plan is None:
         return {}
-    found = [(arm, state.plan.detections[arm.detection]) for arm in state.plan.arms]
+    found = [(arm, state.plan.detections[arm.detection]) for arm in state.plan.picks]
     return {
         _key(part.T_world_part): kept_by_grip(
             state.cell, detection.arm, part.part, part.T_world_part, detection.T_tcp_part.inverse()

@@ -14,6 +14,7 @@ from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan, Stop
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.decide import NOT_REPORTED, check_allowed, decide
 from workbench.app.core.effects import Effect, StopSending
 from workbench.app.core.people import MACHINES, ROBOT_LINK, SESSION_START, WORKER, Role
@@ -190,10 +191,10 @@ class Bench:
     def _asks_for_joints(self, command: Command) -> bool:
         """Whether how the robot stands counts in a command: where it lets a plan go out.
 
-        And where a scan is taken or used whose scanner an arm carries.
+        And where a scan is taken or used whose scanner an arm carries, or that goes to its view.
         """
         if self._state.cell.scanner.on_arm is not None and isinstance(
-            command, TakeScan | UseScan | GoOn | JobEnded | MakePlan
+            command, TakeScan | UseScan | GoOn | JobEnded | MakePlan | PlanView
         ):
             return True
         if isinstance(command, LinkEnded):

@@ -228,7 +228,7 @@ class LinkRunner:
         placed = sum(part.is_picked is True for part in parts)
         if self._is_silent():
             since = self._placed_since(run.before, 0 if fault else len(run.receipts))
-            placed = min(since, len(run.plan.arms))
+            placed = min(since, len(run.plan.picks))
         return placed, parts
 
     def _is_silent(self) -> bool:
@@ -250,7 +250,7 @@ class LinkRunner:
         why = LinkText.NO_REPORT(link=self._cell.controller.link)
         return tuple(
             latest.get(arm.arm, PartReport(arm.arm, arm.detection, None, why))
-            for arm in run.plan.arms
+            for arm in run.plan.picks
         )
 
     def _end(

@@ -17,6 +17,7 @@ from workbench.app.picking.row import plan_row
 from workbench.app.picking.tool_making import tool_for
 from workbench.app.runtime.readiness import make_ready
 from workbench.app.runtime.worker import JobFunction
+from workbench.app.viewing.view_plan import plan_view
 from workbench.model.calibration import PlateObservation
 from workbench.model.cell import Cell, Tool
 from workbench.model.errors import InputError, JobCancelled
@@ -140,6 +141,15 @@ def plan(
     return replace(result, candidates=with_exactness(cell, detections, result.candidates))
 
 
+def view(
+    cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
+) -> PlanResult:
+    """The path to the view and its proof; parts that were `placed` are in the way."""
+    placed = boxes_around(cell, arguments["placed"])
+    seed = arguments["seed"]
+    return plan_view(cell, view=arguments["view"], placed=placed, seed=seed, report=report)
+
+
 def glance(
     cell: Cell, arguments: Mapping[str, Any], report: Report, cancelled: Cancelled
 ) -> Glance:
@@ -171,6 +181,7 @@ JOBS: Mapping[str, JobFunction] = {
     "localize": find_parts,
     "sight": sight,
     "plan": plan,
+    "view": view,
     "import": import_part,
     "tool": make_tool,
     "emptying": emptying,

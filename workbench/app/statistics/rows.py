@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+from workbench.model.plan import NO_PART
+
 Numbers = tuple[tuple[int, ...], ...]
 """For each plan of a row, the numbers that its parts had in the first."""
 
@@ -21,6 +23,12 @@ def numbers_of_row(result: Any) -> Numbers:
             for later_plan in later
         ),
     )
+
+
+def is_to_view(result: Any) -> bool:
+    """Whether the plan of a planning, in canonical form, takes a scanner to its view."""
+    plan = result["plan"]
+    return plan is not None and all(arm["detection"] == NO_PART for arm in plan["arms"])
 
 
 def picks_of_row(result: Any, numbers: Numbers) -> Sequence[Sequence[tuple[int, str, str, str]]]:

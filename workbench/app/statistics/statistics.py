@@ -8,26 +8,25 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
-from typing import Any, Literal
+from typing import Any
 
+from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.jobs import CancelJob, JobEnded
-from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import ReportPick
 from workbench.app.core.cycle.parts import FindParts, UseDetections
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan, UseScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
+from workbench.app.statistics.cycles import CycleRecord, PickRecord, Rate, Result
 from workbench.app.statistics.grasp_use import NO_USES, Uses, add_uses, count_judged, count_taken
 from workbench.app.statistics.kits import KitCount, Kits, add_kits
 from workbench.app.statistics.remaining import MOST, Remaining, RemainingPart
-from workbench.app.statistics.rows import numbers_of_row, picks_of_row
+from workbench.app.statistics.rows import is_to_view, numbers_of_row, picks_of_row
 from workbench.app.statistics.turns import Turns
 from workbench.journal.journal import Row
 from workbench.model.candidate import Reason, kind_of
 from workbench.model.errors import JournalError
-
-Result = Literal["picked", "failed", "unknown"]
 
 SCANS = frozenset({TakeScan.__name__, UseScan.__name__, GoOn.__name__})
 """A cycle begins with one of these, or with poses from outside after the one before has ended."""
@@ -51,50 +50,6 @@ NOTHING_BEGUN = ("", 0.0, 0)
 """Tasks have the numbers of entries, which begin with 1."""
 
 STAGES = ("scan", "find parts", "plan", "approve", "send")
-
-
-@dataclass(frozen=True, slots=True)
-class PickRecord:
-    """One part that was to be taken: how, and what became of it."""
-
-    detection: int
-    part: str
-    grasp: str
-    arm: str
-    result: Result = "unknown"
-    why: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class CycleRecord:
-    """One cycle, from its scan on.
-
-    `number` is that of its first entry, `at` and `until` [s since the epoch] are those of its
-    first and last; `end` is empty while it goes on or when it was given up.  `seconds`: stage ->
-    how long it took; that of `approve` is the time that people took.
-    """
-
-    number: int
-    at: float
-    until: float
-    strategy: str = ""
-    end: Literal["", "done", "fault", "no plan"] = ""
-    picks: tuple[PickRecord, ...] = ()
-    seconds: Mapping[str, float] = field(default_factory=dict[str, float])
-
-
-@dataclass(frozen=True, slots=True)
-class Rate:
-    """How often picks of one kind have succeeded; those of unknown result do not count."""
-
-    name: str
-    picked: int
-    failed: int
-
-    @property
-    def share(self) -> float:
-        """Of those that are known, 0..1."""
-        return self.picked / max(self.picked + self.failed, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +124,10 @@ GROUPS: Mapping[str, Callable[[CycleRecord, PickRecord], str]] = {
 """What success is reported by."""
 
 
+OF_A_PLAN = {JobEnded.__name__, SendPlan.__name__, LinkEnded.__name__}
+"""Entries that are about a plan that was made."""
+
+
 class Count:
     """Counts entries as they come, so that a page does not read a long session again and again.
 
@@ -191,6 +150,7 @@ class Count:
         self._row: tuple[tuple[PickRecord, ...], ...] = ()
         self._numbers: tuple[tuple[int, ...], ...] = ()
         self._place = 0
+        self._is_to_view = False  # whether the plan takes a scanner to its view: no cycle
 
     def add(self, rows: Iterable[Row]) -> None:
         """Count entries, in their order.
@@ -233,6 +193,10 @@ class Count:
         )
 
     def _take(self, kind: str, number: int, at: float, command: Any) -> None:
+        if kind == JobEnded.__name__ and "plan" in command["result"]:
+            self._is_to_view = is_to_view(command["result"]["plan"])
+        if self._is_to_view and kind in OF_A_PLAN:
+            return
         if kind in SCANS:
             self._cycles.append(CycleRecord(number, at, at))
             self._begun = ("scan", at, number)

@@ -28,6 +28,10 @@ PartOfPoses = Annotated[
     Maybe[str],
     arg(help="What the poses of a HALCON file are of, when the cell has several parts."),
 ]
+ViewName = Annotated[
+    Maybe[str],
+    arg(help="Name of the view to which an arm takes its scanner; of all else --seed counts."),
+]
 Seed = Annotated[int, arg(help="Seed of everything random.")]
 FirstSeed = Annotated[int, arg(help="Seed of the first pile; the others follow.")]
 Piles = Annotated[int, arg(help="How many piles.")]

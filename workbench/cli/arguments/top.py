@@ -24,6 +24,7 @@ from workbench.cli.arguments.names import (
     RecipeNumber,
     Seed,
     UsersFile,
+    ViewName,
 )
 from workbench.cli.arguments.part import Grasps, PartCommands
 from workbench.cli.arguments.plc import OpcUaCommands
@@ -140,13 +141,14 @@ class Calibrate:
 
 @dataclass(frozen=True, slots=True)
 class PlanArguments:
-    """Judge every grasp, plan the pick, and prove the plan."""
+    """Judge every grasp, plan the pick, and prove the plan; or plan the path to --view."""
 
     cell: Positional[CellName]
-    poses: Path
-    """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
     out: Path
     """JSON file of the plan to write."""
+    poses: Maybe[Path] = None
+    """Our JSON, or a HALCON tuple file (rows of [R|t] in the world frame, millimetres)."""
+    view: ViewName = None
     scan: Maybe[Path] = None
     """PLY or PCD file the poses were found in: what it shows beside the parts is kept clear of."""
     strategy: Maybe[str] = None
@@ -166,9 +168,8 @@ class PlanArguments:
     metric: Maybe[float] = None
     """How much each joint counts of the one before it when planners measure, 0.05 to 1."""
     picks: Maybe[int] = None
-    """Plans in a row at most, each proven in the scene that those before leave, as far as no part
-    that stays may have moved; the second is written to OUT-2.json, and so on; the cell's when not
-    given."""
+    """Plans in a row at most, each proven in the scene that those before leave, while no part that
+    stays may have moved; the second goes to OUT-2.json, and so on; the cell's when not given."""
     protocol: Maybe[str] = None
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
@@ -250,6 +251,8 @@ class ControllerArguments:
     """Folder of RAPID modules that are run instead, as robots/yumi/rapid; it reports no state."""
     home_after: Maybe[float] = None
     """Seconds after which arms that were left somewhere go home; they stay when not given."""
+    before_view: bool = False
+    """Begin with the arm that carries the scanner at its home_deg, not at the view."""
     until_eof: bool = False
     """End when standard input ends, too."""
     json: bool = False

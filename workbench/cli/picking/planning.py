@@ -8,6 +8,7 @@ from workbench.app.core.value_checks import LARGEST_MARGIN, MOST_ITERATIONS, SEE
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import check_picks, plan_row
 from workbench.app.runtime.readiness import make_ready
+from workbench.app.viewing.view_plan import plan_view
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS
 from workbench.cli.loading import loading
@@ -35,18 +36,39 @@ from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
 from workbench.model.derived.by_recipe import check_strategy, strategy_of, wanted_parts, with_recipe
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
-from workbench.model.plan import Plan, PlanResult, parts_taken
+from workbench.model.plan import Plan, PlanResult
 from workbench.model.scan import Detection, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
 
 
 def plan(typed: arguments.PlanArguments) -> int:
-    """Plan for poses from a file; write the plan only when its proof holds."""
+    """Plan for poses from a file, or to a view; write the plan only when its proof holds."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
+    if (typed.poses is None) == (typed.view is None):
+        raise InputError("one of --poses and --view is expected")
+    return _plan_view(typed) if typed.poses is None else _plan_picks(typed, typed.poses)
+
+
+def _plan_view(typed: arguments.PlanArguments) -> int:
+    """Plan the path to the view by the cell's policy."""
+    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    if typed.protocol is not None:
+        cell = spoken_to_by(cell, typed.protocol)
+    with progress("plan") as report:
+        make_ready(report, ("planning",))
+        ready, began = seconds_since_start(), time.perf_counter()
+        result = plan_view(cell, view=typed.view or "", seed=typed.seed, report=report)
+        planning = time.perf_counter() - began
+    return _finish(typed, result, ready, planning)
+
+
+def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
+    """Plan for the poses in a file."""
     if typed.threshold is not None:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
     if typed.iterations is not None:
@@ -68,7 +90,7 @@ def plan(typed: arguments.PlanArguments) -> int:
     overrides = PlanOverrides(
         typed.planner, typed.iterations, typed.order, typed.margin, typed.metric
     )
-    detections = detections_from(cell, typed.poses, typed.part)
+    detections = detections_from(cell, poses, typed.part)
     with progress("plan") as report:
         make_ready(report, ("planning",))
         report(0.0, "getting ready")
@@ -90,6 +112,13 @@ def plan(typed: arguments.PlanArguments) -> int:
             report=report,
         )
         planning = time.perf_counter() - began
+    return _finish(typed, result, ready, planning)
+
+
+def _finish(
+    typed: arguments.PlanArguments, result: PlanResult, ready: float, planning: float
+) -> int:
+    """Write what is proven, and print what came of it."""
     is_good = result.plan is not None and result.proof is not None and result.proof.holds
     if is_good and result.plan is not None:
         write_plan(typed.out, result.plan, result.proof)
@@ -208,8 +237,11 @@ def _print_words(
 ) -> None:
     if not is_good:
         print_candidates("every candidate", result.candidates)
-    print(f"candidates: {reasons_words(result.candidates)}")
-    if result.obstacles:
+    if result.candidates:
+        print(f"candidates: {reasons_words(result.candidates)}")
+    if result.plan is not None and result.plan.is_view_plan:
+        print("kept clear of the whole bin, which no scan shows")
+    elif result.obstacles:
         print(f"kept clear of {len(result.obstacles)} obstacles that only the scan shows")
     if result.plan is None:
         print(f"no plan: {result.verdict}")

@@ -7,9 +7,10 @@ from typing import Any
 from workbench.app.picking.numbers import renumber
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import cycle_words
-from workbench.model.plan import Plan, Proof, Violation, parts_taken
+from workbench.model.plan import Plan, Proof, Violation
 
 
 def verdict_form(verdict: Verdict) -> dict[str, Any]:
@@ -41,7 +42,7 @@ def plan_form(plan: Plan, bound: float) -> dict[str, Any]:
         "strategy": str(plan.strategy),
         "guarantee": str(plan.guarantee),
         "arms": [
-            {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp} for arm in plan.arms
+            {"arm": arm.arm, "detection": arm.detection, "grasp": arm.grasp} for arm in plan.picks
         ],
         "cycle_s": round(plan.cycle_seconds, 3),
         "bound_s": round(bound, 3),
@@ -74,8 +75,9 @@ def plan_words(plan: Plan, bound: float, first: Plan | None = None) -> str:
     first = first or plan
     taken = ", ".join(
         f"{arm.arm} {FoundPart(part)} by {arm.grasp}"
-        for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
+        for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
     )
+    taken = taken or "scanner to the view"
     motion = f"motion of {cycle_words(plan.cycle_seconds, bound)}"
     words = f"{plan.strategy}, {plan.guarantee}: {taken}; {motion}"
     remarks = [str(renumber(remark, first, plan.detections)) for remark in plan.remarks]

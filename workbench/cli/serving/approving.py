@@ -8,10 +8,11 @@ from workbench.app.core.cycle.standing import moved_away
 from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart
-from workbench.model.plan import Plan, Proof, Proven, at_least, parts_taken
+from workbench.model.plan import Plan, Proof, Proven, at_least
 from workbench.plugins.robot_link import states
 from workbench.proof.claims.clearance import linear_clearance
 
@@ -57,11 +58,15 @@ def facts_of(
     """
     first = first or plan
     facts = {"Plan": plan.digest, "Cell": f"{cell.name} {cell.digest[:SHORTEST]}"}
-    for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True):
+    for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True):
         kind = plan.detections[arm.detection].part
         takes = f"{FoundPart(part)} ({kind}), grasp {arm.grasp}"
         facts[f"Arm {arm.arm}"] = takes + (f", to station {arm.station}" if arm.station else "")
     kept = sum(bool(obstacle.part) for obstacle in plan.obstacles)
+    known = f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: {basis}"
+    if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
+        facts[f"Arm {carrier.arm}"] = f"takes the scanner to view {carrier.view.name}"
+        known = "counts as full, since no scan shows it yet"
     nearest, link = proof.nearest, cell.controller
     holds = f"holds, {proof.digest[:SHORTEST]}"
     if link.motion.sends_poses:
@@ -76,8 +81,7 @@ def facts_of(
         "Minimum clearance": near,
         **({} if linear is None else {"On linear motion": at_least(max(linear, 0.0))}),
         "Proof": holds,
-        "Bin": f"{len(plan.detections)} parts, {len(plan.obstacles) - kept} unknown things: "
-        f"{basis}",
+        "Bin": known,
         **({"Pallets": f"by the plan's word alone {kept} parts lie there: look"} if kept else {}),
         "Robot": start,
         "Controller": f"{link.host} port {link.port}, {link.link}",

@@ -5,8 +5,10 @@ import math
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from queue import SimpleQueue
 
+from workbench.app.core.cycle.arm_scanner import view_named
 from workbench.cli.arguments import top as arguments
 from workbench.cli.serving.ending import queue_end_signals
 from workbench.cli.terminal import check_number, check_whole, print_json
@@ -28,6 +30,10 @@ def controller(typed: arguments.ControllerArguments) -> int:
         check_number("--home-after", typed.home_after, 0.0, 3600.0)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
     cell = read_cell(typed.cell)
+    if typed.before_view:
+        carrier = view_named(cell, "")
+        arms = (replace(a, home=carrier.home) if a.name == carrier.arm else a for a in cell.arms)
+        cell = replace(cell, arms=tuple(arms))
 
     def ready(running: Running) -> None:
         _end_with(running.stop, typed.until_eof)

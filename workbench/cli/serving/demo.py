@@ -166,7 +166,7 @@ class Cycle:
         if state.phase is Phase.FAULT:
             raise LinkError(state.fault)
         is_over = state.phase is Phase.DONE
-        if is_over and self._reports_parts(state) and state.parts_placed != len(plan.arms):
+        if is_over and self._reports_parts(state) and state.parts_placed != len(plan.picks):
             raise LinkError(str(state.message))
 
     def _plan(self, seed: int) -> State:

@@ -9,9 +9,9 @@ with one message:
     stopR#                                  the right arm has finished
 
 The gripper closes between the last `in` and the first `out`, and opens at `stop`.  Legs `reach`
-and `approach` travel as `in`; `extract`, `return` and `place` as `out`; `home` is a sequence of
-its own with `out` only, which leaves the gripper as it is.  RAPID strings hold 80 characters;
-the longest message has 62.
+and `approach` travel as `in`; `extract`, `return` and `place` as `out`; `home` and `view` are
+sequences of their own with `out` only, which leave the gripper as it is.  RAPID strings hold 80
+characters; the longest message has 62.
 """
 
 import re
@@ -33,6 +33,9 @@ REQUEST = b"send"
 
 LONGEST = 80
 """Characters of the longest RAPID string."""
+
+ALONE: frozenset[LegName] = frozenset({"home", "view"})
+"""Legs that are sequences of their own."""
 
 INWARD: frozenset[LegName] = frozenset({"reach", "approach"})
 
@@ -130,9 +133,9 @@ def _leg_messages(cell: Cell, arm_plan: ArmPlan, name: LegName) -> list[SocketMe
     arm, leg = cell.arm(arm_plan.arm), arm_plan.leg(name)
     check_limits(cell, arm, np.asarray(leg.q))
     kind: Kind = "in" if name in INWARD else "out"
-    sent = [encode(arm, "start")] if name in ("reach", "home") else []
+    sent = [encode(arm, "start")] if name in ("reach", *ALONE) else []
     sent += [encode(arm, kind, np.asarray(q)) for q in leg.q[1:]]
-    if name in ("place", "home"):
+    if name in ("place", *ALONE):
         sent.append(encode(arm, "stop"))
     return sent
 

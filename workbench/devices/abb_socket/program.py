@@ -117,7 +117,8 @@ def program_of(cell: Cell, plan: Plan, approval: Approval) -> SocketProgram:
     for arm_plan in plan.arms:
         if arm_plan.loads is not None:
             loads[arm_plan.arm, "tool"] = load_data(arm_plan.loads.tool)
-            loads[arm_plan.arm, "part"] = load_data(arm_plan.loads.part)
+            if arm_plan.loads.part is not None:
+                loads[arm_plan.arm, "part"] = load_data(arm_plan.loads.part)
     program = SocketProgram(plan.digest, ticket, starts, steps, approval.is_stepped, loads)
     for arm in cell.arms:
         legs = [leg for leg in program.legs if leg.arm == arm.name]

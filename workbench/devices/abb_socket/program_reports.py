@@ -117,7 +117,7 @@ class ProgramReports:
         """
         letter, _, said = frame.rest.partition(" ")
         result, _, why = said.partition(" ")
-        for arm in self._plan.arms:
+        for arm in self._plan.picks:
             is_it = self._cell.arm(arm.arm).controller_id == letter
             if is_it and arm.arm not in self._parts and result in ("picked", "failed"):
                 self._parts[arm.arm] = PartReport(arm.arm, arm.detection, result == "picked", why)
@@ -130,9 +130,9 @@ class ProgramReports:
         Raises:
             ProtocolError: they were not.
         """
-        steps, is_complete = len(self._program.steps), len(self._parts) == len(self._plan.arms)
+        steps, is_complete = len(self._program.steps), len(self._parts) == len(self._plan.picks)
         if self.may < steps or frame.words != [f"{steps:02d}"] or not is_complete:
             raise ProtocolError(
                 f"the controller said {frame.text!r} at {where}, with {len(self._parts)} of "
-                f"{len(self._plan.arms)} parts reported"
+                f"{len(self._plan.picks)} parts reported"
             )

@@ -148,7 +148,8 @@ class Carrying:
     def _end_leg(self, request: Request) -> Words:
         self._check_number(request, 0, self._given)
         self._check_stands(request.words[1:], self._leg.q_end, in_motion=True)
-        if self._given == len(self.program.legs) and not self._is_reported:
+        is_owed = self._is_gripped and not self._is_reported
+        if self._given == len(self.program.legs) and is_owed:
             raise ProtocolError(AskText.WRONG_JOB(job="done", where=self.where))
         self.done = self._given
         self._count += 1

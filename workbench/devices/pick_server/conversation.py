@@ -206,7 +206,8 @@ class PickConversation:
             return ("STOP", "ended") if self._is_ended else ("OK", "stop")
         if request.job in ("leg", "point", "done", "pose", "picked", "placed", "failed"):
             return "NO", "plan"
-        if request.job == "next" and (request.words or not self.sends_poses):
+        is_reported = request.words or not self.sends_poses
+        if (request.job == "next" and is_reported) or (request.job == "view" and request.words):
             self._report_at_rest(request.words)
         return self.desk.answer(request)
 

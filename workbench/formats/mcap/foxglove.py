@@ -209,7 +209,7 @@ def plan_message(at: float, plan: Plan, proof: Proof | None) -> Json:
             {
                 "arm": arm.arm,
                 "detection": arm.detection,
-                "part": plan.detections[arm.detection].part,
+                "part": plan.detections[arm.detection].part if arm.takes_part else "",
                 "grasp": arm.grasp,
                 "joints": list(arm.joints),
                 "legs": [

@@ -34,8 +34,10 @@ from workbench.model.messages.catalogue import message_of
 from workbench.model.messages.message import Message
 from workbench.model.plan import (
     LEG_NAMES,
+    NO_PART,
     PLAN_FORMAT,
     UNSIGNED,
+    VIEW_LEGS,
     ArmPlan,
     Guarantee,
     Leg,
@@ -195,12 +197,14 @@ def _arm(table: Table, detections: int) -> ArmPlan:
     table.once("joints", joints)
     legs = tuple(_leg(leg, len(joints)) for leg in _few(table, "legs"))
     table.once("legs", (leg.name for leg in legs))
-    if detections == 0:
+    takes_part = not any(leg.name in VIEW_LEGS for leg in legs)
+    if takes_part and detections == 0:
         raise table.error("detection", "the plan has no detections for it to be one of")
+    low, high = (0, detections - 1) if takes_part else (NO_PART, NO_PART)
     arm = ArmPlan(
         arm=name_in(table, "arm"),
-        detection=table.whole("detection", low=0, high=detections - 1),
-        grasp=name_in(table, "grasp"),
+        detection=table.whole("detection", low=low, high=high),
+        grasp=name_in(table, "grasp") if takes_part else table.text("grasp", "", empty=True),
         T_tcp_part=read_pose_rows(table, "T_tcp_part"),
         joints=joints,
         legs=legs,
@@ -212,7 +216,8 @@ def _arm(table: Table, detections: int) -> ArmPlan:
 
 
 def _loads(table: Table) -> Loads:
-    loads = Loads(_load(table.table("tool")), _load(table.table("part")))
+    part = None if table.is_null("part") else _load(table.table("part"))
+    loads = Loads(_load(table.table("tool")), part)
     table.finish()
     return loads
 
@@ -246,8 +251,9 @@ def _leg(table: Table, joints: int) -> Leg:
 
 
 def _leg_name(table: Table) -> LegName:
-    name = table.text("name", among=LEG_NAMES)
-    return next(known for known in LEG_NAMES if known == name)
+    among = (*LEG_NAMES, *VIEW_LEGS)
+    name = table.text("name", among=among)
+    return next(known for known in among if known == name)
 
 
 def _times(table: Table, count: int) -> Floats:

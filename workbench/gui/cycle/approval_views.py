@@ -6,15 +6,16 @@ from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.numbers import renumber
-from workbench.gui.drawing.nearest import certificates_of, free_message, straight_message
+from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
 from workbench.model.messages.plans import cycle_words, guarantee_message, strategy_message
 from workbench.model.motion import MotionModel
-from workbench.model.plan import Guarantee, Plan, parts_taken
+from workbench.model.plan import Guarantee, Plan
 from workbench.model.release import manner_words
 from workbench.proof.claims.clearance import bounds_message
 from workbench.words.words import IN_ENGLISH, Words
@@ -106,9 +107,9 @@ def facts_html(
         cycle = ApprovalText.ALL_SECONDS(cycle=seconds)
     address = LabelText.ADDRESS(host=cell.controller.host, port=cell.controller.port)
     facts: list[Fact] = [
-        *(_plans(state) if len(row) > 1 else _plan(plan)),
+        *(_plans(state) if len(row) > 1 else _plan(cell, plan)),
         ("Free motion", free_message(state)),
-        ("Linear motion", straight_message(state)),
+        *straight_lines(state),
         ("Proven", _proven(state)),
         ("Kept clear of", _clear_of(state, plan)),
         ("Motion", ApprovalText.SPEED(cycle=cycle, share=policy.speed)),
@@ -130,10 +131,13 @@ def facts_html(
     )
 
 
-def _plan(plan: Plan) -> list[Fact]:
+def _plan(cell: Cell, plan: Plan) -> list[Fact]:
     """What one plan takes, and how."""
     facts: list[Fact] = [("Strategy", _strategy(plan, plan.remarks))]
-    for arm in plan.arms:
+    if plan.is_view_plan and (carrier := cell.scanner.on_arm) is not None:
+        name = LabelText.ARM(arm=carrier.arm.capitalize())
+        facts.append((name, ApprovalText.TO_VIEW(view=carrier.view.name)))
+    for arm in plan.picks:
         kind, part = plan.detections[arm.detection].part, FoundPart(arm.detection)
         grasp = ApprovalText.GRASP(part=part, kind=kind, grasp=arm.grasp)
         facts.append((LabelText.ARM(arm=arm.arm.capitalize()), grasp))
@@ -155,7 +159,7 @@ def _plans(state: State) -> list[Fact]:
                 kind=first.detections[part].part,
                 grasp=arm.grasp,
             )
-            for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
+            for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
         ]
         remarks = [renumber(remark, first, plan.detections) for remark in plan.remarks]
         proven = ApprovalText.PROVEN_PLAN(
@@ -231,12 +235,15 @@ def _corners(motion: MotionModel, zone: float) -> Message:
 
 def _clear_of(state: State, plan: Plan) -> Message:
     on_pallets = sum(bool(obstacle.part) for obstacle in plan.obstacles)
+    pallets = [ApprovalText.ON_PALLETS(count=on_pallets)] if on_pallets else []
+    if plan.is_view_plan:
+        clear = ApprovalText.CLEAR_OF_BIN()
+        return ApprovalText.CLEAR_OF_BIN_AND(clear=clear, things=pallets) if pallets else clear
     unknown = len(plan.obstacles) - on_pallets
     things = [LabelText.PARTS(count=len(plan.detections))]
     if unknown:
         things.append(ApprovalText.UNKNOWN_THINGS(count=unknown))
-    if on_pallets:
-        things.append(ApprovalText.ON_PALLETS(count=on_pallets))
+    things += pallets
     is_scanned = state.scan is not None
     clear = (ApprovalText.CLEAR_OF if is_scanned else ApprovalText.CLEAR_OF_POSES)(things=things)
     return ApprovalText.AS_LEFT(clear=clear) if state.row else clear

@@ -2,7 +2,7 @@
 
 import viser
 
-from workbench.app.core.cycle.kits import NewKit, kit_message, lacks_of
+from workbench.app.core.cell.kits import NewKit, kit_message, lacks_of
 from workbench.app.core.state import State
 from workbench.gui.shared.look import View
 from workbench.gui.shared.views import line, sentence

@@ -9,6 +9,7 @@ import viser
 from workbench.app.core.cell.changes import ChangeCell
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.approval import Approve, standing_votes
+from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
@@ -30,6 +31,7 @@ from workbench.gui.cycle.sending_views import send_line
 from workbench.gui.cycle.step_button import StepButton
 from workbench.gui.cycle.strategies import strategy_hint, strategy_words
 from workbench.gui.cycle.threshold import ThresholdInput
+from workbench.gui.cycle.view_button import ViewButton
 from workbench.gui.drawing.in_view import hidden_message
 from workbench.gui.drawing.play_button import PlayButton, watched_message
 from workbench.gui.help.groups import group
@@ -95,6 +97,7 @@ class CyclePanel:
             self._gap = gui.add_html('<div class="wb-span2"></div>', visible=False)
             self._scan = gui.add_button("Scan", icon=viser.Icon.SCAN)
             self._scan_line = gui.add_html("")
+            self._view = ViewButton(visitor)
             self._go_on = GoOnButton(visitor, self._seed, self._wanted_next)
             self._bin_line = gui.add_html("")
             self._move_bin = gui.add_button(
@@ -187,6 +190,7 @@ class CyclePanel:
         )
         self._send_line.content = send_line(state, visitor.words)
         self._go_on.show(new)
+        begin = self._view.button if self._view.show(new) else self._scan
         is_stepped = self._step.show(new)
         # The button beside Stop lets the robot move, and none stands where Send was just pressed.
         self._send.visible = self._send_line.visible = not is_stepped
@@ -203,12 +207,12 @@ class CyclePanel:
             button.disabled = bool(problem)
             visitor.explain(button, problem)
         next_step = {
-            Phase.IDLE: self._scan,
+            Phase.IDLE: begin,
             Phase.SCANNED: self._find,
             Phase.LOCALIZED: self._plan,
             Phase.PLANNED: self._play.button if is_next else self._approve,
             Phase.APPROVED: self._send,
-            Phase.DONE: self._go_on.button,
+            Phase.DONE: self._scan if _has_reached_view(state) else self._go_on.button,
         }
         visitor.emphasise(next_step.get(state.phase))
         follows = visitor.is_recorded or bool(visitor.lacks(state, TakeScan))
@@ -302,7 +306,12 @@ def _digest(state: State) -> str:
     return state.plan.digest if state.plan is not None else ""
 
 
-def _passing(view: View) -> tuple[bool, int, str, tuple[tuple[float, float], ...]]:
+def _has_reached_view(state: State) -> bool:
+    """Whether what was sent has only taken the scanner to its view."""
+    return state.plan is not None and state.plan.is_view_plan
+
+
+def _passing(view: View) -> tuple[bool, int, str, bool, tuple[tuple[float, float], ...]]:
     """What changes while the state stays: approvals lapse, the robot is moved, a plan is played."""
     state, approval = view.state, view.state.approval
     moved = None if state.plan is None else moved_away(state.cell, state.plan, view.live.joints)
@@ -311,4 +320,10 @@ def _passing(view: View) -> tuple[bool, int, str, tuple[tuple[float, float], ...
     votes = len(standing_votes(state, view.at))
     # Not at every drawing while it goes on.
     hidden = () if view.look.is_playing else view.hidden
-    return has_run_out, votes, str(moved or "") if is_let_out else "", hidden
+    return (
+        has_run_out,
+        votes,
+        str(moved or "") if is_let_out else "",
+        is_at_view(state.cell, view.live.joints),
+        hidden,
+    )

@@ -28,7 +28,10 @@ def plan_line(state: State, words: Words = IN_ENGLISH) -> str:
             problem = CyclePageText.PROOF_FAILS(violation=proof.violations[0].message)
         return line(words.render(problem), kind="bad", tip=PURPOSE)
     result = strategy_message(plan.strategy)
-    if unknown := sum(not obstacle.part for obstacle in plan.obstacles):
+    carrier = state.cell.scanner.on_arm
+    if plan.is_view_plan and carrier is not None:
+        result = CyclePageText.TO_VIEW(arm=carrier.arm, view=carrier.view.name)
+    elif unknown := sum(not obstacle.part for obstacle in plan.obstacles):
         result = CyclePageText.UNKNOWN_CLEAR(strategy=result, count=unknown)
     speed = speed_message(proof)
     said = (result, *(() if speed is None else (speed,)), *plan.remarks)
@@ -54,7 +57,7 @@ def _card(state: State, plan: Plan, proof: Proof, words: Words) -> str:
     clearance = words.render(bounds_message(proof))
     cells = (
         (f"{plan.cycle_seconds:.1f} s", "Cycle", cycle),
-        (str(len(plan.arms)), "Parts", ""),
+        ("" if plan.is_view_plan else str(len(plan.picks)), "Parts", ""),
         (mm(floor_distance(proof.clearance)), "Free motion", clearance),
         (
             "" if linear is None else mm(floor_distance(max(linear, 0.0))),

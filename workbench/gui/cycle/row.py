@@ -13,8 +13,9 @@ from workbench.gui.shared.visitor import Visitor, whole
 from workbench.gui.texts.cycle import CyclePageText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import MOST_PICKS, Cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.messages.message import FoundPart, Message, all_of
-from workbench.model.plan import Proven, parts_taken
+from workbench.model.plan import Proven
 from workbench.words.words import IN_ENGLISH, Words
 
 SAYS = "Several picks after one scan, as far as it stays true; one approval for all of them."
@@ -154,7 +155,7 @@ def _row(state: State, number: int, proven_plan: Proven, words: Words) -> str:
 def _takes(state: State, proven_plan: Proven) -> Message:
     """The parts that a plan of the row takes, by the numbers of the scan, and with which arm."""
     numbers = parts_taken(state.plans[0], proven_plan.plan)
-    pairs = zip(numbers, proven_plan.plan.arms, strict=True)
+    pairs = zip(numbers, proven_plan.plan.picks, strict=True)
     return LabelText.LIST(
         items=[
             CyclePageText.TAKES_TO_STATION(part=FoundPart(part), arm=arm.arm, station=arm.station)

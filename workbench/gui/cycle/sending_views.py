@@ -45,6 +45,8 @@ def _step_message(state: State, step: int, steps: int) -> Message:
         case Phase.FAULT:
             return CyclePageText.ENDED_IN_STEP(number=step, total=steps)
         case Phase.DONE:
+            if steps == 1:
+                return CyclePageText.STEP_DONE()
             return CyclePageText.STEPS_DONE(total=steps)
         case _:
             return CyclePageText.STEP(number=step, total=steps)

@@ -42,6 +42,13 @@ def free_message(state: State) -> Message:
     return _of_plan(row, number, _nearest_message(state, row[number].plan, row[number].proof))
 
 
+def straight_lines(state: State) -> list[tuple[str, Message]]:
+    """The line about linear motions; none where a scanner goes to its view, by joints alone."""
+    if all(plan.is_view_plan for plan in state.plans):
+        return []
+    return [("Linear motion", straight_message(state))]
+
+
 def straight_message(state: State) -> Message:
     """How near hand and part come on the linear motions of all that is to be carried out."""
     row = state.whole_row
@@ -118,7 +125,7 @@ def proof_html(state: State, links: "PlanLinks") -> str:
     name, certificates = certificates_of(state)
     rows = [
         ("Free motion", links.render(free_message(state))),
-        ("Linear motion", links.render(straight_message(state))),
+        *((name, links.render(text)) for name, text in straight_lines(state)),
         (name, ", ".join(map(links.render, certificates))),
     ]
     return table_html(rows, made=links.make_html(state))

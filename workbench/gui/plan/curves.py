@@ -37,6 +37,7 @@ SHARES: Mapping[str, float] = {
     AGAIN: 0.7,
     OVER: 0.7,
     "home": 0.25,
+    "view": 0.4,
 }
 """How much of the arm's colour a leg has, by its name on the page: legs that follow differ."""
 

@@ -10,9 +10,10 @@ from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
+from workbench.model.derived.row_parts import count_taken, parts_taken
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
-from workbench.model.plan import ArmPlan, Plan, Strategy, count_taken, floor_distance, parts_taken
+from workbench.model.plan import ArmPlan, Plan, Strategy, floor_distance
 from workbench.words.words import IN_ENGLISH, Words
 
 STAGES = {
@@ -50,7 +51,7 @@ def _plan_html(state: State, number: int, words: Words) -> str:
     chips = [
         f'<span class="wb-chip" style="background:{arm_colour(arms.index(arm.arm))}">'
         f"{escape(words.render(_chip(part, arm)))}</span>"
-        for part, arm in zip(parts_taken(first, plan), plan.arms, strict=True)
+        for part, arm in zip(parts_taken(first, plan), plan.picks, strict=True)
     ]
     strategy, guarantee = strategy_message(plan.strategy), guarantee_message(plan.guarantee)
     summary = PlanText.SUMMARY(strategy=strategy, guarantee=guarantee, digest=short(plan.digest))
@@ -76,7 +77,7 @@ def _chip(part: int, arm: ArmPlan) -> Message:
 def _loads_html(state: State, plan: Plan, words: Words) -> str:
     """What each arm carries, a line each, and one line where a mass is missing."""
     controller, lines = state.cell.controller, ""
-    for arm in plan.arms:
+    for arm in plan.picks:
         if arm.loads is None:
             continue
         masses = arm.loads.tool.mass, arm.loads.carried(True).mass

@@ -9,8 +9,9 @@ import pinocchio as pin
 
 from workbench.app.picking.facts import stands_on_station
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.geometry import Floats
-from workbench.model.plan import ArmPlan, Leg, Plan, parts_taken
+from workbench.model.plan import ArmPlan, Leg, Plan
 from workbench.planning.kinematics.robot import Kinematics
 from workbench.proof.claims.stages import NEAR_MARGIN_LEGS
 
@@ -117,6 +118,8 @@ def _does(row: Sequence[Plan], place: int, arm_plan: ArmPlan, leg: Leg) -> str:
 
     Straight to the part on the station and straight up with it is one thing for people.
     """
+    if not arm_plan.takes_part:
+        return ""
     if arm_plan.station:
         return ON_STATION if leg.name == "place" else ""
     stands = row[place].detections[arm_plan.detection].T_world_found is not None
@@ -224,7 +227,7 @@ def part_poses(
     """
     poses = [detection.T_world_part for detection in row[0].detections]
     for place, plan in enumerate(row):
-        for number, arm_plan in zip(parts_taken(row[0], plan), plan.arms, strict=True):
+        for number, arm_plan in zip(parts_taken(row[0], plan), plan.picks, strict=True):
             carried = [
                 run
                 for run in runs

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from itertools import accumulate
 
+from workbench.app.core.cycle.arm_scanner import is_at_view
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.results import is_failure
 from workbench.app.core.cycle.scanning import TakeScan
@@ -47,7 +48,10 @@ REACHED = {
 
 NOTHING_MADE: Mapping[str, str] = {}
 
-JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2}
+JOB_STEPS = {"scan": 0, "localize": 1, "plan": 2, "view": 2}
+
+BEFORE_PLAN = 2
+"""Steps that a plan to the view does without."""
 
 LONG = 60
 """Columns of a state line; a letter of Chinese takes two.  What is longer goes on below."""
@@ -106,14 +110,17 @@ def short(digest: str) -> str:
 
 def strip_html(state: State) -> str:
     """The steps of a cycle as a strip: done, current, to come."""
-    done = REACHED[state.phase]
+    done, is_to_view = REACHED[state.phase], state.plan is not None and state.plan.is_view_plan
+    if is_to_view and state.phase is Phase.DONE:
+        done = 0
     # What is worked on for the next cycle while this one moves is no step of this one.
     job = None if state.phase is Phase.SENDING else state.job
     step = None if job is None else JOB_STEPS.get(job.name)
     current = done if step is None else step
     items: list[str] = []
     for number, name in enumerate(STEPS):
-        look = "done" if number < done else "ahead"
+        is_skipped = is_to_view and number < BEFORE_PLAN
+        look = "done" if number < done and not is_skipped else "ahead"
         if number == current:
             # A task that is no step of the cycle keeps none of them busy.
             look = "busy" if step is not None or state.phase is Phase.SENDING else "next"
@@ -163,6 +170,8 @@ def status_html(view: View, words: Words = IN_ENGLISH) -> str:
             return _box("good" if is_good else "fault", message_text(state.message, words))
         case _:
             text = message_text(state.message, words) or "Ready. Take a scan to begin."
+            if not state.message and not is_at_view(state.cell, live.joints):
+                text = "Ready. Take the scanner to its view to begin."
             is_ready = isinstance(state.message, Message) and state.message.mentions(
                 StateText.PLAN_READY
             )
@@ -210,7 +219,9 @@ def split_line(text: str) -> tuple[str, str]:
 
 def parts_placed(state: State, words: Words = IN_ENGLISH) -> str:
     """How many parts the controller says are placed, of how many."""
-    expected = sum(len(plan.arms) for plan in state.plans)
+    expected = sum(len(plan.picks) for plan in state.plans)
+    if not expected:
+        return ""
     return words.render(StatusText.PLACED(count=state.parts_placed, total=expected))
 
 
@@ -313,7 +324,7 @@ def forecast_line(
 
 def _ready_message(state: State, plan: Plan) -> Message:
     text = CyclePageText.PLAN(
-        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.arms)
+        strategy=strategy_message(plan.strategy), time=plan.cycle_seconds, count=len(plan.picks)
     )
     if len(state.plans) > 1:
         number = len(state.sent_before) + 1

@@ -6,7 +6,7 @@ import numpy as np
 import viser
 
 from workbench.app.core.people import Role
-from workbench.app.statistics.statistics import CycleRecord
+from workbench.app.statistics.cycles import CycleRecord
 from workbench.app.statistics.statistics_table import csv_text
 from workbench.gui.help.groups import group
 from workbench.gui.shared.colours import JOINTS

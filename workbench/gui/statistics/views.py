@@ -5,9 +5,10 @@ from html import escape
 
 from workbench.app.core.state import Phase, State
 from workbench.app.records.restoring import Thing
+from workbench.app.statistics.cycles import Rate
 from workbench.app.statistics.kits import KitCount
 from workbench.app.statistics.remaining import remaining_words
-from workbench.app.statistics.statistics import GROUPS, Rate, Statistics
+from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.gui.shared.colours import BAD, BRAND
 from workbench.gui.shared.views import line, table_html, time_of_day, zone
 from workbench.gui.texts.statistics import StatisticsText

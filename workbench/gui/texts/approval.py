@@ -21,15 +21,16 @@ class ApprovalText(Text, subject="page-approval"):
     SYNCHRONISED = "{strategy}, proven at the planned times ({guarantee})"
     GRASP = "{part} ({kind}), grasp {grasp}"
     ARM_GRASP = "{arm} arm {part} ({kind}), grasp {grasp}"
+    TO_VIEW = "takes the scanner to view {view}"
     PROVEN_PLAN = "{cycle:s}, {clearance}, plan {plan}, proof {proof}"
     ALL_SECONDS = "{cycle:s} in all"
     SPEED = "{cycle}, up to {share:%} of joint speeds"
     VALID = "{time:min} after the approval"
     PEOPLE = "{count} are needed; so far {people}"
     NOBODY = "nobody"
-    COVERED = "the whole motion on {legs} legs, {waypoints} waypoints, {corners}"
+    COVERED = "the whole motion on {legs} {legs:leg|legs}, {waypoints} waypoints, {corners}"
     COVERED_FINGERS = (
-        "the whole motion on {legs} legs, {waypoints} waypoints, {corners}, "
+        "the whole motion on {legs} {legs:leg|legs}, {waypoints} waypoints, {corners}, "
         "fingers opening and closing"
     )
     POSES = (
@@ -51,6 +52,8 @@ class ApprovalText(Text, subject="page-approval"):
     NO_JOINTS = "reports no joint values: check that it is where the plan starts"
     CLEAR_OF = "cell, {things}, as the scan shows them"
     CLEAR_OF_POSES = "cell, {things}, as poses from outside state them"
+    CLEAR_OF_BIN = "cell and the whole bin, as no scan shows it yet"
+    CLEAR_OF_BIN_AND = "{clear}, {things}"
     UNKNOWN_THINGS = "{count} unknown {count:thing|things} in the scan"
     ON_PALLETS = "{count} {count:part|parts} on pallets"
     AS_LEFT = "{clear}, each plan with what those before it leave"

@@ -96,8 +96,10 @@ def speeds_on(
 
 def speeds_of(cell: Cell, plan: Plan, arm_plan: ArmPlan, leg: Leg) -> PointSpeeds | None:
     """What an arm of a plan moves on one of its legs; None in a cell without such limits."""
-    found = plan.detections[arm_plan.detection]
-    hand = InHand(cell.part(found.part), found, arm_plan.T_tcp_part)
+    hand = None
+    if arm_plan.takes_part:
+        found = plan.detections[arm_plan.detection]
+        hand = InHand(cell.part(found.part), found, arm_plan.T_tcp_part)
     return speeds_on(cell, cell.arm(arm_plan.arm), leg.holding, leg.opening, hand)
 
 

@@ -13,6 +13,7 @@ class CommandText(Text, subject="command"):
     FIND_PARTS = "the search for parts"
     USE_DETECTIONS = "the use of poses from outside"
     MAKE_PLAN = "planning"
+    PLAN_VIEW = "planning the path to the view"
     WANT_THRESHOLD = "another threshold"
     SHORTEN_ROW = "another length of the row"
     WATCH_PLAN = "a preview"

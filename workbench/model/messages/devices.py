@@ -45,6 +45,7 @@ class DeviceText(Text, subject="device"):
         "the plan was made for finer steps than the robot link {link} can send, so what is sent "
         "would not be what was proven; make a new plan"
     )
+    NO_PATHS = "the robot link {link} sends poses alone: no path to the view goes out"
     NO_MAPPING = "the robot link {link} does not know the axis_coupling of arm {arm}"
     NO_SHARE = "the robot link {link} cannot send a plan at a share of its speed"
     NO_STEPS = "the robot link {link} cannot send a plan step by step"

@@ -12,6 +12,7 @@ class LegText(Text, subject="leg"):
     RETURN = "return"
     PLACE = "place"
     HOME = "home"
+    VIEW = "view"
 
 
 class StepText(Text, subject="step"):

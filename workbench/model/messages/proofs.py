@@ -46,6 +46,9 @@ class ProofText(Text, subject="proof"):
     )
     OTHER_JOINTS = "joints are not those of the arm, in their order: {joints}"
     OTHER_LEGS = "the legs are not {legs}"
+    NO_SCANNER = "the arm carries no scanner that it could take to a view"
+    NOT_ONLY_VIEW = "a plan that takes a scanner to its view does something else, too"
+    BIN_LEFT_OUT = "the plan does not keep clear of the whole bin, which no scan shows"
     BREAKS = "does not start where the arm stands"
     SHAPES = "has waypoints of shape {waypoints} and times of shape {times}"
     NOT_FINITE = "holds a value that is not a finite number"

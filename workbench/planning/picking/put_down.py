@@ -292,8 +292,13 @@ def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
 
 def home_of(world: World, arm: Arm) -> Floats:
     """Where an arm is at home (n,) [rad], as far as that can be sent."""
+    return posture_of(world, arm, np.asarray(arm.home))
+
+
+def posture_of(world: World, arm: Arm, q: Floats) -> Floats:
+    """A posture `q` (n,) [rad] of an arm, as far as that can be sent."""
     chain = world.chains[arm.name]
-    return np.clip(world.motion.rounded(np.asarray(arm.home)), chain.lower, chain.upper)
+    return np.clip(world.motion.rounded(q), chain.lower, chain.upper)
 
 
 def _back(T_world_tcp: pin.SE3, approach: Floats) -> pin.SE3:

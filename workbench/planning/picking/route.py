@@ -1,28 +1,43 @@
-"""From picks to a plan: the free legs between the straight ones, as they will be sent."""
+"""From picks to a plan: the free legs between the straight ones, as they will be sent.
+
+A scanner on an arm goes to its view by a free leg, too.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+import pinocchio as pin
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.derived.carried_points import InHand
 from workbench.model.derived.point_speeds import speeds_on
 from workbench.model.geometry import Floats
-from workbench.model.load import loads_of
+from workbench.model.load import loads_of, tool_loads
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import leg_message
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import LEG_NAMES, ArmPlan, Guarantee, Leg, LegName, Plan, Step, Strategy
+from workbench.model.plan import (
+    LEG_NAMES,
+    NO_PART,
+    ArmPlan,
+    Guarantee,
+    Leg,
+    LegName,
+    Plan,
+    Step,
+    Strategy,
+)
+from workbench.model.robot import ArmScanner
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.legs import HOLDING, Run, phase_of
 from workbench.planning.collision.motion import RESOLUTION, path_contact
 from workbench.planning.collision.world import World
 from workbench.planning.kinematics.execution import compute_times
 from workbench.planning.kinematics.quickness import pace_of
-from workbench.planning.picking.put_down import PutDown, home_of, put_down
+from workbench.planning.picking.put_down import PutDown, home_of, posture_of, put_down
 from workbench.planning.picking.search import PathQuery, curve_check, joint_weights, onward
 from workbench.planning.planners.clock import working_time
 
@@ -33,6 +48,7 @@ MOTIONS: Mapping[LegName, Literal["joint", "linear"]] = {
     "return": "joint",
     "place": "linear",
     "home": "joint",
+    "view": "joint",
 }
 
 STRAIGHT_REASONS: Mapping[LegName, Reason] = {
@@ -170,6 +186,47 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads)
 
 
+def route_view(world: World, carrier: ArmScanner, *, scan_digest: str, seed: int) -> Plan | Verdict:
+    """A plan in which an arm takes its scanner from the arm's home to the view.
+
+    Its hand is empty and as wide open as it can be.
+
+    Args:
+        world: without parts; its obstacles fill the bin.
+        carrier: the scanner on the arm.
+        scan_digest: of the parts, of which there are none.
+        seed: of the request.
+
+    Returns:
+        The plan, or the verdict of its leg.
+    """
+    began = working_time()
+    arm = world.arm(carrier.arm)
+    nothing = arm.name, NO_PART, "", pin.SE3.Identity()
+    plan = ArmPlan(*nothing, arm.joints, (), loads=tool_loads(arm.tool))
+    opening = float(arm.tool.stroke[1])
+    world.enter(phase_of([(plan, "view", opening)]))
+    start, goal = (posture_of(world, arm, np.asarray(q)) for q in (carrier.home, carrier.view.q))
+    rng = np.random.default_rng(np.random.SeedSequence([seed, ord(arm.controller_id)]))
+    path = free_path(world, arm, start[None], goal, rng)
+    if isinstance(path, Verdict):
+        return path
+    leg = leg_of(world, arm, "view", path, opening, None)
+    return Plan(
+        cell=world.cell.name,
+        cell_digest=world.cell.digest,
+        scan_digest=scan_digest,
+        seed=seed,
+        strategy=Strategy.single(arm.name),
+        guarantee=Guarantee.ONE_AT_A_TIME,
+        detections=(),
+        obstacles=world.obstacles,
+        arms=(replace(plan, legs=(leg,)),),
+        sequence=(Step(((arm.name, "view"),)),),
+        seconds={"route": working_time() - began},
+    )
+
+
 def along_placed(world: World, arm: str, path: Floats) -> tuple[Contact, Floats] | None:
     """The first part placed by another arm that an arm meets on a path, in this phase.
 
@@ -203,7 +260,7 @@ def hand_of(world: World, plan: ArmPlan) -> InHand:
 
 
 def leg_of(
-    world: World, arm: Arm, name: LegName, path: Floats, opening: float, hand: InHand
+    world: World, arm: Arm, name: LegName, path: Floats, opening: float, hand: InHand | None
 ) -> Leg:
     """A leg of one arm along a path (m, n) [rad], with its timing; the `opening` is in m."""
     pace = pace_of(world.chains[arm.name], world.policy.speed)

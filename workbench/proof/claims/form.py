@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.geometry import Floats
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import (
     guarantee_message,
@@ -15,6 +16,7 @@ from workbench.model.messages.plans import (
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import (
     LEG_NAMES,
+    VIEW_LEGS,
     ArmPlan,
     Guarantee,
     Leg,
@@ -24,6 +26,7 @@ from workbench.model.plan import (
     Violation,
 )
 from workbench.model.scan import Detection, Obstacle, Scene
+from workbench.proof.claims.scene import unseen_bin
 
 SAME = 1e-9
 """[rad] So far from the end of a leg the next one may begin; and half of the smallest step that can
@@ -53,10 +56,13 @@ def form_violations(cell: Cell, scene: Scene, plan: Plan) -> Iterator[Violation]
     for arm_plan in plan.arms:
         if arm_plan.arm not in known:
             yield Violation(ProofText.UNKNOWN_ARM(name=arm_plan.arm))
+        elif not arm_plan.takes_part:
+            yield from _view(cell, plan, arm_plan)
         elif not 0 <= arm_plan.detection < len(plan.detections):
             yield Violation(ProofText.NO_DETECTION(number=arm_plan.detection), arm_plan.arm)
         else:
-            yield from _legs(cell, cell.arm(arm_plan.arm), arm_plan)
+            home = cell.arm(arm_plan.arm).home
+            yield from _legs(cell, arm_plan, LEG_NAMES, (home, home))
     yield from _sequence(plan)
 
 
@@ -144,12 +150,30 @@ def _sequence(plan: Plan) -> Iterator[Violation]:
         yield Violation(ProofText.AT_ONCE(strategy=strategy_message(plan.strategy)))
 
 
-def _legs(cell: Cell, arm: Arm, arm_plan: ArmPlan) -> Iterator[Violation]:
+def _view(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
+    """The path of a scanner to its view: the only one of its plan, without any part."""
+    carrier = cell.scanner.on_arm
+    if carrier is None or carrier.arm != arm_plan.arm:
+        yield Violation(ProofText.NO_SCANNER(), arm_plan.arm)
+        return
+    if len(plan.arms) > 1 or plan.detections or arm_plan.grasp or arm_plan.station:
+        yield Violation(ProofText.NOT_ONLY_VIEW(), arm_plan.arm)
+    filled = unseen_bin(cell)
+    if not any(_same_box(filled, said) for said in plan.obstacles):
+        yield Violation(ProofText.BIN_LEFT_OUT(), arm_plan.arm)
+    yield from _legs(cell, arm_plan, VIEW_LEGS, (carrier.home, carrier.view.q))
+
+
+def _legs(
+    cell: Cell, arm_plan: ArmPlan, names: tuple[LegName, ...], between: tuple[Floats, Floats]
+) -> Iterator[Violation]:
+    """Whether an arm has the legs of these names, from one posture (n,) [rad, m] to the other."""
+    arm = cell.arm(arm_plan.arm)
     if arm_plan.joints != arm.joints:
         yield Violation(ProofText.OTHER_JOINTS(joints=arm.joints), arm.name)
         return
-    if tuple(leg.name for leg in arm_plan.legs) != LEG_NAMES:
-        yield Violation(ProofText.OTHER_LEGS(legs=map(leg_message, LEG_NAMES)), arm.name)
+    if tuple(leg.name for leg in arm_plan.legs) != names:
+        yield Violation(ProofText.OTHER_LEGS(legs=map(leg_message, names)), arm.name)
         return
     problems = [problem for leg in arm_plan.legs for problem in _shape(arm, leg)]
     yield from problems
@@ -157,12 +181,12 @@ def _legs(cell: Cell, arm: Arm, arm_plan: ArmPlan) -> Iterator[Violation]:
         return
     motion, (lower, upper, _) = cell.controller.motion, cell.robot.limits(arm.joints)
     # A home at a limit between two steps cannot be sent: the last step before the limit is home.
-    home = np.clip(np.asarray(arm.home), *motion.limits(lower, upper))
-    ends = [home, *(leg.q[-1] for leg in arm_plan.legs)]
-    starts = [*(leg.q[0] for leg in arm_plan.legs), home]
+    begin, finish = (np.clip(np.asarray(q), *motion.limits(lower, upper)) for q in between)
+    ends = [begin, *(leg.q[-1] for leg in arm_plan.legs)]
+    starts = [*(leg.q[0] for leg in arm_plan.legs), finish]
     at_home = SAME + motion.quantum / 2
-    off = [at_home, *[SAME] * (len(LEG_NAMES) - 1), at_home]
-    for name, end, start, most in zip((*LEG_NAMES, "home"), ends, starts, off, strict=True):
+    off = [at_home, *[SAME] * (len(names) - 1), at_home]
+    for name, end, start, most in zip((*names, names[-1]), ends, starts, off, strict=True):
         if np.abs(end - start).max() > most:
             yield Violation(ProofText.BREAKS(), arm.name, name)
 

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from itertools import product
 
-import numpy as np
-import pinocchio as pin
-
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart
 from workbench.model.messages.proofs import ProofText
@@ -21,7 +18,7 @@ from workbench.proof.claims.grasps.rolls import roll_violations
 from workbench.proof.claims.grasps.taking import grasp_violations, pair_violations
 from workbench.proof.claims.places.layers import kept_box, pallet_violations
 from workbench.proof.claims.places.standing import standing_after
-from workbench.proof.claims.scene import turned_pieces
+from workbench.proof.claims.scene import filled_bin, turned_pieces
 from workbench.proof.claims.stages import put_at
 from workbench.proof.claims.timing.pace import pace_violations
 from workbench.proof.claims.timing.point_speed import speed_claims
@@ -72,16 +69,13 @@ def prove(
         points_too_fast, speeds = speed_claims(cell, tree, plan)
         # Of joints that are too fast already, points are too.
         violations += too_fast or points_too_fast
-        violations += [
-            f for _, arm_plan in arms for f in grasp_violations(cell, tree, plan, arm_plan)
-        ]
+        picks = plan.picks
+        violations += [f for pick in picks for f in grasp_violations(cell, tree, plan, pick)]
         violations += [f for _, arm_plan in arms for f in load_violations(cell, plan, arm_plan)]
-        violations += [
-            f for _, arm_plan in arms for f in roll_violations(cell, tree, plan, arm_plan)
-        ]
+        violations += [f for pick in picks for f in roll_violations(cell, tree, plan, pick)]
         violations += pair_violations(cell, plan)
         violations += [
-            f for _, arm_plan in arms for f in pallet_violations(cell, tree, scene, plan, arm_plan)
+            f for pick in picks for f in pallet_violations(cell, tree, scene, plan, pick)
         ]
         walked = Walk(cell, tree, plan, resolution, stated).result()
         violations += walked.violations
@@ -106,6 +100,7 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
 
     The parts taken are gone from the bin.  Each is in the way where the hand has let go of it,
     unless the arm passes parts on.  One that is put on a station is a part, which stands there.
+    A plan that takes a scanner to its view takes none.
     A plan onto a station replaces all parts of the bin by one box if any of them may have moved
     (`may_have_moved`).  Any other plan keeps the remaining detections unchanged.
 
@@ -114,10 +109,10 @@ def scene_after(cell: Cell, plan: Plan) -> Scene:
         plan: in whose scene it holds that nothing moves but what is taken, or that puts a part on
             a station.
     """
-    tree, taken = tree_of(cell), {arm_plan.detection for arm_plan in plan.arms}
+    tree, taken = tree_of(cell), {arm_plan.detection for arm_plan in plan.picks}
     boxes: list[Obstacle] = []
     stand: list[Detection] = []
-    for arm_plan in plan.arms:
+    for arm_plan in plan.picks:
         arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
         if arm_plan.station:
             stand.append(standing_after(cell, tree, plan, arm_plan))
@@ -140,7 +135,7 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
     Those are parts nearer to a taken one than the policy's `pair_gap`: from then on the scan does
     not say where they are.
     """
-    taken = {arm.detection: arm.arm for arm in plan.arms}
+    taken = {arm.detection: arm.arm for arm in plan.picks}
     pieces = [turned_pieces(cell.part(detection.part), detection) for detection in plan.detections]
     for number, stays in product(taken, range(len(plan.detections))):
         if stays in taken:
@@ -155,17 +150,10 @@ def may_have_moved(cell: Cell, plan: Plan) -> Violation | None:
 
 
 def _full_bin(cell: Cell, parts: Sequence[Detection]) -> Obstacle:
-    """A box that holds parts of the bin however they come to lie: one more on all, and upright.
-
-    Without walls they may lie over the side, by a part's length; what rolls further is not in it.
-    """
-    T_bin_world, high, longest = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2]), 0.0
+    """A box that holds parts of the bin however they come to lie."""
+    T_bin_world, high = cell.bin.T_world_bin.inverse(), float(cell.bin.size[2])
     for part in parts:
         points, T = cell.part(part.part).mesh.points, T_bin_world * part.T_world_part
-        longest = max(longest, float(np.linalg.norm(np.ptp(points, axis=0))))
         if part.T_world_found is None:
             high = max(high, float((points @ T.rotation[2] + T.translation[2]).max()))
-    T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
-    beside = 0.0 if cell.bin.has_walls else 2 * longest
-    size = np.array([*(cell.bin.size[:2] + beside), high + longest])
-    return Obstacle(cell.bin.T_world_bin * T_bin_box, size)
+    return filled_bin(cell, high, {part.part for part in parts})

@@ -1,6 +1,6 @@
 """Everything in a cell that has a shape, and where it is while a plan runs."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import product
 
 import numpy as np
@@ -9,7 +9,7 @@ import pinocchio as pin
 from workbench.model.cell import Arm, Cell
 from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
 from workbench.model.part import Part
-from workbench.model.scan import Detection, Scene
+from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.proof.claims.tolerances import turns_for
 from workbench.proof.engine.bodies import CheckedBody
 from workbench.proof.engine.robot import Tree
@@ -128,6 +128,29 @@ def room_of(piece: Solid, axis: Floats) -> tuple[Cylinder, pin.SE3]:
     radius = float(away.max()) + shape.disc + shape.ball
     R = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), np.array(direction)).matrix()
     return Cylinder(radius, top - low), pin.SE3(R, point + direction * (low + top) / 2)
+
+
+def filled_bin(cell: Cell, high: float, kinds: Iterable[str]) -> Obstacle:
+    """A box that holds parts of these kinds in the bin however they lie: one on all, and upright.
+
+    Without walls they may lie over the side, by a part's length; what rolls further is not in it.
+
+    Args:
+        cell: with the bin and the kinds.
+        high: [m] how high the bin is full, from its floor.
+        kinds: names of parts.
+    """
+    sizes = (np.ptp(cell.part(kind).mesh.points, axis=0) for kind in kinds)
+    longest = max((float(np.linalg.norm(size)) for size in sizes), default=0.0)
+    T_bin_box = pin.SE3(np.eye(3), np.array([0.0, 0.0, (high + longest) / 2]))
+    beside = 0.0 if cell.bin.has_walls else 2 * longest
+    size = np.array([*(cell.bin.size[:2] + beside), high + longest])
+    return Obstacle(cell.bin.T_world_bin * T_bin_box, size)
+
+
+def unseen_bin(cell: Cell) -> Obstacle:
+    """A box that holds the bin's content before any scan: full to the rim, and a part upright."""
+    return filled_bin(cell, float(cell.bin.size[2]), [part.name for part in cell.parts])
 
 
 def roll_turns(part: Part, found: Detection) -> int:

@@ -12,6 +12,7 @@ from workbench.model.geometry import Floats, Shape
 from workbench.model.plan import Plan, Violation
 from workbench.proof.claims.scene import bodies_of
 from workbench.proof.claims.stages import (
+    FIRST_LEGS,
     MovingArm,
     MovingStep,
     find_carried,
@@ -128,7 +129,7 @@ def _states(
     if fingers:
         ends = (arm_motion.leg.opening, arm_motion.fingers_after)
         # Before the first leg they may be anywhere.
-        is_first = arm_motion.leg.name == "reach" and seconds == 0.0
+        is_first = arm_motion.leg.name in FIRST_LEGS and seconds == 0.0
         openings += np.linspace(*(arm_motion.arm.tool.stroke if is_first else ends), 5).tolist()
     waits = waiting_fingers(tree, step)
     for when, share in product(at_once + at_any, np.linspace(0.0, 1.0, 5 if waits else 1)):

@@ -24,6 +24,10 @@ NEAR_MARGIN_LEGS: frozenset[LegName] = frozenset({"approach", "extract"})
 `margin`."""
 
 
+FIRST_LEGS: frozenset[LegName] = frozenset({"reach", "view"})
+"""Legs of an arm before which nobody knows where its fingers are."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LegStage:
     """Part of a leg: `sets` are all configurations it may pass.
@@ -180,7 +184,7 @@ def _way_of(cell: Cell, tree: Tree, arm_motion: MovingArm) -> Sets:
     """The way of a leg; before the first one the fingers may be anywhere in their stroke."""
     columns, arm = tree.columns[arm_motion.arm.name], arm_motion.arm
     sets = sweep_path(columns, arm_motion.path, cell.controller.motion, cell.policy.zone)
-    if arm_motion.leg.name != "reach" or not arm.tool.fingers:
+    if arm_motion.leg.name not in FIRST_LEGS or not arm.tool.fingers:
         return sets
     closed, wide = (_whole(arm, arm_motion.leg.q[0], opening) for opening in arm.tool.stroke)
     return sets.with_others(sweep_change(columns, closed, wide, 0))

@@ -6,6 +6,7 @@ from typing import Any, get_args
 
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cell.emptying import TryEmptying
+from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.control import (
@@ -18,13 +19,13 @@ from workbench.app.core.control import (
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.approval import Approve
 from workbench.app.core.cycle.jobs import CancelJob
-from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ForgetAvoided, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan, WantThreshold
 from workbench.app.core.cycle.rows import ShortenRow
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import NextStep, SendPlan, Stop
+from workbench.app.core.cycle.viewing import PlanView
 from workbench.app.core.cycle.watching import WatchPlan
 from workbench.app.core.session import AcknowledgeChanges, WriteNote
 from workbench.app.core.value_checks import (
@@ -202,6 +203,13 @@ CALLS: tuple[Call, ...] = (
         PLAN_FIELDS,
         begins=True,
         make=_plan,
+    ),
+    Call(
+        "/view",
+        "Plan and prove the path of an arm's scanner to its view.",
+        PlanView,
+        (SEED, Field("view", "name of the view; empty: that of the cell", _text(LONGEST_NAME), "")),
+        begins=True,
     ),
     Call(
         "/emptying",

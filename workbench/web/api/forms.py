@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from workbench.app.core.cycle.kits import lacks_of
+from workbench.app.core.cell.kits import lacks_of
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.state import State, sent_for
 from workbench.app.emptying.summary import summary
@@ -14,9 +14,10 @@ from workbench.app.runtime.live import Live
 from workbench.app.statistics.statistics import GROUPS, Statistics
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.derived.by_recipe import kit_of, strategies_of
+from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import canonical
 from workbench.model.messages.message import as_message
-from workbench.model.plan import Proof, Violation, parts_taken
+from workbench.model.plan import Proof, Violation
 from workbench.model.prediction import Emptying
 from workbench.model.scan import Scan
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
 from workbench.app.core.cycle.ahead import GoOn
 from workbench.app.core.cycle.jobs import CancelJob
-from workbench.app.core.cycle.kits import NewKit
 from workbench.app.core.cycle.outcomes import AcknowledgeFault, ReportPick
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan

@@ -5,8 +5,8 @@ from typing import Any
 
 from asyncua import ua
 
+from workbench.app.core.cell.kits import lacks_of
 from workbench.app.core.cycle.ahead import GoOn
-from workbench.app.core.cycle.kits import lacks_of
 from workbench.app.core.cycle.rows import plans_sent
 from workbench.app.core.rights import obstacle
 from workbench.app.core.state import State

@@ -156,7 +156,7 @@ def _as_if_ended(state: State, at: float) -> State:
     """The state that a good end of the plan that is sent would leave, at [s since the epoch]."""
     if state.plan is None or state.ahead is None:
         return state
-    parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.arms)
+    parts = tuple(PartReport(arm.arm, arm.detection, True) for arm in state.plan.picks)
     ended = SendingEnd("", len(parts), parts, state.ahead.wanted.placed)
     return replace(after_sending(state, ended, at), job=None, ahead=None)
 
@@ -183,8 +183,8 @@ def _in_doubt(before: State, after: State, at: float) -> Message | None:
         return AheadText.PICK_FAILED()
     if before.job is None and before.ahead is not None and not before.ahead.brought:
         return None
-    arms = () if after.plan is None else after.plan.arms
-    if sum(part.is_picked is True for part in after.part_reports) < len(arms):
+    picks = () if after.plan is None else after.plan.picks
+    if sum(part.is_picked is True for part in after.part_reports) < len(picks):
         return AheadText.NOT_ALL_PICKED()
     if digest_of(after.placed) != digest_of(_as_if_ended(before, at).placed):
         return AheadText.OTHER_PLACES()

@@ -7,8 +7,10 @@ import numpy as np
 
 from workbench.app.core.cycle.standing import shift_of
 from workbench.model.cell import Cell
+from workbench.model.errors import CommandRefused
 from workbench.model.messages.message import Message
 from workbench.model.messages.refusals import Refusal
+from workbench.model.robot import ArmScanner
 from workbench.model.scan import Scan
 
 
@@ -42,6 +44,44 @@ def view_problem(cell: Cell, joints: Mapping[str, float]) -> Message | None:
     return Refusal.NOT_AT_VIEW(
         axis=off.axis, arm=arm.name, off=off.worst, view=carrier.view.name, away=off.shift
     )
+
+
+def is_at_view(cell: Cell, reported: Mapping[str, float]) -> bool:
+    """Whether a scan can be taken while the controller reports joints, name -> [rad, m]."""
+    return view_problem(cell, standing_joints(cell, reported)) is None
+
+
+def view_named(cell: Cell, view: str) -> ArmScanner:
+    """The scanner of a cell on its arm, which has the view of that name; empty: any.
+
+    Raises:
+        CommandRefused: the scanner stands, or has no view of that name.
+    """
+    carrier = cell.scanner.on_arm
+    if carrier is None:
+        raise CommandRefused(Refusal.SCANNER_STANDS(cell=cell.name))
+    if view not in ("", carrier.view.name):
+        raise CommandRefused(Refusal.OTHER_VIEW(view=f"{view!r:.60}", known=carrier.view.name))
+    return carrier
+
+
+def path_problem(cell: Cell, carrier: ArmScanner, joints: Mapping[str, float]) -> Message | None:
+    """Why the path to the view cannot begin; None when the arm stands at its home.
+
+    Args:
+        cell: whose scanner it is.
+        carrier: the scanner on its arm.
+        joints: name -> [rad, m], as `standing_joints` has them.
+    """
+    if problem := _unknown(cell, joints):
+        return problem
+    arm = cell.arm(carrier.arm)
+    off = shift_of(cell, arm, carrier.home, joints)
+    if off.shift <= off.allowed:
+        return None
+    if view_problem(cell, joints) is None:
+        return Refusal.AT_VIEW(arm=arm.name, view=carrier.view.name)
+    return Refusal.NOT_AT_HOME(axis=off.axis, arm=arm.name, off=off.worst, away=off.shift)
 
 
 def scan_problem(cell: Cell, scan: Scan | None, joints: Mapping[str, float]) -> Message | None:

@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
+from workbench.app.core.cell.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
-from workbench.app.core.cycle.kits import lacks_message, with_kit_part, without_kit_part
 from workbench.app.core.people import ROBOT_LINK
 from workbench.app.core.state import (
     Avoided,
@@ -15,11 +15,13 @@ from workbench.app.core.state import (
     State,
     before_a_scan,
     begin_stage,
+    is_remembered,
     plans_begun,
     sent_for,
 )
 from workbench.app.core.value_checks import check_says
 from workbench.model.cell import Cell
+from workbench.model.derived.row_parts import number_in, parts_taken
 from workbench.model.digest import LATER
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
@@ -27,7 +29,7 @@ from workbench.model.messages.message import FoundPart, Message, all_of
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, StateText
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.plan import Plan, number_in, parts_taken
+from workbench.model.plan import Plan
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection
 
@@ -152,15 +154,23 @@ def after_sending(state: State, ended: SendingEnd, at: float) -> State:
     if ended.fault:
         message = StateText.FAULT_WHILE_SENDING(fault=ended.fault)
         return replace(state, phase=Phase.FAULT, fault=ended.fault, message=message)
-    expected = sum(len(plan.arms) for plan in plans_begun(state) if not _goes_on(plan))
+    expected = sum(len(plan.picks) for plan in plans_begun(state) if not _goes_on(plan))
     failed = [
         StateText.ARM_FAILED(arm=part.arm, why=part.why)
         for part in ended.parts
         if part.is_picked is False
     ]
-    finished = StateText.CYCLE_FINISHED(count=placed, total=expected)
+    finished = _finished_message(state, placed, expected)
     message = all_of((finished, *failed, lacks_message(state)))
     return stop_after_failures(replace(state, phase=Phase.DONE, message=message))
+
+
+def _finished_message(state: State, placed: int, expected: int) -> Message:
+    """How many parts were placed; or that the scanner is at its view."""
+    carrier = state.cell.scanner.on_arm
+    if carrier is None or state.plan is None or not state.plan.is_view_plan:
+        return StateText.CYCLE_FINISHED(count=placed, total=expected)
+    return StateText.REACHED_VIEW(arm=carrier.arm, view=carrier.view.name)
 
 
 def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
@@ -168,7 +178,7 @@ def _with_placed_in_kit(state: State, ended: SendingEnd) -> State:
 
     Where nobody says of each part whether it was picked, all came there if as many were placed.
     """
-    if state.plan is None:
+    if state.plan is None or state.plan.is_view_plan:
         return state
     first, arms = state.plans[0], state.plan.arms
     reported = {part.detection: part.is_picked for part in ended.parts}
@@ -224,7 +234,7 @@ def _still_placed(state: State, ended: SendingEnd) -> tuple[Detection, ...]:
     is_each_picked = bool(ended.parts) and all(part.is_picked is True for part in ended.parts)
     if state.plan is None or ended.fault or not is_each_picked:
         return state.placed
-    detections = (state.plan.detections[arm.detection] for arm in state.plan.arms)
+    detections = (state.plan.detections[arm.detection] for arm in state.plan.picks)
     taken = [
         detection.T_world_part.translation
         for detection in detections
@@ -271,7 +281,7 @@ def with_outcome(state: State, command: ReportPick, actor: str, at: float) -> St
     outcome = Outcome(command.detection, command.is_picked, actor, command.why)
     others = tuple(earlier for earlier in sent.outcomes if earlier.detection != command.detection)
     said_of = {"outcomes": (*others, outcome)}
-    if state.plan is None:
+    if is_remembered(state):
         said_of = {"unscanned": replace(sent, outcomes=(*others, outcome))}
     elsewhere = tuple(entry for entry in state.avoided if not _is_at(state.cell, detection, entry))
     state = replace(
@@ -314,7 +324,7 @@ def parts_sent_for(state: State) -> tuple[tuple[int, str], ...]:
     return tuple(
         (number, arm.arm)
         for plan in sent.plans
-        for number, arm in zip(parts_taken(sent.plans[0], plan), plan.arms, strict=True)
+        for number, arm in zip(parts_taken(sent.plans[0], plan), plan.picks, strict=True)
     )
 
 

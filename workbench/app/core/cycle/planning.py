@@ -3,9 +3,9 @@
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
+from workbench.app.core.cell.kits import kit_problem, lacks_message
 from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
-from workbench.app.core.cycle.kits import kit_problem, lacks_message
 from workbench.app.core.cycle.outcomes import avoided_parts
 from workbench.app.core.state import Job, Outline, Phase, PlanState, State, begin_stage
 from workbench.app.core.tasks import Begun, begin_task
@@ -18,14 +18,15 @@ from workbench.app.core.value_checks import (
 )
 from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.derived.by_recipe import strategies_of, strategy_of, wanted_parts
+from workbench.model.derived.row_parts import count_taken
 from workbench.model.digest import called
 from workbench.model.errors import CommandRefused
 from workbench.model.messages.commands import CommandText
-from workbench.model.messages.message import all_of
+from workbench.model.messages.message import Message, all_of
 from workbench.model.messages.plans import strategy_message
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import ClearanceText, PosesText, StateText
-from workbench.model.plan import PlanResult, Proven, count_taken, floor_distance
+from workbench.model.plan import PlanResult, Proven, floor_distance
 
 MOST_OUTLINES = 20
 """Plannings for the same parts that are remembered."""
@@ -47,6 +48,11 @@ class MakePlan(Command):
     threshold: float | None = 0.2
     seed: int = 0
     overrides: PlanOverrides = field(default_factory=PlanOverrides, metadata=called("wishes"))
+
+    @classmethod
+    def obstacle(cls, state: State) -> Message | None:
+        is_to_view = state.plan is not None and state.plan.is_view_plan
+        return Refusal.NO_PARTS() if is_to_view else None
 
     def check(self, state: State, asked: Asked) -> None:
         check_planning(state.cell, self)

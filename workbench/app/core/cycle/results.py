@@ -4,12 +4,13 @@ from dataclasses import replace
 from typing import Any
 
 from workbench.app.core.cell.emptying import emptying_words
+from workbench.app.core.cell.kits import kit_problem
 from workbench.app.core.command import Entry
 from workbench.app.core.cycle.arm_scanner import scan_problem, standing_joints
-from workbench.app.core.cycle.kits import kit_problem
 from workbench.app.core.cycle.parts import add_search, find_parts, with_detections
 from workbench.app.core.cycle.planning import make_plan, with_plan
 from workbench.app.core.cycle.scanning import with_scan
+from workbench.app.core.cycle.viewing import with_view_plan
 from workbench.app.core.state import Job, Phase, State
 from workbench.app.core.tasks import Begun
 from workbench.model.calibration import PlateObservation
@@ -64,6 +65,8 @@ def with_result(state: State, number: int, result: Any, at: float) -> State:
             return replace(state, emptying=result, message=emptying_words(result))
         case ("plan", PlanResult()):
             return with_plan(state, result, job)
+        case ("view", PlanResult()):
+            return with_view_plan(state, result)
         case _:
             wrong = type(result).__name__
             return replace(state, message=_failure_message(job, JobText.WRONG_RESULT(kind=wrong)))

@@ -150,7 +150,7 @@ def _ends_because(
         return RowStop.STOPPED_BY(person=after.stopped_by)
     if ended.row_ends:
         return as_message(ended.row_ends)
-    if after.plan is None or len(ended.parts) < len(after.plan.arms):
+    if after.plan is None or len(ended.parts) < len(after.plan.picks):
         return RowStop.NO_REPORT()
     for part in ended.parts:
         if part.is_picked is not True:

@@ -143,7 +143,7 @@ def left_on_station(plans: Sequence[Plan]) -> Message | None:
     """Why plans are no whole row, as a part would stay on a station; None when none does."""
     for number, plan in enumerate(plans):
         after = plans[number + 1] if number + 1 < len(plans) else None
-        taken = [] if after is None else [after.detections[arm.detection] for arm in after.arms]
+        taken = [] if after is None else [after.detections[arm.detection] for arm in after.picks]
         if plan.stations and sum(detection.T_world_found is not None for detection in taken) < len(
             plan.stations
         ):

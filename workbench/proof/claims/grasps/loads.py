@@ -29,26 +29,24 @@ THIN = 1e-6
 
 def load_violations(cell: Cell, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Whether a plan states the loads of an arm's tool and part, or rightly none."""
-    tool, part = cell.arm(arm_plan.arm).tool, cell.part(plan.detections[arm_plan.detection].part)
+    tool, loads = cell.arm(arm_plan.arm).tool, arm_plan.loads
     if tool.mass is None:
-        if arm_plan.loads is not None:
+        if loads is not None:
             yield Violation(ProofText.NO_LOAD_KNOWN(tool=tool.name), arm_plan.arm)
         return
-    if arm_plan.loads is None:
+    if loads is None:
         yield Violation(ProofText.NO_LOAD_STATED(tool=tool.name), arm_plan.arm)
         return
-    wanted = (
-        (ProofText.TOOL_LOAD, arm_plan.loads.tool, _of_tool(tool), 0.0),
-        (
-            ProofText.PART_LOAD,
-            arm_plan.loads.part,
-            (tool.T_flange_tcp * arm_plan.T_tcp_part).act(_of_part(part)),
-            STATED,
-        ),
-    )
-    for text, stated, meant, off in wanted:
-        if not _is_alike(stated, meant, off):
-            yield Violation(text(), arm_plan.arm)
+    if not _is_alike(loads.tool, _of_tool(tool), 0.0):
+        yield Violation(ProofText.TOOL_LOAD(), arm_plan.arm)
+    if not arm_plan.takes_part:
+        is_meant = loads.part is None
+    else:
+        part = cell.part(plan.detections[arm_plan.detection].part)
+        meant = (tool.T_flange_tcp * arm_plan.T_tcp_part).act(_of_part(part))
+        is_meant = loads.part is not None and _is_alike(loads.part, meant, STATED)
+    if not is_meant:
+        yield Violation(ProofText.PART_LOAD(), arm_plan.arm)
 
 
 def _is_alike(stated: Load, meant: pin.Inertia, off: float) -> bool:

@@ -1,0 +1,60 @@
+"""A scanner on an arm is brought to its view by pressing, and scans there, in Chromium."""
+
+import functools
+from dataclasses import replace
+
+import pytest
+from arm_scanner_cell import on_arm_cell, parked
+from patient import PATIENT, in_threads
+from playwright.sync_api import expect
+from test_page import approve, seen
+
+from workbench.app.core.cycle.arm_scanner import is_at_view
+from workbench.app.runtime.bench import Bench
+from workbench.app.runtime.effect_runner import EffectRunner
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.journal.journal import Journal
+from workbench.plugins.robot_link import Simulation
+
+
+@pytest.fixture
+def controller():
+    with in_threads() as started:
+        yield started(
+            SimulatedController(parked(on_arm_cell()), Simulation(speed=5.0), patience=PATIENT)
+        )
+
+
+@pytest.fixture
+def bench(controller, tmp_path):
+    cell = on_arm_cell()
+    there = replace(cell.controller, port=controller.port, state_port=controller.state_port)
+    effects = functools.partial(EffectRunner, patience=PATIENT)
+    bench = Bench(replace(cell, controller=there), Journal(tmp_path / "session"), effects=effects)
+    yield bench
+    bench.close()
+
+
+def test_go_to_view_is_planned_approved_sent_and_then_a_scan_is_taken(screen, bench, reaches, wait):
+    wait(lambda: bool(bench.live.joints), "the controller to report")
+    screen.wait_for("Take the scanner to its view to begin")
+    expect(screen.button("Scan")).to_be_disabled()
+    screen.press("Go to view")
+    state = reaches("planned")
+    assert state.plan.is_view_plan and state.proof.holds
+    screen.wait_for("The left arm takes the scanner to view bin, clear of the whole bin")
+    # No scan and no parts: their steps are not shown as done.
+    done = screen.page.locator(".wb-strip li.wb-done")
+    expect(done).to_have_count(1)
+    expect(screen.button("Plan")).to_be_disabled()
+    seen(bench)
+    approve(screen, "Anna")
+    reaches("approved")
+    screen.press("Send")
+    reaches("done")
+    screen.wait_for("The left arm stands at view bin")
+    wait(lambda: is_at_view(bench.cell, bench.live.joints), "the arm to be reported there")
+    expect(screen.button("Go to view")).to_be_disabled()
+    screen.press("Scan")
+    assert reaches("scanned").scan is not None
+    assert not screen.errors

@@ -1,0 +1,65 @@
+"""The path of a scanner on an arm to its view: planned like a pick, before any scan."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Right, refuse
+from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_named
+from workbench.app.core.state import Phase, ScanState, State, before_a_scan, begin_stage
+from workbench.app.core.tasks import begin_task
+from workbench.app.core.value_checks import SEED_LIMIT, check_integer, check_text
+from workbench.model.messages.commands import CommandText
+from workbench.model.messages.states import ClearanceText, StateText
+from workbench.model.plan import PlanResult, floor_distance
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanView(Command):
+    """Plan how the arm with the scanner goes from its home to the view of this name.
+
+    `view`: empty: that of the cell.
+    """
+
+    right: ClassVar[Right] = Right(CommandText.PLAN_VIEW, SAFE)
+
+    view: str = ""
+    seed: int = 0
+
+    def check(self, state: State, asked: Asked) -> None:
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
+        check_text("view", self.view)
+        carrier = view_named(state.cell, self.view)
+        refuse(path_problem(state.cell, carrier, standing_joints(state.cell, asked.joints)))
+
+    def apply(self, state: State, entry: Entry) -> Decision:
+        arguments = {"view": self.view, "placed": state.placed, "seed": self.seed}
+        return begin_task(state, entry, "view", arguments, StateText.PLANNING())
+
+
+def with_view_plan(state: State, result: PlanResult) -> State:
+    """The state after the path to the view was planned.
+
+    With a plan the scan is void: the arm leaves where it was taken.
+    """
+    plan, proof, carrier = result.plan, result.proof, state.cell.scanner.on_arm
+    if plan is None or proof is None or carrier is None:
+        return replace(state, message=StateText.NO_PLAN(verdict=result.verdict.message))
+    message = StateText.VIEW_PLANNED(
+        view=carrier.view.name,
+        cycle=plan.cycle_seconds,
+        clearance=ClearanceText.FREE(free=floor_distance(proof.clearance)),
+    )
+    if not proof.holds:
+        message = StateText.NOT_PROVEN(violation=proof.violations[0].message)
+    return begin_stage(
+        before_a_scan(state),
+        ScanState,
+        phase=Phase.PLANNED,
+        scene_digest=plan.scan_digest,
+        plan=plan,
+        proof=proof,
+        verdict=result.verdict,
+        seconds=tuple(result.seconds.items()),
+        obstacles=result.obstacles,
+        message=message,
+    )

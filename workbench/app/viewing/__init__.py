@@ -1,0 +1,1 @@
+"""The path of a scanner on an arm to its view: planned and proven."""

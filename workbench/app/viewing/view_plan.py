@@ -1,0 +1,56 @@
+"""The path of a scanner on an arm to its view: one leg, planned and proven before any scan."""
+
+from collections.abc import Sequence
+
+from workbench.app.core.cycle.arm_scanner import view_named
+from workbench.model.candidate import Reason, Stage, Verdict
+from workbench.model.cell import Cell
+from workbench.model.digest import digest_of
+from workbench.model.messages.work import ProgressText
+from workbench.model.plan import PlanResult
+from workbench.model.scan import Obstacle, Scene
+from workbench.planning.collision.world import World
+from workbench.planning.picking.route import route_view
+from workbench.planning.planners.clock import processor_time, working_time
+from workbench.plugins.progress import Report, silent
+from workbench.proof.claims.prove import prove
+from workbench.proof.claims.scene import unseen_bin
+
+
+def plan_view(
+    cell: Cell,
+    *,
+    view: str = "",
+    placed: Sequence[Obstacle] = (),
+    seed: int = 0,
+    report: Report = silent,
+) -> PlanResult:
+    """Plan how an arm takes its scanner from the arm's home to the view, and prove it.
+
+    No scan shows the bin yet: it counts as full (`proof.claims.scene.unseen_bin`).
+
+    Args:
+        cell: whose scanner an arm carries.
+        view: the name of the view; empty: that of the cell.
+        placed: parts that were put down, as obstacles.
+        seed: of everything random.
+        report: progress.
+
+    Raises:
+        CommandRefused: the scanner stands, or has no view of that name.
+    """
+    carrier = view_named(cell, view)
+    scene = Scene(digest_of(()), (), (unseen_bin(cell), *placed))
+    world, began = World(cell, (), scene.obstacles), working_time()
+    world.deadline = processor_time() + cell.policy.seconds
+    report(0.1, ProgressText.MOTION())
+    found = route_view(world, carrier, scan_digest=scene.scan_digest, seed=seed)
+    routed = working_time()
+    if isinstance(found, Verdict):
+        plan, proof, verdict = None, None, found
+    else:
+        report(0.9, ProgressText.PROOF())
+        plan, proof, verdict = found, prove(cell, scene, found), Verdict(Reason.OK, Stage.ROUTE)
+    seconds = {"route": routed - began, "prove": working_time() - routed}
+    planner = world.policy.planner
+    return PlanResult((), plan, proof, verdict, seconds, scene.obstacles, planner)

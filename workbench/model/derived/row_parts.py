@@ -1,0 +1,31 @@
+"""Which parts plans of a row take, by their numbers in the first plan."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.model.plan import Plan
+from workbench.model.scan import Detection
+
+
+def number_in(first: Plan, detection: Detection) -> int:
+    """The index of a part in the list of the first plan of a row.
+
+    Later plans have lists without what those before take, or with it on a station; digits of a file
+    may differ in the last place.
+    """
+    T = (detection.T_world_found or detection.T_world_part).homogeneous
+    away = [np.abs(known.T_world_part.homogeneous - T).max() for known in first.detections]
+    return int(np.argmin(away))
+
+
+def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
+    """Indices of the parts that a plan of a row takes, in the list of the first one of the row."""
+    if plan is first:
+        return tuple(arm.detection for arm in plan.picks)
+    return tuple(number_in(first, plan.detections[arm.detection]) for arm in plan.picks)
+
+
+def count_taken(plans: Sequence[Plan]) -> int:
+    """How many parts plans in a row take; one that goes over a station counts once."""
+    return len({number for plan in plans for number in parts_taken(plans[0], plan)})
