@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -36,7 +36,7 @@ def approved(cell: Cell) -> tuple[Plan, Approval]:
 
 
 @contextmanager
-def running(cell: Cell) -> Iterator[SimulatedController]:
+def running(cell: Cell) -> Generator[SimulatedController]:
     controller = SimulatedController(cell, Simulation(speed=1000.0), patience=PATIENT)
     thread = threading.Thread(target=controller.run)
     thread.start()
