@@ -204,6 +204,16 @@ def _is_late(times, soon) -> bool:
     return bool((times < SOON_OF_ONE * soon).any() or times.sum() < SOON * soon.sum())
 
 
+def _least_air_mm(policy) -> float | None:
+    """How little room fingers may leave [mm]; None: they open as the grasp says.
+
+    A cell that says nothing, or names no lifts, lets them open less as needed.
+    """
+    usual = "quick" if "lifts" in policy else "as-needed"
+    air = None if policy.get("emptying", usual) == "quick" else 1.5
+    return policy.get("least_air_mm", air)
+
+
 def _grasp(files: Files, plan, one) -> str:
     kind = plan.detections[one.detection].part
     grasp = next(iter(files.meant(kind, one.grasp)), None)
@@ -218,7 +228,7 @@ def _grasp(files: Files, plan, one) -> str:
     has_fingers = bool(files.tool(one.arm).get("finger"))
     for leg in one.legs:
         grip, most = grasp["grip_mm"] / 1000, grasp["opening_mm"] / 1000
-        least, air = most, files.cell["policy"].get("least_air_mm")
+        least, air = most, _least_air_mm(files.cell["policy"])
         if air is not None and has_fingers:
             least = min(most, grip + 2 * air / 1000)
         low, high = (grip, grip) if leg.name in HOLDING else (least, most)

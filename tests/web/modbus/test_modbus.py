@@ -169,6 +169,7 @@ def test_no_command_approves_or_acknowledges(site, plc):
         "ReportPick",
         "Stop",
         "ChooseRecipe",
+        "NewKit",
         "NoneType",
         "CancelJob",
         "TakeControl",

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
+from workbench.app.core.cell.kits import NewKit
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.control import ReleaseControl, TakeControl
@@ -104,6 +105,7 @@ JOBS: Mapping[int, Job] = {
     8: Job(_report(False)),
     10: _plain(Stop),
     11: Job(lambda _state, number, _: ChooseRecipe(number)),
+    12: _plain(NewKit),
     20: Job(_send),
     21: Job(_go_on, "plan"),
     22: _plain(CancelJob),

@@ -10,7 +10,7 @@ from workbench.app.core.rights import obstacle
 from workbench.app.core.state import Phase, State
 from workbench.app.runtime.live import Live
 from workbench.model.derived.place_of_plan import place_number
-from workbench.model.plan import count_taken, parts_taken
+from workbench.model.derived.row_parts import count_taken, parts_taken
 
 MAP_VERSION = 1
 WRITTEN = 5
