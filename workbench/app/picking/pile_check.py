@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import kit_of
+from workbench.model.derived.by_recipe import kit_of, parts_in_turn
 from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.parts import PileText
 from workbench.model.part import Part
 from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.scan import ALL_KINDS
-from workbench.perception.simulation.piles import parts_in_turn
 from workbench.perception.simulation.room import check_room
 
 

@@ -51,13 +51,13 @@ class CellNew:
     """Folder to write to; robots/NAME when not given. It must not be there yet."""
     flange: tuple[str, ...] = ()
     """Links that carry the tools, one for each arm, the right arm's first; found by themselves
-    when not given. What hangs on them in the URDF is left out: tools stand in the cell file."""
+    when not given. What hangs on them is no part of the robot: tools stand in the cell file."""
     bin: Maybe[str] = None
     """Name of the thing in a Klamp't world that is the bin; otherwise one is put where the arms
     reach it."""
-    tool: str = "gripper"
-    """What the arms carry to begin with: gripper, suction, or URDF or xacro of a gripper with two
-    fingers."""
+    tool: str = ""
+    """What the arms carry to begin with: gripper, suction, or URDF or xacro of a tool; when not
+    given the hand that hangs on the flange in the robot's own file, or else gripper."""
     part: PartName = "keyed_cylinder"
     position_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the URDF's root link stands in the world."""

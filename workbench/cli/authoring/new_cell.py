@@ -10,12 +10,13 @@ import numpy as np
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
-from workbench.cli.authoring.first_tools import first_tool
+from workbench.cli.authoring.first_tools import first_tools
 from workbench.cli.authoring.new_cell_report import Made, print_report
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, progress, split_option
 from workbench.formats.cells.writer import write_cell
 from workbench.formats.files.shipped import find
+from workbench.formats.grippers.grippers import hand_beyond
 from workbench.formats.klampt.robots import read_rob
 from workbench.formats.klampt.world_reader import (
     KlamptWorld,
@@ -76,8 +77,8 @@ def new_cell(typed: CellNew) -> int:
             report=lambda done, link: report(0.1 + 0.4 * done, f"convex pieces: {link}"),
         )
         report(0.5, "finding pairs of links that need no check")
-        tool, tool_notes = first_tool(typed.tool, typed.package_path)
-        cell = _standing(typed, _bare(typed, robot, arms.flanges, tool), world)
+        tools, tool_notes = first_tools(typed.tool, typed.package_path, arms.hands)
+        cell = _standing(typed, _bare(typed, robot, arms.flanges, tools), world)
         unchecked = pairs_without_check(cell)
         cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
         make_ready(report, ("planning",))
@@ -143,10 +144,11 @@ def _file_to_name(folder: Path) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Arms:
-    """A robot of which only the arms move, their flanges, and what was left out or decided."""
+    """A robot of which only the arms move, their flanges and hands, and what was left out."""
 
     robot: Robot
     flanges: tuple[str, ...]
+    hands: tuple[Description | None, ...]
     gone: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -164,11 +166,12 @@ def _arms(typed: CellNew, found: Description) -> _Arms:
         )
     if not typed.flange:
         flanges = right_first(flanges)
+    hands = tuple(hand_beyond(found, mounts.robot, flange) for flange in flanges)
     robot, gone = without_hands(mounts.robot, flanges)
     there = {joint.name for joint in robot.joints}
     followers = [follower for follower in found.followers if follower.joint.name in there]
     moving = standing(robot, followers, flanges, _read_fixed(typed, found))
-    return _Arms(moving.robot, flanges, gone, (*mounts.notes, *moving.notes))
+    return _Arms(moving.robot, flanges, hands, gone, (*mounts.notes, *moving.notes))
 
 
 def _read_fixed(typed: CellNew, found: Description) -> dict[str, float]:
@@ -206,7 +209,7 @@ def _standing(typed: CellNew, cell: Cell, world: KlamptWorld) -> Cell:
     )
 
 
-def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tool: Tool) -> Cell:
+def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tools: tuple[Tool, ...]) -> Cell:
     """A cell with arms and tools; where everything else is comes later."""
     part = read_part(find("parts", typed.part))
     chains = [
@@ -225,9 +228,12 @@ def _bare(typed: CellNew, robot: Robot, flanges: tuple[str, ...], tool: Tool) ->
             acceleration=np.full(len(joints), np.deg2rad(ACCELERATION_DEG)),
             tool=tool,
         )
-        for name, flange, joints in zip(("right", "left"), flanges, chains, strict=False)
+        for name, flange, joints, tool in zip(
+            ("right", "left"), flanges, chains, tools, strict=False
+        )
     )
-    size = np.array([0.3, 0.4, 0.1]) if typed.tool == "suction" else np.array([0.2, 0.3, 0.05])
+    has_fingers = any(tool.fingers for tool in tools)
+    size = np.array([0.2, 0.3, 0.05]) if has_fingers else np.array([0.3, 0.4, 0.1])
     return Cell(
         name=typed.name,
         robot=robot,

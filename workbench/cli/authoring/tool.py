@@ -1,7 +1,5 @@
 """`workbench cell tool`: an arm carries a gripper from its URDF or xacro."""
 
-import re
-
 from workbench.app.core.cell.making import carrying
 from workbench.app.picking.tool_making import met_at_home
 from workbench.cli.arguments.cell import CellTool
@@ -9,7 +7,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, split_option
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import cell_path, read_cell
-from workbench.formats.grippers.grippers import gripper_of
+from workbench.formats.grippers.grippers import gripper_of, tool_name
 from workbench.formats.parts.new_part import check_name
 from workbench.formats.robots.descriptions import read_description
 from workbench.model.errors import InputError
@@ -25,7 +23,7 @@ def add_tool(typed: CellTool) -> int:
         package_paths=typed.package_path,
         mesh_unit=typed.mesh_unit,
     )
-    name = typed.name or re.sub(r"[^A-Za-z0-9_-]", "_", found.robot.name)
+    name = typed.name or tool_name(found)
     check_name(name)
     widest = None
     if typed.widest_mm is not None:

@@ -5,6 +5,7 @@ than such a gripper: of each finger the last link moves, and is as large as all 
 to beside its straight way.  What moves behind it counts as body, at all its places at once.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 
@@ -21,7 +22,7 @@ from workbench.formats.robots.urdf_package import simplify_robot
 from workbench.model.cell import Finger, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Mesh, Solid
-from workbench.model.robot import Robot
+from workbench.model.robot import Link, Robot
 
 SAMPLES = 33
 """Openings at which it is looked where the links are."""
@@ -69,6 +70,31 @@ def gripper_of(
         raise InputError(f"gripper {name}: its fingers do not move apart along a line")
     made = made.within(widest)
     return _made(robot, made, name), (*found.notes, *made.notes)
+
+
+def tool_name(found: Description) -> str:
+    """A name for the tool of a description: that of its robot, as names of tools are written."""
+    return re.sub(r"[^A-Za-z0-9_-]", "_", found.robot.name)[:60]
+
+
+def hand_beyond(found: Description, robot: Robot, flange: str) -> Description | None:
+    """What hangs on a flange, as a robot of its own; None where no joint of it moves.
+
+    Args:
+        found: with the joints that follow others.
+        robot: of the description, perhaps with flanges added.
+        flange: a link of it, the root of what is found.
+    """
+    beyond = [flange]
+    for link in beyond:  # grows while it is walked
+        beyond += [joint.child for joint in robot.joints if joint.parent == link]
+    joints = tuple(joint for joint in robot.joints if joint.child in beyond[1:])
+    if all(joint.kind == "fixed" for joint in joints):
+        return None
+    links = (Link(flange), *(robot.link(name) for name in beyond[1:]))
+    names = {joint.name for joint in joints}
+    followers = tuple(each for each in found.followers if each.joint.name in names)
+    return Description(Robot(robot.name, links, joints), followers)
 
 
 def _suction(robot: Robot, name: str) -> tuple[Tool, tuple[str, ...]]:

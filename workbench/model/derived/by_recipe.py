@@ -2,15 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import cycle, islice
 
 from workbench.model.cell import Arm, Cell
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
+from workbench.model.messages.parts import PileText
 from workbench.model.messages.refusals import ChangeRefusal
 from workbench.model.part import Entry, GraspPattern, Part
 from workbench.model.recipes.kit import KitItem, Wanted, lacking
 from workbench.model.recipes.recipe import NO_RECIPE, Recipe, names_of
+from workbench.model.scan import ALL_KINDS
 
 
 def strategies_of(cell: Cell) -> tuple[str, ...]:
@@ -101,6 +104,24 @@ def wanted_parts(cell: Cell, counts: Mapping[str, int] | None = None) -> Wanted 
     if not items:
         return None
     return Wanted(lacking(items, counts or {}), recipe_of(cell, cell.recipe).in_order)
+
+
+def parts_in_turn(cell: Cell, kind: str, count: int) -> tuple[Part, ...]:
+    """This many parts: of a kind, or with `ALL_KINDS` one of each kind in turn.
+
+    When the kind is empty they are what kits consist of, or without a kit of the first kind.
+
+    Raises:
+        InputError: the cell has no part, or none of that kind.
+    """
+    if not cell.parts:
+        raise InputError(PileText.NO_PART(cell=cell.name))
+    kit = tuple(cell.part(item.part) for item in kit_of(cell) for _ in range(item.count))
+    if kind == ALL_KINDS:
+        kinds = cell.parts
+    else:
+        kinds = kit if kit and not kind else (cell.part(kind or cell.parts[0].name),)
+    return tuple(islice(cycle(kinds), count))
 
 
 def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:

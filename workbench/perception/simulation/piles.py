@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from copy import copy
 from functools import lru_cache
-from itertools import cycle, islice
 from operator import mul
 
 import mujoco
@@ -11,12 +10,12 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import kit_of
+from workbench.model.derived.by_recipe import parts_in_turn
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.messages.parts import PileText
 from workbench.model.part import Bin, Part
-from workbench.model.scan import ALL_KINDS, Detection
+from workbench.model.scan import Detection
 from workbench.perception.simulation.physics import (
     TIMESTEP,
     advance,
@@ -48,24 +47,6 @@ def pile_of(cell: Cell, kind: str, count: int, *, seed: int) -> tuple[Detection,
         InputError: the cell has no part, or none of that kind; or they do not fit.
     """
     return drop_parts(parts_in_turn(cell, kind, count), cell.bin, seed=seed)
-
-
-def parts_in_turn(cell: Cell, kind: str, count: int) -> tuple[Part, ...]:
-    """This many parts: of a kind, or with `ALL_KINDS` one of each kind in turn.
-
-    When the kind is empty they are what kits consist of, or without a kit of the first kind.
-
-    Raises:
-        InputError: the cell has no part, or none of that kind.
-    """
-    if not cell.parts:
-        raise InputError(f"cell {cell.name} has no part, so there is nothing to drop into its bin")
-    kit = tuple(cell.part(item.part) for item in kit_of(cell) for _ in range(item.count))
-    if kind == ALL_KINDS:
-        kinds = cell.parts
-    else:
-        kinds = kit if kit and not kind else (cell.part(kind or cell.parts[0].name),)
-    return tuple(islice(cycle(kinds), count))
 
 
 def drop_parts(parts: Sequence[Part], bin: Bin, *, seed: int) -> tuple[Detection, ...]:
