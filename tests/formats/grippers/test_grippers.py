@@ -3,6 +3,7 @@
 import shutil
 from pathlib import Path
 
+import made_arm
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
@@ -10,7 +11,7 @@ from scipy.spatial import ConvexHull
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
-from workbench.formats.grippers.grippers import gripper_of
+from workbench.formats.grippers.grippers import gripper_of, hand_beyond
 from workbench.formats.robots.descriptions import read_description
 from workbench.model.errors import InputError
 
@@ -175,3 +176,45 @@ def test_a_cell_is_made_with_a_gripper_from_its_file_and_gets_another_one(
     assert main(["cell", "tool", str(cell), str(file)]) == 2
     assert "is there already" in capsys.readouterr().err
     assert main(["cell", "tool", str(cell), str(file), "--name", "x", "--widest-mm", "0"]) == 2
+
+
+def with_hand(fingers: str) -> str:
+    mounted = fingers.replace("palm", "hand") + joint(
+        "hand_mount", "fixed", "tool0", "hand", "0 0 0", "0 0 1", ""
+    )
+    return made_arm.arm(more=mounted)
+
+
+@pytest.mark.extensive
+def test_a_robot_with_a_hand_in_its_file_gets_it_as_its_tool(tmp_path, capsys):
+    robot = tmp_path / "arm.urdf"
+    robot.write_text(with_hand(SLIDES.format(follows=mimic("ja", 1))), encoding="utf-8")
+    assert main(["cell", "new", "own", "--urdf", str(robot), "--out", str(tmp_path / "own")]) == 0
+    assert "open by 0.0 to 40.0 mm" in capsys.readouterr().out
+    (arm,) = read_cell(tmp_path / "own" / "cell.toml").arms
+    assert (arm.tool.name, len(arm.tool.fingers)) == ("hand", 2)
+
+
+@pytest.mark.extensive
+def test_a_hand_that_serves_nowhere_is_replaced_and_named(tmp_path, capsys):
+    robot = tmp_path / "arm.urdf"
+    short = SLIDES.replace("0.01 0.02 0.05", "0.01 0.02 0.004").replace("0.08 0.06", "0.3 0.3")
+    robot.write_text(with_hand(short.format(follows=mimic("ja", 1))), encoding="utf-8")
+    assert main(["cell", "new", "own", "--urdf", str(robot), "--out", str(tmp_path / "own")]) == 0
+    assert "the arms carry a gripper of the usual size" in capsys.readouterr().out
+    (arm,) = read_cell(tmp_path / "own" / "cell.toml").arms
+    assert arm.tool.name == "gripper"
+
+
+def test_coarse_models_of_a_hand_are_no_part_of_its_tool(tmp_path):
+    coarse = link("palm_sc", "0.3 0.3 0.3", "0 0 0.1")
+    coarse += joint("jsc", "fixed", "palm", "palm_sc", "0 0 0", "0 0 1", "")
+    made, _ = tool(tmp_path, SLIDES.format(follows=mimic("ja", 1)) + coarse)
+    assert [solid.name for solid in made.body] == ["palm_0"]
+
+
+def test_of_a_whole_robot_only_what_moves_beyond_the_flange_is_a_hand(tmp_path):
+    plate = link("plate", "0.1 0.1 0.01")
+    fixed = joint("j", "fixed", "palm", "plate", "0 0 0.1", "0 0 1", "")
+    found = read_description(write(tmp_path, PALM + plate + fixed))
+    assert hand_beyond(found, found.robot, "palm") is None

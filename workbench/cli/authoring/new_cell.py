@@ -1,6 +1,7 @@
 """`workbench cell new`: from a URDF to a cell that can be viewed, checked and changed."""
 
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.arguments.cell import CellNew
-from workbench.cli.authoring.first_tools import first_tools
+from workbench.cli.authoring.first_tools import first_tools, gripper
 from workbench.cli.authoring.new_cell_report import Made, print_report
 from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, progress, split_option
@@ -34,9 +35,10 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import Bin
 from workbench.model.robot import Robot
 from workbench.planning.collision.link_pairs import pairs_without_check
+from workbench.plugins.progress import Report
 from workbench.plugins.robot_link import controller_by, usual_link
 from workbench.studies.layout.arms import ends_of, right_first, standing, without_hands
-from workbench.studies.layout.bins import laid_out
+from workbench.studies.layout.bins import LaidOut, laid_out
 from workbench.studies.layout.flanges import mounts_of, named_mounts
 
 ACCELERATION_DEG = 600
@@ -51,6 +53,15 @@ MASS = (
     "no file says what the tool weighs, so the controller gets no load: mass_g of [[tool]] in "
     "cell.toml"
 )
+
+
+OTHER_HAND = (
+    "with the hand on the flange there is no plan for this part in any bin, so the arms carry a "
+    "gripper of the usual size; --part for another part, `workbench cell tool` for another hand"
+)
+
+Unchecked = Mapping[tuple[str, str], str]
+"""Pairs of links that need no check, each with its reason."""
 
 
 def new_cell(typed: CellNew) -> int:
@@ -77,15 +88,8 @@ def new_cell(typed: CellNew) -> int:
             report=lambda done, link: report(0.1 + 0.4 * done, f"convex pieces: {link}"),
         )
         report(0.5, "finding pairs of links that need no check")
-        tools, tool_notes = first_tools(typed.tool, typed.package_path, arms.hands)
-        cell = _standing(typed, _bare(typed, robot, arms.flanges, tools), world)
-        unchecked = pairs_without_check(cell)
-        cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
-        make_ready(report, ("planning",))
-        found = laid_out(
-            cell,
-            moves_bin=typed.bin is None,
-            report=lambda done, what: report(0.6 + 0.3 * done, what),
+        found, unchecked, tool_notes = _with_tools(
+            typed, arms, lambda tools: _laid_out(typed, robot, arms, world, tools, report)
         )
         report(0.95, "writing the cell")
         path = write_cell(folder, found.cell, unchecked)
@@ -93,6 +97,49 @@ def new_cell(typed: CellNew) -> int:
     made = Made(path, found.cell, arms.gone, excess, unchecked, decisions)
     print_report(made, as_json=typed.json)
     return SUCCESS
+
+
+def _with_tools(
+    typed: CellNew,
+    arms: "_Arms",
+    laid_out_with: Callable[[tuple[Tool, ...]], tuple[LaidOut, Unchecked]],
+) -> tuple[LaidOut, Unchecked, tuple[str, ...]]:
+    """The cell with the tools that are wanted, and what was decided about these.
+
+    Where nobody names any, and the arms pick nothing with their own hands, they get others.
+    """
+    tools, notes = first_tools(typed.tool, typed.package_path, arms.hands)
+    if typed.tool or not any(arms.hands):
+        return *laid_out_with(tools), notes
+    try:
+        found, unchecked = laid_out_with(tools)
+    except InputError:
+        pass  # no bin is reached with them
+    else:
+        if found.takes:
+            return found, unchecked, notes
+    return *laid_out_with((gripper(),) * len(tools)), (OTHER_HAND,)
+
+
+def _laid_out(
+    typed: CellNew,
+    robot: Robot,
+    arms: "_Arms",
+    world: KlamptWorld,
+    tools: tuple[Tool, ...],
+    report: Report,
+) -> tuple[LaidOut, Unchecked]:
+    """The cell with these tools, all at its place, and the pairs of links that need no check."""
+    cell = _standing(typed, _bare(typed, robot, arms.flanges, tools), world)
+    unchecked = pairs_without_check(cell)
+    cell = replace(cell, robot=replace(robot, disabled_pairs=frozenset(unchecked)))
+    make_ready(report, ("planning",))
+    found = laid_out(
+        cell,
+        moves_bin=typed.bin is None,
+        report=lambda done, what: report(0.6 + 0.3 * done, what),
+    )
+    return found, unchecked
 
 
 def import_world(typed: arguments.Import) -> int:

@@ -7,6 +7,7 @@ to beside its straight way.  What moves behind it counts as body, at all its pla
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -23,6 +24,9 @@ from workbench.model.cell import Finger, Tool
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats, Mesh, Solid
 from workbench.model.robot import Link, Robot
+
+COARSE = "_sc"
+"""Ending of names of links that are a coarse model of another one, for self-collision."""
 
 SAMPLES = 33
 """Openings at which it is looked where the links are."""
@@ -55,7 +59,7 @@ def gripper_of(
     Raises:
         InputError: it has no solids, or does not move like a gripper with two fingers.
     """
-    robot, _ = simplify_robot(found.robot, tolerance=TOLERANCE, most=MOST_PIECES)
+    robot, _ = simplify_robot(_without_coarse(found.robot), tolerance=TOLERANCE, most=MOST_PIECES)
     leaders = [joint.name for joint in robot.joints if joint.kind != "fixed"]
     if not leaders:
         return _suction(robot, name)
@@ -69,12 +73,30 @@ def gripper_of(
     if made.stroke[1] - made.stroke[0] < LEAST_STROKE:
         raise InputError(f"gripper {name}: its fingers do not move apart along a line")
     made = made.within(widest)
+    if made.stroke[1] - made.stroke[0] < LEAST_STROKE:
+        raise InputError(
+            f"gripper {name}: straight fingers cannot stand for its own, which swing; --widest-mm "
+            "takes them as far as it says"
+        )
     return _made(robot, made, name), (*found.notes, *made.notes)
 
 
 def tool_name(found: Description) -> str:
     """A name for the tool of a description: that of its robot, as names of tools are written."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", found.robot.name)[:60]
+
+
+def _without_coarse(robot: Robot) -> Robot:
+    """The robot without the solids of links that only stand for others, as `hand_sc` for `hand`.
+
+    Such coarse models keep a robot from itself, and reach beyond the tips of fingers.
+    """
+    names = {link.name for link in robot.links}
+    links = tuple(
+        Link(link.name) if link.name.removesuffix(COARSE) in names - {link.name} else link
+        for link in robot.links
+    )
+    return replace(robot, links=links)
 
 
 def hand_beyond(found: Description, robot: Robot, flange: str) -> Description | None:

@@ -14,8 +14,8 @@ SAME_WAY = 1e-4
 MOST_SWING = 0.005
 """[m] By how much tips of a linkage may come forward as they close, unless somebody wants more."""
 
-LEAST_STROKE = 0.002
-"""[m]"""
+LEAST_STROKE = 0.005
+"""[m] What opens by less is no gripper."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ class Jaws:
             raise InputError(f"gripper {name}: only one finger moves; two are expected")
         tips = tuple(max(side, key=lambda link: _farthest(link, along)) for side in sides)
         with_tips = [
-            [link for link in side if _goes_along(link, tip)]
+            [link for link in side if link is tip or _goes_along(link, tip)]
             for side, tip in zip(sides, tips, strict=True)
         ]
         first, second = (_joined(links) for links in with_tips)

@@ -93,7 +93,7 @@ def plan_first_feasible(
     threshold: float,
     scan_digest: str,
     *,
-    wanted: Wanted | None,
+    wanted: Wanted | None = None,
     seed: int,
     cancelled: Callable[[], bool],
 ) -> tuple[tuple[Plan, ...], Verdict]:

@@ -65,10 +65,14 @@ TABLE_SIDE, TABLE_END = 0.5, 0.2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LaidOut:
-    """A cell with everything at its place, and what was chosen, in words."""
+    """A cell with everything at its place, and what was chosen, in words.
+
+    `takes` is whether there is a plan for a simulated pile in its bin; True where nobody tried.
+    """
 
     cell: Cell
     notes: tuple[str, ...]
+    takes: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,10 +122,10 @@ def laid_out(cell: Cell, *, moves_bin: bool = True, report: Report = silent) -> 
             if best is None or (tried.takes, tried.reached) > (best.takes, best.reached):
                 best = tried
             if best.takes and best.reached >= ENOUGH:
-                return LaidOut(best.cell, tuple(_describe(cell, best)))
+                return LaidOut(best.cell, tuple(_describe(cell, best)), best.takes)
     if best is None:
         raise InputError(_nothing(cell))
-    return LaidOut(best.cell, tuple(_describe(cell, best)))
+    return LaidOut(best.cell, tuple(_describe(cell, best)), best.takes)
 
 
 def _complete(cell: Cell, report: Report, is_late: Callable[[], bool]) -> Iterator[_Spot]:
