@@ -213,3 +213,11 @@ def test_in_order_the_first_kind_that_is_lacking_comes_first():
     assert wanted.allows(["bolt", "bolt"]) and not wanted.allows(["bolt"] * 3)
     assert wanted.without(["bolt", "bolt"]).counts == {}
     assert lacking(items, {"bracket": 3, "bolt": 1}) == {"bolt": 1}
+
+
+def test_a_new_kit_leaves_a_plan_alone_that_takes_no_part(line, by_recipe):
+    cycle(line, by_recipe)
+    planned = replace(line.state, phase=Phase.PLANNED, detections=None)
+    line.state = planned
+    state = line.do(NewKit())
+    assert (state.phase, state.plan) == (Phase.PLANNED, planned.plan)

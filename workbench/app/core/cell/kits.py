@@ -31,7 +31,7 @@ class NewKit(Command):
         )
         before = KitText.BEFORE(complete=kit.complete, incomplete=kit.incomplete)
         message = Others.ALSO(first=KitText.BEGUN(), last=before)
-        if state.phase in (Phase.PLANNED, Phase.APPROVED):
+        if state.phase in (Phase.PLANNED, Phase.APPROVED) and state.detections is not None:
             # That plan is for what the kit before lacked, and around what stood there.
             state = begin_stage(
                 state, PlanState, phase=Phase.LOCALIZED, stale=stale_by(state, message)
