@@ -25,6 +25,8 @@ from workbench.devices.pick_server.conversation import POSES_VERSION
 from workbench.devices.pick_server.lines import Form
 from workbench.journal.journal import Journal
 from workbench.model.errors import CommandRefused
+from workbench.model.recipes.kit import KitItem
+from workbench.model.recipes.recipe import Recipe
 from workbench.plugins.robot_link import controller_by
 from workbench.web.robot_jobs import ACTOR, robot_jobs
 
@@ -167,6 +169,33 @@ def test_a_robot_program_gets_a_proven_path_to_the_view_and_scans_there(tmp_path
     )
 
 
+@pytest.mark.timeout(1800)
+def test_a_robot_program_fills_a_kit_and_begins_a_new_one(tmp_path):
+    cell = workbench.read_cell("tx2_90")
+    one = Recipe(3, "one puck", items=(KitItem("puck", 1),))
+    link = controller_by("pick-server", port=free_port())
+    bench = Bench(replace(cell, controller=link, recipes=(one,)), Journal(tmp_path / "session"))
+    with robot_jobs(bench):
+        robot = Program(bench.cell, link.port)
+        assert robot.ask("recipe", "3") == ("OK", "3")
+        assert robot.ask("kit")[0] == "NO", "it has no part yet"
+        assert until_done(robot, "scan") == ("OK", "scan")
+        assert until_done(robot, "find")[0] == "OK"
+        assert until_done(robot, "next", *robot.joints(), until="approval")[0] == "WAIT"
+        wait_until(lambda: robot.ask("state", *robot.joints()) and bool(bench.live.joints))
+        approve(bench)
+        robot.cycle()
+        wait_until(lambda: bench.state.phase is Phase.DONE)
+        assert until_done(robot, "scan") == ("OK", "scan")
+        assert until_done(robot, "find")[0] == "OK"
+        assert robot.ask("next", *robot.joints()) == ("NO", "kit"), "it is complete"
+        assert robot.ask("kit") == ("OK", "kit")
+        assert bench.state.kit.complete == 1
+        assert robot.ask("next", *robot.joints()) == ("WAIT", "plan")
+        robot.close()
+        bench.close()
+
+
 def test_whoever_is_in_control_is_not_overruled(bench, robot):
     bench.do(TakeControl(), "anna")
     assert robot.ask("scan") == ("NO", "control")
@@ -177,6 +206,7 @@ def test_whoever_is_in_control_is_not_overruled(bench, robot):
 def test_what_the_cell_does_not_have_is_answered_by_no(bench, robot):
     assert robot.ask("view") == ("NO", "view")
     assert robot.ask("recipe", "7")[0] == "NO"
+    assert robot.ask("kit")[0] == "NO"
     assert (robot.ask("bin", "1"), robot.ask("bin", "2")) == (("OK", "1"), ("NO", "bin"))
     assert robot.ask("leg", "1") == ("NO", "plan")
     assert robot.ask("scan", "x")[0] == "ERR"

@@ -6,6 +6,7 @@ Approvals are not here: they are a person's.
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
+from workbench.app.core.cell.kits import NewKit, kit_problem
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.arm_scanner import path_problem, standing_joints, view_problem
@@ -67,6 +68,9 @@ class BenchDesk:
                     number = _whole(request, 9999, 0)
                     self._do(ChooseRecipe(number))
                     return "OK", str(number)
+                case "kit":
+                    self._do(NewKit())
+                    return "OK", "kit"
                 case "bin":
                     return ("OK", "1") if _whole(request, 9999, 1) == 1 else ("NO", "bin")
                 case "view":
@@ -101,6 +105,8 @@ class BenchDesk:
             case Phase.LOCALIZED if self._begun == "next":
                 self._begun = ""
                 return "NO", "plan"
+            case Phase.LOCALIZED if kit_problem(state) is not None:
+                return "NO", "kit"
             case Phase.LOCALIZED:
                 self._do(MakePlan("", None, state.number))
                 self._begun = "next"

@@ -22,6 +22,7 @@ JOBS: Final = ("hello", "scan", "find", "next", "leg", "point", "done", "picked"
     "view",
     "state",
     "pose",
+    "kit",
 )
 """Jobs by name; the place of each is its number."""
 
