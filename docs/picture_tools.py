@@ -28,6 +28,7 @@ from workbench.model.cell import Cell
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
 FONT = ROOT / "static" / "inter.woff2"
+TYPEFACE = "@font-face{font-family:Inter;font-weight:100 900;src:url(/static/inter.woff2)}"
 SIZE = {"width": 1280, "height": 800}
 MOST_POINTS = 60_000
 LARGEST = 250_000
@@ -133,11 +134,12 @@ def cell_bench(
 def window(chrome: Browser, url: str) -> Iterator[Screen]:
     """A browser window on a page, ready to be used, without viser's warning about slow drawing."""
     context = chrome.new_context(viewport=SIZE)
-    # The front serves the typeface, which stands before the page for people.
     context.route("**/static/inter.woff2", lambda route: route.fulfill(path=FONT))
     screen = Screen(context.new_page(), PICTURES)
     screen.page.goto(url)
     screen.page.locator(".wb-strip").first.wait_for(timeout=PATIENCE * 1000)
+    # For people the front, which stands before the page, serves the typeface.
+    screen.page.add_style_tag(content=TYPEFACE)
     close_notes(screen)
     yield screen
     context.close()
