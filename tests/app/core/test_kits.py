@@ -198,6 +198,9 @@ def test_a_new_kit_needs_a_recipe_with_one_and_something_in_it(line, by_recipe):
 
 def test_another_recipe_begins_with_an_empty_kit(line, by_recipe):
     cycle(line, by_recipe)
+    assert "take it away and begin a new kit first" in refused(line, ChooseRecipe(2))
+    line.do(ChooseRecipe(1))
+    assert lacks_of(line.state) == {"peg": 1}, "the same recipe changes nothing"
     line.do(NewKit())
     assert summary(line.state)["kit"] == {
         "recipe": 1, "parts": 0, "complete": 0, "incomplete": 1,

@@ -183,6 +183,7 @@ def test_a_recipe_says_what_a_kit_consists_of(with_recipes, tmp_path):
         ("count = 2", "count = 1.5", "a whole number"),
         ("count = 2", "many = 2", "many"),
         ("in_order = true", "in_order = 1", "true or false"),
+        (KIT[KIT.index("[[recipe.item]]") :], "", "says nothing without"),
     ],
 )
 def test_a_kit_that_cannot_be_is_refused_with_its_key(with_recipes, was, becomes, says):

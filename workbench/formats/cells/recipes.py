@@ -37,6 +37,8 @@ def read_recipes(table: Table) -> tuple[Recipe, ...]:
                 recipe.flag("in_order", False),
             )
         )
+        if found[-1].in_order and not found[-1].items:
+            raise recipe.error("in_order", "says nothing without [[recipe.item]]")
         recipe.finish()
     if len(found) > MOST_RECIPES:
         raise table.error("recipe", f"{len(found)} recipes, {MOST_RECIPES} are allowed")

@@ -69,6 +69,8 @@ def gripper_of(
             "one or two are expected, and <mimic> for those that follow"
         )
     ways = [_moved(robot, found.followers, leaders, ends) for ends in _ends(robot, leaders)]
+    if not any(ways):
+        return _suction(robot, name)
     made = max((Jaws.of(moving, name) for moving in ways), key=lambda jaws: jaws.stroke[1])
     if made.stroke[1] - made.stroke[0] < LEAST_STROKE:
         raise InputError(f"gripper {name}: its fingers do not move apart along a line")

@@ -14,6 +14,12 @@ SAME_WAY = 1e-4
 MOST_SWING = 0.005
 """[m] By how much tips of a linkage may come forward as they close, unless somebody wants more."""
 
+END = 0.3
+"""Share of the length of a finger by which it takes parts."""
+
+SAME_REACH = 0.005
+"""[m] What reaches nearly as far as the tips of two fingers is a third one."""
+
 LEAST_STROKE = 0.005
 """[m] What opens by less is no gripper."""
 
@@ -79,11 +85,14 @@ class Jaws:
             for side, tip in zip(sides, tips, strict=True)
         ]
         first, second = (_joined(links) for links in with_tips)
-        low = np.array([(points @ apart).min() for points in first.points])
-        high = np.array([(points @ apart).max() for points in second.points])
+        low = np.array([(_end(points, along) @ apart).min() for points in first.points])
+        high = np.array([(_end(points, along) @ apart).max() for points in second.points])
         inner = np.array([low, high])
         behind = tuple(link for link in moving if not any(link in links for links in with_tips))
         middle = float(inner.mean())
+        reach = min(_farthest(tip, along) for tip in tips)
+        if third := [link.name for link in behind if _farthest(link, along) > reach - SAME_REACH]:
+            raise InputError(f"gripper {name}: two fingers are expected, {third[0]} is a third one")
         names = frozenset(link.name for link in moving)
         return cls(along, apart, middle, (first, second), behind, names, low - high)
 
@@ -152,6 +161,12 @@ def _goes_along(link: MovingLink, tip: MovingLink) -> bool:
         float(np.abs(points - shift - link.points[0]).max()) < SAME_WAY
         for points, shift in zip(link.points, shifts, strict=True)
     )
+
+
+def _end(points: Floats, along: Floats) -> Floats:
+    """The points (m, 3) [m] of a finger's end: farther back its carriage may pass the middle."""
+    far = points @ along
+    return np.asarray(points[far >= far.max() - END * np.ptp(far)])
 
 
 def _joined(links: Sequence[MovingLink]) -> MovingLink:

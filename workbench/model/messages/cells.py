@@ -87,6 +87,7 @@ class KitText(Text, subject="kit"):
     BEFORE = "{complete} {complete:kit|kits} complete, {incomplete} incomplete before it"
     TOTAL = "{complete} complete, {incomplete} incomplete"
     NOTHING = "the kit has no part yet"
+    NOT_TAKEN_AWAY = "the kit has parts; take it away and begin a new kit first"
     NO_KIT = "no recipe with a kit is chosen"
 
 

@@ -13,7 +13,7 @@ from workbench.app.core.value_checks import check_integer
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import recipe_of, with_recipe
 from workbench.model.errors import CommandRefused, InputError
-from workbench.model.messages.cells import RecipeText
+from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
 from workbench.model.messages.message import Message
 from workbench.model.recipes.kit import KitProgress
@@ -31,7 +31,7 @@ class ChooseRecipe(Command):
     def check(self, state: State, asked: Asked) -> None:
         check_integer("number", self.number, NO_RECIPE, HIGHEST)
         cell = by_recipe(state, self.number)
-        refuse(_placed_problem(state, cell))
+        refuse(_kit_problem(state, self.number) or _placed_problem(state, cell))
 
     def apply(self, state: State, entry: Entry) -> Decision:
         return _choose(state, self.number)
@@ -63,6 +63,12 @@ def _message(cell: Cell, number: int) -> Message:
     if number == NO_RECIPE:
         return RecipeText.NOT_CHOSEN()
     return RecipeText.CHOSEN(number=number, name=recipe_of(cell, number).name)
+
+
+def _kit_problem(state: State, number: int) -> Message | None:
+    """Why the recipe stays: its kit is being filled; else None."""
+    is_begun = bool(state.kit.parts) and number != state.cell.recipe
+    return KitText.NOT_TAKEN_AWAY() if is_begun else None
 
 
 def _placed_problem(state: State, cell: Cell) -> Message | None:
