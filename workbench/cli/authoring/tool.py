@@ -11,7 +11,6 @@ from workbench.formats.grippers.grippers import gripper_of, tool_name
 from workbench.formats.parts.new_part import check_name
 from workbench.formats.robots.descriptions import read_description
 from workbench.model.errors import InputError
-from workbench.model.messages.parts import DrawnText
 
 
 def add_tool(typed: CellTool) -> int:
@@ -35,7 +34,10 @@ def add_tool(typed: CellTool) -> int:
     for arm in typed.arm or [arm.name for arm in cell.arms]:
         cell = carrying(cell, cell.arm(arm).name, tool)
         if met := met_at_home(cell, arm):
-            raise InputError(DrawnText.MEETS(tool=name, body=met))
+            raise InputError(
+                f"tool {name} reaches into {met} while the {arm} arm is at home: its root link is "
+                "put onto the flange, z out of the arm; another home_deg in the cell file may do"
+            )
     path = cell_path(typed.cell)
     save_cell(path, cell)
     print(f"{path}: tool {name}, {len(tool.body)} solids and 2 fingers")
