@@ -39,8 +39,8 @@ def elsewhere(cell, **options):
 
 
 def another(approval, number):
-    """An approval of the same plan with a digest of its own."""
-    return replace(approval, at=approval.at + number * 1e-3)
+    """An approval of the same plan with a digest of its own, none of them in the future."""
+    return replace(approval, at=approval.at - number * 1e-3)
 
 
 class Sent(threading.Thread):
