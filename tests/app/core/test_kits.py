@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from line import Line
 
+from workbench.app.core.cell.changes import CellRead
 from workbench.app.core.cell.kits import NewKit, lacks_of
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.cycle.ahead import GoOn
@@ -15,6 +16,7 @@ from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import TakeScan
 from workbench.app.core.cycle.sending import LinkEnded, SendPlan
 from workbench.app.core.cycle.watching import WatchPlan
+from workbench.app.core.people import CELL_FILE
 from workbench.app.core.state import Phase
 from workbench.app.records.record import summary
 from workbench.model.errors import CommandRefused
@@ -224,3 +226,11 @@ def test_a_new_kit_leaves_a_plan_alone_that_takes_no_part(line, by_recipe):
     line.state = planned
     state = line.do(NewKit())
     assert (state.phase, state.plan) == (Phase.PLANNED, planned.plan)
+
+
+def test_parts_of_a_kit_whose_recipe_is_gone_hold_up_no_other_recipe(line, by_recipe):
+    cycle(line, by_recipe)
+    other = replace(line.state.whole, recipes=(ONE,))
+    state = line.do(CellRead(other), CELL_FILE)
+    assert state.cell.recipe == 0 and state.kit.parts
+    assert line.do(ChooseRecipe(2)).kit.parts == ()

@@ -52,17 +52,17 @@ def test_a_thousand_cycles_lose_nothing_and_bring_nothing_twice(planned):
 @pytest.mark.timeout(1800)
 def test_the_reference_client_does_as_well(planned):
     cell, plan, approval = planned
-    there, cycles = elsewhere(cell, ask_s=60.0), 50
+    there = elsewhere(cell, ask_s=60.0)
     with spoiled(there.controller.port, 8, often=2e-4) as (port, _):
         home = Program(there, port).joints()
         client = threading.Thread(
             target=reference().main,
             args=("127.0.0.1", port, *home),
-            kwargs={"cycles": cycles},
+            kwargs={"cycles": CYCLES},
             daemon=True,
         )
         client.start()
-        for number in range(cycles):
+        for number in range(CYCLES):
             checked(*Sent(there, plan, another(approval, 5000 + number)).ended(), plan)
         client.join(PATIENCE)
         assert not client.is_alive()

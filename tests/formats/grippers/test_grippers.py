@@ -167,6 +167,14 @@ def test_what_moves_without_a_body_sucks_too(tmp_path):
          + joint("jc", "prismatic", "palm", "c", "0 0 0.06", "0 1 0", mimic("ja", 1)),
          "c is a third one"),
         (PALM + FINGERS
+         + joint("ja", "prismatic", "palm", "a", "0 0 0.06", "1 0 0", limits(0, 0.02))
+         + joint("jb", "prismatic", "palm", "b", "0 0 0.06", "-1 0 0", mimic("jb", 1)),
+         "joint jb mimics itself"),
+        (PALM + FINGERS
+         + joint("ja", "prismatic", "palm", "a", "0 0 0.06", "1 0 0", mimic("jb", 1))
+         + joint("jb", "prismatic", "palm", "b", "0 0 0.06", "-1 0 0", mimic("ja", 1)),
+         "joint ja mimics itself"),
+        (PALM + FINGERS
          + joint("ja", "prismatic", "palm", "a", "0 0 0.06", "0 0 1", limits(0, 0.02))
          + joint("jb", "prismatic", "palm", "b", "0 0 0.06", "0 0 1", mimic("ja", 1)),
          "do not move apart along a line"),
@@ -177,6 +185,30 @@ def test_what_is_no_gripper_is_refused_in_one_sentence(tmp_path, body, says):
         tool(tmp_path, body)
 
 
+@pytest.mark.parametrize("widest", [1e-6, 0.004, 0.0449])
+def test_what_is_never_opened_as_far_as_it_is_when_closed_is_refused(tmp_path, widest):
+    apart = SLIDES.replace('xyz="0.005 0', 'xyz="0.025 0').replace('xyz="-0.005 0', 'xyz="-0.025 0')
+    with pytest.raises(
+        InputError, match=r"opens by 40.0 to 80.0 mm, so --widest-mm is more than 45"
+    ):
+        tool(tmp_path, apart.format(follows=mimic("ja", 1)), widest)
+
+
+def test_a_flat_finger_is_refused(tmp_path):
+    mesh = tmp_path / "flat.stl"
+    corners = "".join(
+        f"vertex {x} {y} {z}\n" for x, y, z in ((0, 0, 0), (0, 0.02, 0), (0, 0, 0.05))
+    )
+    facet = f"facet normal 1 0 0\nouter loop\n{corners}endloop\nendfacet\n"
+    mesh.write_text(f"solid x\n{facet}endsolid x\n", encoding="utf-8")
+    drawn = f'<visual><geometry><mesh filename="file://{mesh}"/></geometry></visual>'
+    body = PALM + f'<link name="a">{drawn}</link><link name="b">{drawn}</link>'
+    body += joint("ja", "prismatic", "palm", "a", "0.01 0 0.06", "1 0 0", limits(0, 0.02))
+    body += joint("jb", "prismatic", "palm", "b", "-0.01 0 0.06", "-1 0 0", mimic("ja", 1))
+    with pytest.raises(InputError, match="link a is flat"):
+        tool(tmp_path, body)
+
+
 def test_a_cell_is_made_with_a_gripper_from_its_file_and_gets_another_one(
     tmp_path, monkeypatch, capsys
 ):
@@ -184,7 +216,7 @@ def test_a_cell_is_made_with_a_gripper_from_its_file_and_gets_another_one(
     cell = tmp_path / "robots" / "mine" / "cell.toml"
     file = write(tmp_path, SLIDES.format(follows=mimic("ja", 1)))
     assert main(["cell", "tool", str(cell), str(file), "--arm", "left"]) == 0
-    assert "tool made_up, 1 solids and 2 fingers" in capsys.readouterr().out
+    assert "tool made_up, 1 solids and two fingers" in capsys.readouterr().out
     right, left = read_cell(cell).arms
     assert (right.tool.name, left.tool.name) == ("smart_gripper", "made_up")
     assert left.tool.stroke == pytest.approx((0.0, 0.04), abs=1e-6)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -111,11 +112,8 @@ def _with_tools(
     tools, notes = first_tools(typed.tool, typed.package_path, arms.hands)
     if typed.tool or not any(arms.hands):
         return *laid_out_with(tools), notes
-    try:
+    with suppress(InputError):  # of no bin that is reached
         found, unchecked = laid_out_with(tools)
-    except InputError:
-        pass  # no bin is reached with them
-    else:
         if found.takes:
             return found, unchecked, notes
     return *laid_out_with((gripper(),) * len(tools)), (OTHER_HAND,)

@@ -40,7 +40,8 @@ def add_tool(typed: CellTool) -> int:
             )
     path = cell_path(typed.cell)
     save_cell(path, cell)
-    print(f"{path}: tool {name}, {len(tool.body)} solids and 2 fingers")
+    takes_by = "two fingers" if tool.fingers else "a lip"
+    print(f"{path}: tool {name}, {len(tool.body)} solids and {takes_by}")
     for note in notes:
         print(f"- {note}")
     print("To decide: force_n and mass_g of the tool; grasps are for openings that it has")

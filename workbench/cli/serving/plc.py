@@ -1,4 +1,4 @@
-"""OPC UA and Modbus beside a bench, where somebody has asked for them."""
+"""OPC UA and Modbus for a bench, where somebody has asked for them."""
 
 import logging
 import os

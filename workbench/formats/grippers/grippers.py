@@ -1,8 +1,8 @@
 """A gripper's URDF or xacro file to a tool: its body, two fingers or a lip, stroke and TCP.
 
 Fingers of a cell move straight, those of linkages swing.  So a tool made here is a little larger
-than such a gripper: of each finger the last link moves, and is as large as all places that it gets
-to beside its straight way.  What moves behind it counts as body, at all its places at once.
+than such a gripper: of each finger the last link moves, and holds all places of its own that are
+off its straight way.  What moves behind it counts as body, at all its places at once.
 """
 
 import re
@@ -12,7 +12,6 @@ from itertools import product
 
 import numpy as np
 import pinocchio as pin
-import trimesh
 
 from workbench.formats.grippers.jaws import LEAST_STROKE, Jaws, MovingLink, nearest_axis
 from workbench.formats.meshes.pieces.convex_pieces import hull_of
@@ -61,6 +60,7 @@ def gripper_of(
     """
     robot, _ = simplify_robot(_without_coarse(found.robot), tolerance=TOLERANCE, most=MOST_PIECES)
     leaders = [joint.name for joint in robot.joints if joint.kind != "fixed"]
+    _check_followers(found.followers, name)
     if not leaders:
         return _suction(robot, name)
     if len(leaders) > 2:
@@ -71,16 +71,33 @@ def gripper_of(
     ways = [_moved(robot, found.followers, leaders, ends) for ends in _ends(robot, leaders)]
     if not any(ways):
         return _suction(robot, name)
-    made = max((Jaws.of(moving, name) for moving in ways), key=lambda jaws: jaws.stroke[1])
-    if made.stroke[1] - made.stroke[0] < LEAST_STROKE:
+    whole = max((Jaws.of(moving, name) for moving in ways), key=lambda jaws: jaws.stroke[1])
+    low, high = whole.stroke
+    if high - low < LEAST_STROKE:
         raise InputError(f"gripper {name}: its fingers do not move apart along a line")
-    made = made.within(widest)
-    if made.stroke[1] - made.stroke[0] < LEAST_STROKE:
+    if widest is not None and widest - low < LEAST_STROKE:
+        raise InputError(
+            f"gripper {name}: it opens by {1000 * low:.1f} to {1000 * high:.1f} mm, so --widest-mm "
+            f"is more than {1000 * (low + LEAST_STROKE):.0f}"
+        )
+    jaws = whole.within(widest)
+    if jaws.stroke[1] - jaws.stroke[0] < LEAST_STROKE:
         raise InputError(
             f"gripper {name}: straight fingers cannot stand for its own, which swing; --widest-mm "
             "takes them as far as it says"
         )
-    return _made(robot, made, name), (*found.notes, *made.notes)
+    return _made(robot, jaws, name), (*found.notes, *jaws.notes)
+
+
+def _check_followers(followers: Sequence[Follower], name: str) -> None:
+    """Refuse joints that follow each other in a circle."""
+    leaders = {follower.joint.name: follower.leader for follower in followers}
+    for joint in leaders:
+        at = joint
+        for _ in followers:
+            at = leaders.get(at, "")
+        if at in leaders:
+            raise InputError(f"gripper {name}: joint {joint} mimics itself")
 
 
 def tool_name(found: Description) -> str:
@@ -182,9 +199,8 @@ def _moved(
         }
         poses = {robot.root: pin.SE3.Identity()}
         for joint in robot.joints:
-            there = joint.at(_value(joint.name, values, known))
-            if joint.name in known:
-                there = known[joint.name].joint.at(_value(joint.name, values, known))
+            moving = known[joint.name].joint if joint.name in known else joint
+            there = moving.at(_value(joint.name, values, known))
             poses[joint.child] = poses[joint.parent] * there.T_parent_joint
         for name, own in points.items():
             placed[name].append(own @ poses[name].rotation.T + poses[name].translation)
@@ -219,8 +235,7 @@ def _made(robot: Robot, jaws: Jaws, name: str) -> Tool:
 
 
 def _hull(name: str, points: Floats, colour: tuple[float, float, float]) -> Solid:
-    around = trimesh.PointCloud(points).convex_hull
-    hull = hull_of(Mesh(np.asarray(around.vertices), np.asarray(around.faces)))
+    hull = hull_of(Mesh(points, np.empty((0, 3))))
     if hull is None:
-        raise InputError(f"link {name} is flat")
+        raise InputError(f"link {name} is flat, so it takes no part")
     return Solid(name, hull, pin.SE3.Identity(), colour)

@@ -112,7 +112,7 @@ JOBS: Mapping[int, Job] = {
     23: _plain(TakeControl),
     24: _plain(ReleaseControl),
 }
-"""Numbers below 20 are those of the pick server's jobs."""
+"""Numbers below 12 are those of the pick server's jobs."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -102,7 +102,7 @@ class Exchange:
 
 
 class ModbusServer:
-    """A server beside a bench.
+    """A server for a bench.
 
     Lifetime: from construction, which returns when clients can come, until `close`.
 

@@ -11,7 +11,7 @@ from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Ri
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_integer
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import recipe_of, with_recipe
+from workbench.model.derived.by_recipe import kit_of, recipe_of, with_recipe
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
@@ -67,8 +67,8 @@ def _message(cell: Cell, number: int) -> Message:
 
 def _kit_problem(state: State, number: int) -> Message | None:
     """Why the recipe stays: its kit is being filled; else None."""
-    is_begun = bool(state.kit.parts) and number != state.cell.recipe
-    return KitText.NOT_TAKEN_AWAY() if is_begun else None
+    is_begun = bool(kit_of(state.cell) and state.kit.parts)
+    return KitText.NOT_TAKEN_AWAY() if is_begun and number != state.cell.recipe else None
 
 
 def _placed_problem(state: State, cell: Cell) -> Message | None:
