@@ -1,9 +1,10 @@
 """The section on pallets in layers of the page "Parts where you want them", and its cell."""
 
 import re
-import shlex
 import tomllib
 from pathlib import Path
+
+from page_commands import follow
 
 from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
@@ -15,11 +16,7 @@ PALLET = ROOT / "robots" / "tx2_90" / "pallet.toml"
 
 def test_the_page_leads_to_a_part_on_the_pallet(tmp_path, monkeypatch, capsys):
     _, block = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
-    for name in ("robots", "parts"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    monkeypatch.chdir(tmp_path)
-    for _, *words in map(shlex.split, block.splitlines()):
-        assert main(words) == 0, words
+    follow(block, tmp_path, monkeypatch)
     said = capsys.readouterr().out
     assert "right pallet 1: 8 places in layers" in said
     assert "nothing speaks against this cell" in said and said.count("proof holds") == 2

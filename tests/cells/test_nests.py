@@ -1,14 +1,13 @@
 """The page "Parts where you want them", followed literally, and the cell that it is about."""
 
 import re
-import shlex
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from page_commands import follow
 
-from workbench.cli.main import main
 from workbench.formats.cells.reading import read_cell
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -18,15 +17,9 @@ NESTS = ROOT / "robots" / "yumi" / "nests.toml"
 
 @pytest.mark.extensive
 def test_the_page_leads_to_parts_that_stand_in_nests(tmp_path, monkeypatch, capsys):
-    """In one process, which has the compiled code already: the commands are those of the page."""
     block, _ = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
-    for name in ("robots", "parts"):
-        (tmp_path / name).symlink_to(ROOT / name)
-    monkeypatch.chdir(tmp_path)
-    lines = [shlex.split(line) for line in block.splitlines()]
-    assert [line[0] for line in lines] == [".venv/bin/workbench"] * 4
-    for _, *words in lines:
-        assert main(words) == 0, words
+    assert block.count("\n") == 4
+    follow(block, tmp_path, monkeypatch)
     said = capsys.readouterr().out
     assert "nothing speaks against this cell" in said
     assert said.count("proof holds") == 2 and "right part-1" in said and "left part-2" in said

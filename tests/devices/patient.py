@@ -9,8 +9,10 @@ from typing import Protocol, TypeVar
 
 from waiting import PATIENCE
 
+from workbench.devices.abb_simulated.controller import SimulatedController
+from workbench.model.cell import Cell
 from workbench.plugins import robot_link
-from workbench.plugins.robot_link import LinkPatience
+from workbench.plugins.robot_link import LinkPatience, Simulation
 
 PATIENT = LinkPatience(
     silence=PATIENCE, answer=PATIENCE, stop=PATIENCE, report=PATIENCE, doubt=PATIENCE
@@ -41,11 +43,20 @@ def in_threads() -> Generator[Callable[[Controller], Controller]]:
         running.append((one, thread))
         return one
 
-    yield started
-    for one, thread in running:
-        one.stop()
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+    try:
+        yield started
+    finally:
+        for one, thread in running:
+            one.stop()
+            thread.join(PATIENCE)
+            assert not thread.is_alive()
+
+
+@contextmanager
+def running(cell: Cell) -> Generator[SimulatedController]:
+    """A simulated ABB controller with the arms of a cell."""
+    with in_threads() as started:
+        yield started(SimulatedController(cell, Simulation(speed=1000.0), patience=PATIENT))
 
 
 class Hurried:

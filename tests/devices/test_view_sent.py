@@ -1,18 +1,15 @@
 """The path to the view goes out over every simulated controller, which then stands there."""
 
-import threading
 import time
-from collections.abc import Generator
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from arm_scanner_cell import on_arm_cell, parked, six_axes_cell
-from patient import PATIENT
+from patient import running
 from pick_scenes import Program, Sent, elsewhere
 from twins import own_host, twin_of
-from waiting import PATIENCE, lasting
+from waiting import lasting
 
 from workbench.app.core.cycle.approval import approve
 from workbench.app.viewing.view_plan import plan_view
@@ -21,7 +18,7 @@ from workbench.model.cell import Cell
 from workbench.model.errors import LinkError, WorkbenchError
 from workbench.model.plan import Plan
 from workbench.model.release import Approval, Receipt
-from workbench.plugins.robot_link import Simulation, controller_by, send
+from workbench.plugins.robot_link import controller_by, send
 
 
 @pytest.fixture(scope="module")
@@ -33,18 +30,6 @@ def approved(cell: Cell) -> tuple[Plan, Approval]:
     result = plan_view(cell)
     assert result.plan is not None and result.proof is not None
     return result.plan, approve(cell, result.plan, result.proof, "ada", time.time())
-
-
-@contextmanager
-def running(cell: Cell) -> Generator[SimulatedController]:
-    controller = SimulatedController(cell, Simulation(speed=1000.0), patience=PATIENT)
-    thread = threading.Thread(target=controller.run)
-    thread.start()
-    try:
-        yield controller
-    finally:
-        controller.stop()
-        thread.join(PATIENCE)
 
 
 def sent(cell: Cell, controller: SimulatedController, protocol: str) -> list[Receipt]:

@@ -1,38 +1,21 @@
 """Cells with one arm of any name and with three arms, over real TCP."""
 
-import threading
 import time
-from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
-from patient import PATIENT, send
+from patient import running, send
 from three_arms import write_cell
-from waiting import PATIENCE
 
 from workbench.app.picking.pipeline import plan_pick
-from workbench.devices.abb_simulated.controller import SimulatedController
 from workbench.formats.cells.reading import read_cell
 from workbench.model.errors import ProtocolError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.release import Approval
 from workbench.model.scan import Detection
-from workbench.plugins.robot_link import Simulation, controller_by
+from workbench.plugins.robot_link import controller_by
 
 PARTS = tuple(Detection("puck", pose_from_rpy((x, -0.08, 0.0075))) for x in (-0.1, 0.1))
-
-
-@contextmanager
-def running(cell):
-    """A simulated controller with the arms of a cell."""
-    one = SimulatedController(cell, Simulation(speed=1000.0), patience=PATIENT)
-    thread = threading.Thread(target=one.run)
-    thread.start()
-    try:
-        yield one
-    finally:
-        one.stop()
-        thread.join(PATIENCE)
 
 
 def sent(cell, controller, strategy, protocol="abb-socket/2"):

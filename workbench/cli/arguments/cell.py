@@ -112,7 +112,7 @@ class CellTool:
 
     cell: Positional[CellName]
     gripper: Positional[Path]
-    """URDF or xacro, with its meshes beside or above it."""
+    """URDF or xacro, in a folder with its meshes or below one."""
     name: str = ""
     """Name of the tool; that of the robot in the file when not given."""
     arm: tuple[str, ...] = ()

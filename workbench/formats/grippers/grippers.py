@@ -235,7 +235,7 @@ def _made(robot: Robot, jaws: Jaws, name: str) -> Tool:
 
 
 def _hull(name: str, points: Floats, colour: tuple[float, float, float]) -> Solid:
-    hull = hull_of(Mesh(points, np.empty((0, 3))))
+    hull = hull_of(Mesh(points, np.empty((0, 3), np.int32)))
     if hull is None:
         raise InputError(f"link {name} is flat, so it takes no part")
     return Solid(name, hull, pin.SE3.Identity(), colour)
