@@ -33,7 +33,7 @@ def places(page) -> dict[str, np.ndarray]:
     """Where the parts of the film are, in the only browser that is there."""
     (visitor,) = page._renderer._visitors.values()
     scene = visitor.client.scene
-    names = [f"part-{number}" for number in range(1, 5)]
+    names = [f"part-{number}" for number in range(1, 8)]
     nodes = {name: scene.get_handle_by_name(f"/film/{name}") for name in names}
     return {name: np.array(node.position) for name, node in nodes.items() if node is not None}
 
@@ -41,17 +41,17 @@ def places(page) -> dict[str, np.ndarray]:
 def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait):
     screen.tab("Emptying")
     screen.wait_for("is shown here, and what stays, once piles were emptied")
-    fill(screen, "Parts", 4)
+    fill(screen, "Parts", 7)
     fill(screen, "Piles", 1)
     fill(screen, "Seed", 13)
     screen.press("Empty piles")
     wait(lambda: bench.state.emptying is not None, "the pile to be empty")
     pile = bench.state.emptying.plain[0]
-    assert (pile.task.count, pile.task.seed, pile.task.seen) == (4, 13, "truth")
-    assert 0 < pile.taken < 4, "this seed is for a pile of which something stays"
+    assert (pile.task.count, pile.task.seed, pile.task.seen) == (7, 13, "truth")
+    assert 0 < pile.taken < 7, "this seed is for a pile of which something stays"
     row = screen.page.locator(".wb-piles tbody tr")
     expect(row).to_have_count(1)
-    expect(row).to_contain_text(f"{pile.taken} of 4")
+    expect(row).to_contain_text(f"{pile.taken} of 7")
     expect(screen.page.locator(".wb-left tbody tr")).to_have_count(len(pile.left))
     kind = str(pile.left[0].kind_message)
     expect(screen.page.locator(".wb-left tbody tr").first).to_contain_text(kind)
@@ -59,7 +59,7 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
 
     screen.press("Play film")
     # Looked at before anything that takes a browser on a busy machine as long as the first pick.
-    wait(lambda: len(places(page)) == 4, "the pile as it fell")
+    wait(lambda: len(places(page)) == 7, "the pile as it fell")
     began = places(page)
     screen.page.locator('.wb-mode[data-mode="film"]').wait_for()
     expect(screen.page.locator(".wb-mode")).to_contain_text("Simulation")
@@ -87,7 +87,7 @@ def test_a_pile_is_emptied_counted_and_shown_as_a_film(screen, page, bench, wait
     expect(box).to_have_value("1")
     screen.press("What stays")
     wait(lambda: len(places(page)) == len(pile.left), "what stays")
-    screen.wait_for(f"The end: {pile.taken} of 4 taken, {len(pile.left)} left")
+    screen.wait_for(f"The end: {pile.taken} of 7 taken, {len(pile.left)} left")
     screen.page.locator(".wb-left tbody tr").first.click()
     expect(screen.page.locator(".wb-left tbody tr").first).to_have_attribute(
         "style", "background:var(--wb-chosen)"

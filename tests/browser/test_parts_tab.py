@@ -58,6 +58,8 @@ def test_an_uploaded_scan_gives_parts_to_veto_and_correct(screen, bench, wait, r
     rows.nth(0).click()
     pause(screen.page, 300)
     screen.press("Show gizmo")
+    # The camera has gone to the row: back to where the mouse is worked out from.
+    screen.page.get_by_text("Default view", exact=True).click()
     settle(screen.page, 1000)
     T = bench.state.detections[0].T_world_part
     camera = first_look(screen.page, bench.state.cell)

@@ -65,7 +65,7 @@ files; and what viser and the browser say themselves."""
 def marked(message: str) -> str:
     """A message in no language: what is fixed in it stands in brackets, its places between them."""
     return "".join(
-        re.sub(r"(\w+)\|(\w+)", r"⟦\1⟧|⟦\2⟧", piece)
+        re.sub(r":([^|]+)\|([^|}]+)", r":⟦\1⟧|⟦\2⟧", piece)
         if number % 2
         else f"⟦{piece}⟧"
         if piece

@@ -57,7 +57,7 @@ def test_the_robot_is_measured_to_as_it_is_drawn(visitor, states, view_of, resul
     asked = []
     monkeypatch.setattr(
         workbench.gui.scene.measure,
-        "met",
+        "pick_point",
         lambda origin, direction, cell, q, points: asked.append(q) or origin,
     )
     panel = CellPanel(visitor)

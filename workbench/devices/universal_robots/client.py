@@ -8,6 +8,7 @@ this: then nobody writes `ALIVE`, and the controller stops a program of ours.
 
 import importlib
 import json
+import math
 import os
 import select
 import sys
@@ -95,7 +96,8 @@ def _read_state(robot: Any) -> dict[str, Any]:
             "leg": robot.getOutputIntRegister(PROGRESS),
             "begun": [robot.getOutputIntRegister(register) for register in BEGUN],
         }
-        if robot.getTimestamp() == at:
+        # A time that is no number equals none; whoever receives the state refuses it.
+        if math.isnan(at) or robot.getTimestamp() == at:
             return state
 
 

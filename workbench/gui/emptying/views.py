@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any, Literal
 
-from workbench.gui.shared.colours import left_colour
+from workbench.gui.shared.colours import badge, left_colour
 from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import line, sentence, table_html
 from workbench.gui.texts.emptying import EmptyingText
@@ -232,8 +232,7 @@ def left_html(
     body = "".join(
         f"<tr{mark_attribute(left_part.part == _name(chosen))} {clickable(rows[place])}>"
         f'<td translate="no">{escape(left_part.part)}</td>'
-        f'<td><span class="wb-verdict" style="background:{left_colour(left_part.kind)}">'
-        f"{escape(words.render(left_part.kind_message))}</span> "
+        f"<td>{badge(left_colour(left_part.kind), words.render(left_part.kind_message))} "
         f"{escape(sentence(words.render(left_part.reason)))}."
         f'<div class="wb-pair">{escape(words.render(fix_message(left_part.nearest_fix)))}</div>'
         "</td></tr>"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import State
-from workbench.gui.shared.colours import part_colour
+from workbench.gui.shared.colours import badge, part_colour
 from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import clock, line, mm, table_html
 from workbench.gui.texts.parts import PartsText
@@ -119,7 +119,7 @@ def _row(number: int, detection: Detection, is_chosen: bool, button: str, words:
         _deviations(detection, words),
     )
     numbers = "".join(f'<td class="wb-number">{escape(value)}</td>' for value in values)
-    dot = f'<span class="wb-verdict" style="background:{part_colour(number)}">{number + 1}</span>'
+    dot = badge(part_colour(number), str(number + 1))
     return (
         f"<tr{mark_attribute(is_chosen)} {clickable(button)}><td>{dot}</td>"
         f'<td translate="no">{escape(detection.part)}</td>{numbers}'

@@ -8,7 +8,7 @@ import numpy as np
 from workbench.app.calibration.calibration import corner_errors, moved_by
 from workbench.app.core.state import State
 from workbench.gui.shared.calibrating import CLOSE, OFF, Overlay
-from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED
+from workbench.gui.shared.colours import BAD, BUSY, GOOD, MUTED, badge
 from workbench.gui.shared.tables import clickable, mark_attribute
 from workbench.gui.shared.views import day_and_time, line, mm, sentence, table_html
 from workbench.gui.texts.calibration import CalibrationText
@@ -132,7 +132,7 @@ def _pose_row(
         predicted = "open" if residual.predicted is None else words.render(_off(residual.predicted))
         colour = LIGHTS[residual.light]
         says = words.render(residual.left_out) or "yes"
-    dot = f'<span class="wb-verdict" style="background:{colour}">{escape(observation.name)}</span>'
+    dot = badge(colour, observation.name)
     return (
         f'<tr{mark_attribute(is_chosen)} title="{escape(says)}" {clickable(button)}><td>{dot}</td>'
         f'<td class="wb-number">{escape(distance)}</td><td class="wb-number">{escape(angle)}</td>'

@@ -1,5 +1,7 @@
 """The colours of the page and the scene: each means one thing everywhere."""
 
+from html import escape
+
 from workbench.gui.shared.solids import Colour
 from workbench.model.candidate import Reason
 
@@ -16,7 +18,7 @@ VERDICTS: dict[Reason, str] = {
     Reason.ARM_NOT_ALLOWED: MUTED,
     Reason.TOOL_COLLISION: "#e03131",
     Reason.ROLL_UNKNOWN: "#1864ab",
-    Reason.OUT_OF_REACH: "#d9480f",
+    Reason.OUT_OF_REACH: "#d1440c",
     Reason.IN_COLLISION: BAD,
     Reason.APPROACH_BLOCKED: "#b35c00",
     Reason.EXTRACT_BLOCKED: "#996b00",
@@ -28,6 +30,9 @@ VERDICTS: dict[Reason, str] = {
 }
 """Green works, grey was not asked for, red touches, orange and ochre get stuck on the way;
 violet finds no way, cyan ran out of time, blue wants another scan; a margin is a warning."""
+
+BRIGHT = 0.183
+"""Luminance, 0 to 1, from which white letters have a contrast below 4.5."""
 
 KINDS = tuple(Reason)
 """All kinds of verdicts, in the order in which the page lists them."""
@@ -88,6 +93,15 @@ def rgb_of(hexadecimal: str) -> Colour:
     """`#rrggbb` as red, green, blue, 0..255."""
     value = int(hexadecimal[1:], 16)
     return value >> 16, value >> 8 & 255, value & 255
+
+
+def badge(colour: str, text: str) -> str:
+    """A text on a patch of a colour `#rrggbb`, white or black, whichever is read better."""
+    parts = (value / 255 for value in rgb_of(colour))
+    r, g, b = (v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in parts)
+    luminance = 0.2126 * r + 0.7152 * g + 0.0722 * b  # relative, as WCAG 2.2 defines it
+    ink = "#fff" if luminance < BRIGHT else "#111"
+    return f'<span class="wb-verdict" style="background:{colour};color:{ink}">{escape(text)}</span>'
 
 
 def part_colour(index: int) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Literal
 
-from workbench.gui.shared.colours import KINDS, verdict_colour
+from workbench.gui.shared.colours import KINDS, badge, verdict_colour
 from workbench.gui.shared.views import mm
 from workbench.model.candidate import Candidate, Reason, Stage
 from workbench.words.words import IN_ENGLISH, Words
@@ -261,8 +261,8 @@ def _row_html(candidate: Candidate, button: str, words: Words) -> str:
         f"<td>{candidate.detection + 1}</td>"
         f'<td translate="no">{escape(candidate.grasp.name)}</td>'
         f'<td translate="no">{escape(candidate.arm)}</td>'
-        f'<td><span class="wb-verdict" style="background:{verdict_colour(kind)}">'
-        f'{escape(words.render(kind.message))}</span><div class="wb-pair">{escape(pair)}</div></td>'
+        f"<td>{badge(verdict_colour(kind), words.render(kind.message))}"
+        f'<div class="wb-pair">{escape(pair)}</div></td>'
         f'<td class="wb-number">{escape(distance)}</td>'
         f'<td class="wb-number">{candidate.rank:.2f}</td></tr>'
     )
