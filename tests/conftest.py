@@ -40,7 +40,7 @@ LONGEST = (
     "browser/test_page.py",
     "portable",
     "browser/test_watching.py",
-    "web/opcua",
+    "extras/opcua",
     "browser/test_grasps_tab.py",
     "examples",
     "browser/test_cell_tab.py",
