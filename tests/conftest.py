@@ -62,7 +62,16 @@ LONGEST = (
 another one that has just begun with one of them.  Browsers, which wait much and draw with a
 priority of their own, take turns with what computes."""
 
-COUNTED = ("model/", "formats/", "planning/", "proof/", "devices/", "journal/", "app/")
+COUNTED = (
+    "model/",
+    "formats/",
+    "planning/",
+    "proof/",
+    "devices/",
+    "journal/",
+    "app/",
+    "extras/mcap/",
+)
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).
 The others pass through these layers too, in half the time when nobody counts, and what only they
 reach is not tested where it should be."""

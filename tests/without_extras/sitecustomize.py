@@ -6,7 +6,7 @@ A process takes it up whose `PYTHONPATH` names this folder, and so do all that i
 import sys
 from importlib.abc import MetaPathFinder
 
-LACKING = ("workbench.extras", "asyncua", "pymodbus")
+LACKING = ("workbench.extras", "asyncua", "mcap", "pymodbus")
 
 
 class Nothing(MetaPathFinder):

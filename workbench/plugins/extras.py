@@ -7,7 +7,7 @@ from workbench.model.errors import InputError
 
 SHELF = "workbench.extras"
 
-LIBRARIES = {"modbus": "pymodbus", "opcua": "asyncua"}
+LIBRARIES = {"mcap": "mcap", "modbus": "pymodbus", "opcua": "asyncua"}
 """What an extra needs and `pip install 'workbench[extra]'` brings."""
 
 

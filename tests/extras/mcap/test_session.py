@@ -19,7 +19,7 @@ pytest.importorskip("mcap", reason="mcap is not installed: pip install 'workbenc
 
 from mcap.reader import make_reader
 
-from workbench.app.records.mcap_session import export_mcap
+from workbench.extras.mcap.session import export_mcap
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "sessions" / "example"
 

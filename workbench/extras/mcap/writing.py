@@ -8,8 +8,8 @@ from typing import Any
 
 from mcap.writer import Writer
 
+from workbench.extras.mcap.foxglove import SCHEMAS, nanoseconds
 from workbench.formats.files.whole_files import partial_of
-from workbench.formats.mcap.foxglove import SCHEMAS, nanoseconds
 from workbench.model.errors import FileError
 
 

@@ -17,8 +17,8 @@ from workbench.app.core.state import Phase, State
 from workbench.app.records.replay import replay
 from workbench.app.records.session_archive import list_session
 from workbench.app.records.sessions import cell_of
-from workbench.formats.mcap import foxglove
-from workbench.formats.mcap.writing import McapFile, mcap_file
+from workbench.extras.mcap import foxglove
+from workbench.extras.mcap.writing import McapFile, mcap_file
 from workbench.journal.journal import Journal
 from workbench.model.cell import Cell
 from workbench.model.errors import JournalError
