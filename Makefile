@@ -35,7 +35,8 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	cli/picking/test_scan_units.py cli/serving/test_files_in_motion.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
-	devices/universal_robots/test_ur_hostile.py examples foreign formats/meshes/test_convex_pieces.py \
+	devices/universal_robots/test_ur_hostile.py examples extras/bop/test_searching.py \
+	extras/opcua/test_opcua.py foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
 	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
@@ -46,7 +47,7 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	portable proof/claims/timing/test_point_speed.py \
 	proof/claims/test_bent_kinds.py proof/test_good_plans.py proof/test_judge.py \
 	robots/test_third_party.py studies test_new_part.py test_new_robot.py testing \
-	web/api/test_fuzz.py web/http/test_crowds.py extras/opcua/test_opcua.py
+	web/api/test_fuzz.py web/http/test_crowds.py
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \

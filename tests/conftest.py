@@ -70,6 +70,7 @@ COUNTED = (
     "devices/",
     "journal/",
     "app/",
+    "extras/bop/",
     "extras/mcap/",
 )
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).

@@ -109,7 +109,6 @@ HOW: Mapping[type, str] = {
     studies.StudyPlacing: "measuring.placing:placing",
     studies.StudyPallets: "measuring.pallets:pallets",
     studies.StudyGrips: "measuring.grips:grips",
-    studies.StudyBop: "measuring.bop:study_bop",
     cell.CellNew: "authoring.new_cell:new_cell",
     cell.CellCheck: "authoring.cell_check:check_cell",
     cell.CellShow: "authoring.cell:show_cell",
@@ -142,6 +141,7 @@ HOW: Mapping[type, str] = {
 """The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
 OF_EXTRAS: Mapping[type, tuple[str, str]] = {
+    studies.StudyBop: ("bop.commands:study_bop", "this needs"),
     top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
 }
 """The function of an extra that carries a command out, and what is said where the extra lacks."""

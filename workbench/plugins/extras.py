@@ -8,7 +8,7 @@ from workbench.model.errors import InputError
 SHELF = "workbench.extras"
 
 LIBRARIES = {"mcap": "mcap", "modbus": "pymodbus", "opcua": "asyncua"}
-"""What an extra needs and `pip install 'workbench[extra]'` brings."""
+"""The library that an extra needs, if any, and that `pip install 'workbench[extra]'` brings."""
 
 
 def from_extra(target: str, who: str) -> Any:
@@ -30,4 +30,6 @@ def from_extra(target: str, who: str) -> Any:
 
 def needed(extra: str) -> str:
     """What to install for an extra, as a sentence ends that says what is missing."""
+    if extra not in LIBRARIES:
+        return f"{SHELF}.{extra}, which is not installed"
     return f"the library {LIBRARIES[extra]}: pip install 'workbench[{extra}]'"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from workbench.formats.bop.models import LARGEST_FILE, whole_name
+from workbench.extras.bop.models import LARGEST_FILE, whole_name
 from workbench.formats.files.json_keys import parse_object
 from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import is_file, read_whole

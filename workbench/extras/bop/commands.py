@@ -1,21 +1,16 @@
 """`workbench study bop`: the localizer on a data set in BOP's layout, measured as BOP does it."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.studies import StudyBop
 from workbench.cli.exits import SUCCESS
+from workbench.cli.measuring.precision_columns import BOP_COLUMNS, bop_words
 from workbench.cli.terminal import check_whole, print_json, print_table, progress
-from workbench.formats.bop.results import read_results, write_results
+from workbench.extras.bop.results import read_results, write_results
+from workbench.extras.bop.searching import DataSet, figures_of
 from workbench.formats.cells.reading import read_cell
-from workbench.studies.bop.searching import DataSet, figures_of
 
 MOST = 1_000_000
-
-BOP_ERRORS = ("mssd", "mssd_mm", "mspd", "bop24")
-BOP_COLUMNS = ("AP MSSD", "AP MSSD mm", "AP MSPD", "AP")
 
 
 def study_bop(typed: StudyBop) -> int:
@@ -51,9 +46,3 @@ def study_bop(typed: StudyBop) -> int:
     if seconds is not None:
         print(f"{seconds:.2f} s an image")
     return SUCCESS
-
-
-def bop_words(figures: Mapping[str, Any]) -> tuple[str, ...]:
-    """The average precisions, as a table has them."""
-    values = (figures.get(name) for name in BOP_ERRORS)
-    return tuple("" if value is None else f"{value:.3f}" for value in values)

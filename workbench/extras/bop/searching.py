@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.app.runtime.work import find_parts
-from workbench.formats.bop.models import ObjectModel, read_models
-from workbench.formats.bop.results import PoseEstimate
-from workbench.formats.bop.scenes import BopImage, depth_width, read_depth, read_images
+from workbench.extras.bop.models import ObjectModel, read_models
+from workbench.extras.bop.results import PoseEstimate
+from workbench.extras.bop.scenes import BopImage, depth_width, read_depth, read_images
 from workbench.model.cell import Cell
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats

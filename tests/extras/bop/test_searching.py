@@ -9,7 +9,8 @@ import pytest
 from bop_set import write_bop_set
 
 from workbench.cli.main import main
-from workbench.formats.bop.results import read_results, write_results
+from workbench.extras.bop.results import read_results, write_results
+from workbench.extras.bop.searching import DataSet, figures_of, place_of
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import InputError
@@ -17,7 +18,6 @@ from workbench.model.geometry import pose_from_rpy
 from workbench.model.scan import ALL_KINDS
 from workbench.perception.simulation.piles import pile_of
 from workbench.perception.simulation.synthesize import synthesize
-from workbench.studies.bop.searching import DataSet, figures_of, place_of
 
 NUMBERS = {"bracket": 3, "bolt": 14}
 

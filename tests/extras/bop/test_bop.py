@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from mutations import mutated, only_file_errors
 from PIL import Image
 
-from workbench.formats.bop.models import read_models
-from workbench.formats.bop.results import HEADER, PoseEstimate, read_results, write_results
-from workbench.formats.bop.scenes import BopImage, read_depth, read_images
+from workbench.extras.bop.models import read_models
+from workbench.extras.bop.results import HEADER, PoseEstimate, read_results, write_results
+from workbench.extras.bop.scenes import BopImage, read_depth, read_images
 from workbench.formats.parts.reading import read_part
 from workbench.model.errors import FileError
 from workbench.model.geometry import pose_from_rpy
