@@ -35,7 +35,8 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	cli/picking/test_scan_units.py cli/serving/test_files_in_motion.py \
 	devices/abb_egm/test_egm_rapid.py devices/pick_server/test_pick_cycles.py \
 	devices/rapid/test_modules.py devices/rapid/test_wires.py \
-	devices/universal_robots/test_ur_hostile.py examples foreign formats/meshes/test_convex_pieces.py \
+	devices/universal_robots/test_ur_hostile.py examples extras/bop/test_searching.py \
+	extras/opcua/test_opcua.py foreign formats/meshes/test_convex_pieces.py \
 	formats/parts/test_part_import.py gui/drawing/test_film.py gui/drawing/test_watching.py \
 	gui/scene/test_measure.py packaging/test_bundle.py perception/calibration/test_opencv.py \
 	perception/calibration/test_sureness.py perception/colours/test_telling.py \
@@ -46,7 +47,7 @@ EXTENSIVE := app/calibration/test_next_pose.py app/core/test_any_sequence.py \
 	portable proof/claims/timing/test_point_speed.py \
 	proof/claims/test_bent_kinds.py proof/test_good_plans.py proof/test_judge.py \
 	robots/test_third_party.py studies test_new_part.py test_new_robot.py testing \
-	web/api/test_fuzz.py web/http/test_crowds.py web/opcua/test_opcua.py
+	web/api/test_fuzz.py web/http/test_crowds.py
 
 # What `make test-fast` leaves out: browsers, whole commands, and what takes longest in its folder.
 SLOW := browser cells cli examples packaging perception plugins portable proof studies testing \
@@ -54,7 +55,7 @@ SLOW := browser cells cli examples packaging perception plugins portable proof s
 	app/emptying app/evidence app/calibration/test_calibration.py app/calibration/test_first_scan.py \
 	app/picking/test_part_import.py app/picking/test_row.py app/runtime/test_effect_runner.py \
 	app/runtime/test_jobs.py app/runtime/test_killed.py app/runtime/test_link_faults.py \
-	app/runtime/test_readiness.py devices/abb_egm devices/abb_socket/test_abb_program_link.py \
+	app/runtime/test_readiness.py extras devices/abb_egm devices/abb_socket/test_abb_program_link.py \
 	devices/abb_socket/test_stepped.py devices/genicam devices/rapid \
 	devices/scanners/test_merged.py formats/cells/test_cell_edits.py \
 	formats/klampt/test_klampt_robot.py formats/parts/test_part_import.py gui/cell/test_jog.py \
@@ -75,12 +76,13 @@ ARGS :=
 
 export PYTHON
 
-.PHONY: help run test test-all test-fast test-portable foreign lint docs everything installed packages bench pictures words bundle constraints clean
+.PHONY: help run test test-all test-core test-fast test-portable foreign lint docs everything installed packages bench pictures words bundle constraints clean
 
 help:
 	@echo "make run       start the workbench on the simulated YuMi cell and print its link"
 	@echo "make test      run the tests of the gate"
 	@echo "make test-fast run those that take little, while you work"
+	@echo "make test-core run those of the core, as where no extra is installed"
 	@echo "make test-all  run all tests with coverage, then as if on another make of processor"
 	@echo "make test-portable  run them as if on another make of processor"
 	@echo "make foreign   bring what others publish through the documented commands (../shared/data/foreign)"
@@ -108,6 +110,12 @@ test-all:
 
 test-fast: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python -m pytest $(WORKERS) -m "not extensive" $(SLOW:%=--ignore=tests/%) $(ARGS)
+
+# As where no extra is installed, nor a library that only extras need; whole commands are tried so
+# in tests/plugins/test_extras.py.
+test-core: $(VENV)/.test $(VENV)/.compiled
+	PYTHONPATH=$(CURDIR)/tests/without_extras $(BIN)/python -m pytest -m "not extensive" \
+		--ignore=tests/app/core/test_any_sequence.py tests/app/core tests/journal tests/model $(ARGS)
 
 foreign: $(VENV)/.test $(VENV)/.compiled
 	$(BIN)/python tests/foreign/bring.py

@@ -17,6 +17,7 @@ PACKAGE = ROOT / "workbench"
 PICTURE = ROOT / "docs" / "pictures" / "layers.svg"
 
 COLUMNS = {
+    "extras": (0, 12),
     "api": (2, 3.5),
     "cli": (3.5, 12),
     "web": (3.5, 6),

@@ -40,7 +40,7 @@ LONGEST = (
     "browser/test_page.py",
     "portable",
     "browser/test_watching.py",
-    "web/opcua",
+    "extras/opcua",
     "browser/test_grasps_tab.py",
     "examples",
     "browser/test_cell_tab.py",
@@ -62,7 +62,17 @@ LONGEST = (
 another one that has just begun with one of them.  Browsers, which wait much and draw with a
 priority of their own, take turns with what computes."""
 
-COUNTED = ("model/", "formats/", "planning/", "proof/", "devices/", "journal/", "app/")
+COUNTED = (
+    "model/",
+    "formats/",
+    "planning/",
+    "proof/",
+    "devices/",
+    "journal/",
+    "app/",
+    "extras/bop/",
+    "extras/mcap/",
+)
 """Tests whose lines are counted by `--cov`: those of the layers that are counted (pyproject.toml).
 The others pass through these layers too, in half the time when nobody counts, and what only they
 reach is not tested where it should be."""

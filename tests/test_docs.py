@@ -147,7 +147,7 @@ def test_changes_and_commands_name_the_version_that_this_is():
 
 def test_every_layer_is_described():
     layers = {path.parent.name for path in (ROOT / "workbench").glob("*/__init__.py")}
-    assert len(layers) == 15
+    assert len(layers) == 16
     for layer in layers:
         assert f"\n- `{layer}`" in ARCHITECTURE
 

@@ -3,8 +3,8 @@
 import importlib
 import os
 import sys
-from collections.abc import Mapping, Sequence
-from typing import Annotated
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any
 
 import tyro
 
@@ -13,6 +13,7 @@ from workbench.cli.arguments import bench, cell, part, scanner, session, studies
 from workbench.cli.exits import BAD_INPUT, FAILURE, INTERRUPTED, NO_LINK, OUTPUT_CLOSED
 from workbench.cli.loading import loading
 from workbench.model.errors import InputError, LinkError, WorkbenchError
+from workbench.plugins.extras import from_extra
 
 DESCRIPTION = """\
 Plan, prove, approve and run robotic bin picks.
@@ -108,7 +109,6 @@ HOW: Mapping[type, str] = {
     studies.StudyPlacing: "measuring.placing:placing",
     studies.StudyPallets: "measuring.pallets:pallets",
     studies.StudyGrips: "measuring.grips:grips",
-    studies.StudyBop: "measuring.bop:study_bop",
     cell.CellNew: "authoring.new_cell:new_cell",
     cell.CellCheck: "authoring.cell_check:check_cell",
     cell.CellShow: "authoring.cell:show_cell",
@@ -131,7 +131,6 @@ HOW: Mapping[type, str] = {
     session.SessionCases: "sessions.cases:cases",
     session.SessionPrune: "sessions.files:prune",
     top.UserCommands: "serving.user:user",
-    top.OpcUaCommands: "serving.certificates:certificates",
     top.StatisticsArguments: "sessions.statistics:print_statistics",
     top.Evidence: "sessions.evidence:evidence",
     top.Backup: "serving.backup:backup",
@@ -141,14 +140,27 @@ HOW: Mapping[type, str] = {
 }
 """The function in `cli` that carries a command out, loaded when it is typed: that takes a while."""
 
+OF_EXTRAS: Mapping[type, tuple[str, str]] = {
+    studies.StudyBop: ("bop.commands:study_bop", "this needs"),
+    top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
+}
+"""The function of an extra that carries a command out, and what is said where the extra lacks."""
+
 
 def run(typed: top.Arguments) -> int:
     """Carry a command out and give its exit code; of nested ones the inner one is carried out."""
-    command: object = typed if type(typed) in HOW else getattr(typed, "what", None)
-    module, _, name = HOW[type(command)].partition(":")
+    is_whole = type(typed) in HOW or type(typed) in OF_EXTRAS
+    command: object = typed if is_whole else getattr(typed, "what", None)
     with loading():
-        carry_out = getattr(importlib.import_module(f"workbench.cli.{module}"), name)
+        carry_out = _how(type(command))
     return carry_out(command)
+
+
+def _how(kind: type) -> Callable[[Any], int]:
+    if kind in OF_EXTRAS:
+        return from_extra(*OF_EXTRAS[kind])
+    module, _, name = HOW[kind].partition(":")
+    return getattr(importlib.import_module(f"workbench.cli.{module}"), name)
 
 
 def _complain(error: WorkbenchError, code: int) -> int:

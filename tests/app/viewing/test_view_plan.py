@@ -9,7 +9,6 @@ from arm_scanner_cell import on_arm_cell, six_axes_cell
 
 from workbench.app.viewing.view_plan import plan_view
 from workbench.formats.cells.reading import read_cell
-from workbench.formats.mcap.foxglove import plan_message
 from workbench.formats.plans.plan_files import read_plan, write_plan
 from workbench.gui.shared.playback import in_hands, part_poses, timeline
 from workbench.model.candidate import Reason
@@ -96,15 +95,13 @@ def test_a_plan_file_holds_it_to_the_last_digit(tmp_path, result: PlanResult) ->
     assert plan.digest == stated == result.plan.digest
 
 
-def test_its_film_and_its_record_know_no_part(cell: Cell, result: PlanResult) -> None:
+def test_its_film_knows_no_part(cell: Cell, result: PlanResult) -> None:
     plan = result.plan
     assert plan is not None
     runs = timeline(plan)
     assert [(run.arm, run.words) for run in runs] == [("left", "view")]
     assert part_poses(cell, Kinematics(cell), (plan,), runs, 0.5) == ()
     assert in_hands(cell, (plan,), runs, 0.5) == {}
-    (arm,) = plan_message(0.0, plan, result.proof)["arms"]
-    assert arm["part"] == "" and [leg["name"] for leg in arm["legs"]] == ["view"]
 
 
 def test_a_link_that_sends_poses_alone_sends_no_path_to_a_view() -> None:

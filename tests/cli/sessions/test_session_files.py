@@ -288,7 +288,7 @@ def test_a_changed_session_is_not_written_for_foxglove(say, example, tmp_path):
 def test_without_the_library_it_is_named(say, example, tmp_path, monkeypatch):
     for name in ("mcap", "mcap.writer"):
         monkeypatch.setitem(sys.modules, name, None)
-    for name in ("workbench.app.records.mcap_session", "workbench.formats.mcap.writing"):
+    for name in ("workbench.extras.mcap.session", "workbench.extras.mcap.writing"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     said = say("session", "export", example, "--out", tmp_path / "x.mcap", "--mcap")
     assert said.code == 2 and "pip install 'workbench[mcap]'" in said.problem

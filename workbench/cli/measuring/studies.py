@@ -11,8 +11,8 @@ from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments.bench import BenchPick, BenchPlanners
 from workbench.cli.arguments.studies import StudyLocalization, StudyThreshold
 from workbench.cli.exits import SUCCESS
-from workbench.cli.measuring.bop import BOP_COLUMNS, bop_words
 from workbench.cli.measuring.case_study import study_cases
+from workbench.cli.measuring.precision_columns import BOP_COLUMNS, bop_words
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.predictions import predictions_path, write_predictions
 from workbench.formats.cells.reading import read_cell

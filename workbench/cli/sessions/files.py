@@ -17,6 +17,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole
 from workbench.journal.journal import DATABASE, Journal
 from workbench.model.errors import FileError, InputError, JournalError
+from workbench.plugins.extras import from_extra
 
 BY_TIME = re.compile(r"(\d{8}-\d{6})-.+", re.ASCII)
 """What `app.records.sessions` calls a folder."""
@@ -28,7 +29,7 @@ def export(typed: SessionExport) -> int:
     """Write the zip file, or the one for Foxglove."""
     with closing(open_journal(typed.session)) as journal:
         if typed.mcap:
-            _as_mcap(journal, typed.out)
+            from_extra("mcap.session:export_mcap", "this needs")(journal, typed.out)
             return _report(typed.out)
         scene = None
         if not typed.no_scene and (state := _worth_seeing(journal)) is not None:
@@ -38,14 +39,6 @@ def export(typed: SessionExport) -> int:
             scene = scene_html(state)
         export_session(journal, typed.out, scene)
     return _report(typed.out)
-
-
-def _as_mcap(journal: Journal, out: Path) -> None:
-    try:
-        from workbench.app.records.mcap_session import export_mcap
-    except ModuleNotFoundError as error:
-        raise InputError("this needs the library mcap: pip install 'workbench[mcap]'") from error
-    export_mcap(journal, out)
 
 
 def _report(out: Path) -> int:

@@ -1,0 +1,229 @@
+"""What a PLC may ask for: a number a job, and what came of the last one.
+
+Approvals and acknowledgements of faults are not here: they are a person's.
+"""
+
+import logging
+import secrets
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+from workbench.app.core.cell.kits import NewKit
+from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.command import Command
+from workbench.app.core.control import ReleaseControl, TakeControl
+from workbench.app.core.cycle.ahead import GoOn
+from workbench.app.core.cycle.jobs import CancelJob
+from workbench.app.core.cycle.outcomes import ReportPick
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.planning import MakePlan
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.cycle.sending import SendPlan, Stop
+from workbench.app.core.people import Role
+from workbench.app.core.state import Phase, State
+from workbench.app.runtime.bench import Bench
+from workbench.extras.modbus.registers import ACTOR, HIGHEST, MAP_VERSION, Register, plan_words
+from workbench.model.errors import WorkbenchError
+
+log = logging.getLogger(__name__)
+
+PARTS = 2
+"""In a simulated pile, where the PLC says 0."""
+
+
+class Answer(IntEnum):
+    """How the last command stands."""
+
+    NONE = 0
+    RUNNING = 1
+    DONE = 2
+    NOT_DONE = 3
+
+
+class Error(IntEnum):
+    """Why it was not done."""
+
+    NONE = 0
+    COMMAND = 1
+    ARGUMENT = 2
+    FAULT = 3
+    CONTROL = 4
+    NOT_NOW = 5
+    NO_RESULT = 6
+    INTERNAL = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A command by its number: `make` makes it of two arguments, None where they are wrong.
+
+    `brings` is the field of the state that its task renews; empty where the job is done at once.
+    """
+
+    make: Callable[[State, int, int], Command | None]
+    brings: str = ""
+
+
+def _scan(state: State, parts: int, _: int) -> TakeScan:
+    return TakeScan(state.number, parts or PARTS)
+
+
+def _find(state: State, _a: int, _b: int) -> FindParts:
+    return FindParts(state.number)
+
+
+def _plan(state: State, _a: int, _b: int) -> MakePlan:
+    return MakePlan("", None, state.number)
+
+
+def _go_on(state: State, parts: int, _: int) -> GoOn:
+    return GoOn(_scan(state, parts, 0), _find(state, 0, 0), _plan(state, 0, 0))
+
+
+def _send(state: State, high: int, low: int) -> SendPlan | None:
+    if state.plan is None or (high, low) != plan_words(state):
+        return None
+    return SendPlan(state.plan.digest)
+
+
+def _report(is_picked: bool) -> Callable[[State, int, int], ReportPick | None]:
+    return lambda _state, part, _: ReportPick(part - 1, is_picked) if part else None
+
+
+def _plain(make: Callable[[], Command]) -> Job:
+    return Job(lambda _state, _a, _b: make())
+
+
+JOBS: Mapping[int, Job] = {
+    1: Job(_scan, "scan"),
+    2: Job(_find, "detections"),
+    3: Job(_plan, "plan"),
+    7: Job(_report(True)),
+    8: Job(_report(False)),
+    10: _plain(Stop),
+    11: Job(lambda _state, number, _: ChooseRecipe(number)),
+    12: _plain(NewKit),
+    20: Job(_send),
+    21: Job(_go_on, "plan"),
+    22: _plain(CancelJob),
+    23: _plain(TakeControl),
+    24: _plain(ReleaseControl),
+}
+"""Numbers below 12 are those of the pick server's jobs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The last command: its counter and number, how it stands, and why it was not done."""
+
+    counter: int = 0
+    command: int = 0
+    answer: Answer = Answer.NONE
+    error: Error = Error.NONE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Awaited:
+    """What a task brings, and the state before it began."""
+
+    brings: str
+    before: State
+
+    def is_in(self, state: State) -> bool:
+        """Whether a state has it anew."""
+        found = getattr(state, self.brings)
+        is_new = bool(found) and found is not getattr(self.before, self.brings)
+        return is_new and state.phase in (Phase.SCANNED, Phase.LOCALIZED, Phase.PLANNED)
+
+
+class Jobs:
+    """Gives a bench the commands of a PLC, each counter once.
+
+    Lifetime: until `close`.  Concurrency: any thread.
+    """
+
+    def __init__(self, bench: Bench) -> None:
+        """Nothing was asked for; the session is drawn by lot."""
+        self.session = secrets.randbelow(HIGHEST) + 1
+        self.answered = Answered()
+        self._bench, self._lock = bench, threading.Lock()
+        self._waits: Awaited | None = None
+        self.close = bench.subscribe(lambda _old, _new: self._look())
+
+    def values(self) -> dict[int, int]:
+        """What the registers of the handshake say."""
+        last = self.answered
+        return {
+            Register.VERSION: MAP_VERSION,
+            Register.SESSION: self.session,
+            Register.LIFE: int(time.monotonic()) & HIGHEST,
+            Register.COUNTER_ANSWERED: last.counter,
+            Register.COMMAND_ANSWERED: last.command,
+            Register.ANSWER: last.answer,
+            Register.ERROR: last.error,
+        }
+
+    def is_in_order(self, words: Sequence[int]) -> bool:
+        """Whether words with a counter name this session, and the last counter or the next one."""
+        last = self.answered.counter
+        is_known = words[Register.COUNTER] in (last, last % HIGHEST + 1)
+        return is_known and words[Register.SESSION_MEANT] == self.session
+
+    def give(self, words: Sequence[int]) -> None:
+        """Give a command whose words are in order; one that was given already changes nothing."""
+        _, number, first, second, counter = words
+        with self._lock:
+            if counter == self.answered.counter:
+                return
+            self._waits = None
+            self.answered = Answered(counter, number, Answer.RUNNING)
+        before = self._bench.state
+        error = self._do(number, first, second)
+        with self._lock:
+            if counter != self.answered.counter:
+                return
+            if error is not Error.NONE:
+                self.answered = replace(self.answered, answer=Answer.NOT_DONE, error=error)
+            elif brings := JOBS[number].brings:
+                self._waits = Awaited(brings, before)
+            else:
+                self.answered = replace(self.answered, answer=Answer.DONE)
+        # The task may have ended before anybody waited for it.
+        self._look()
+
+    def _do(self, number: int, first: int, second: int) -> Error:
+        if number not in JOBS:
+            return Error.COMMAND
+        command = JOBS[number].make(self._bench.state, first, second)
+        if command is None:
+            return Error.ARGUMENT
+        try:
+            self._bench.do(command, ACTOR, Role.OPERATOR)
+        except WorkbenchError as error:
+            log.info("refused the command %d over Modbus: %s", number, error)
+            return _why(self._bench.state)
+        except Exception:
+            # A rim: what goes wrong with one command ends no other.
+            log.exception("the command %d over Modbus failed", number)
+            return Error.INTERNAL
+        return Error.NONE
+
+    def _look(self) -> None:
+        """Note the end of the task that the last command has begun."""
+        with self._lock:
+            # An observer may be given a state from before the command.
+            state = self._bench.state
+            if self._waits is None or state.job is not None or state.ahead is not None:
+                return
+            done = replace(self.answered, answer=Answer.DONE)
+            lacks = replace(self.answered, answer=Answer.NOT_DONE, error=Error.NO_RESULT)
+            self.answered, self._waits = done if self._waits.is_in(state) else lacks, None
+
+
+def _why(state: State) -> Error:
+    if state.phase is Phase.FAULT:
+        return Error.FAULT
+    return Error.CONTROL if state.control not in ("", ACTOR) else Error.NOT_NOW

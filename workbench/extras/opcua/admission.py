@@ -1,0 +1,151 @@
+"""Who is let in over OPC UA, and as whom they act."""
+
+import hmac
+import logging
+import time
+from collections import deque
+from collections.abc import Callable
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from asyncua import ua
+from asyncua.crypto.permission_rules import User, UserRole
+from asyncua.server.user_managers import UserManager
+
+from workbench.app.core.people import Person
+from workbench.extras.opcua.bounds import CALLER
+from workbench.extras.opcua.certificates import problem
+from workbench.web.access.lockout import MOST, WHILE, LockedOut, Lockout
+from workbench.web.access.users import Users
+from workbench.web.http.origins import is_loopback
+
+log = logging.getLogger(__name__)
+
+LONGEST_WORD = 1000
+"""Characters of a name or a password."""
+
+
+@dataclass(frozen=True, slots=True)
+class OpcUaLogins:
+    """The users of the page, and what counts their failed logins."""
+
+    users: Users
+    lockout: Lockout
+
+
+@dataclass(frozen=True, slots=True)
+class OpcUaOptions:
+    """Where to listen, and who calls; without a `password` only this machine may.
+
+    `certificates` is the folder of certificates, None: nothing is encrypted.  With it channels are
+    signed or encrypted, and `is_plain` says whether others are taken as well.  `logins` are
+    of the page's users, who may come over encrypted channels with their own names.
+    """
+
+    port: int
+    operator: Person
+    host: str = "127.0.0.1"
+    password: str = ""
+    certificates: Path | None = None
+    is_plain: bool = False
+    logins: OpcUaLogins | None = None
+
+    @property
+    def takes_plain(self) -> bool:
+        """Whether channels without any protection are taken."""
+        return self.is_plain or self.certificates is None
+
+
+PERSON: ContextVar[Person | None] = ContextVar("opcua_person", default=None)
+"""Whoever has logged in last over the connection whose task this is."""
+
+
+class Door(UserManager):
+    """Lets in whoever knows the password; everybody on this machine when there is none.
+
+    After too many wrong ones nobody is let in for a while; who is in stays.  Users of the page are
+    counted with their logins there.
+    """
+
+    def __init__(self, options: OpcUaOptions, now: Callable[[], float] = time.monotonic):
+        """A door by these options; `now` tells [s] and does not jump."""
+        self._options, self._now = options, now
+        self._failed: deque[float] = deque(maxlen=MOST)
+
+    def problem(self, certificate: bytes | None) -> str:
+        """Why no channel is opened for a certificate; "" when one is."""
+        folder = self._options.certificates
+        return "" if folder is None else problem(folder, certificate)
+
+    def get_user(
+        self,
+        iserver: Any,
+        username: str | None = None,
+        password: str | None = None,
+        certificate: Any = None,
+    ) -> User | None:
+        """Whom the library lets in, None when nobody."""
+        del iserver, certificate
+        caller = CALLER.get(None)
+        mode = ua.MessageSecurityMode.None_ if caller is None else caller.mode
+        if mode == ua.MessageSecurityMode.None_ and not self._options.takes_plain:
+            log.warning("refused a login over OPC UA: the channel is neither signed nor encrypted")
+            return None
+        if len(username or "") > LONGEST_WORD or len(password or "") > LONGEST_WORD:
+            return None
+        address = "" if caller is None else caller.address
+        person = self._of_page(mode, address, username, password)
+        if person is None:
+            person = self._operator(username, password)
+        if person is None:
+            return None
+        PERSON.set(person)
+        return User(role=UserRole.User, name=person.name)
+
+    def is_still_in(self, person: Person) -> bool:
+        """Whether somebody who has logged in is still let in, with the same role."""
+        logins = self._options.logins
+        if person == self._options.operator or logins is None:
+            return True
+        return any(
+            (user.name, user.role) == (person.name, person.role) and not user.is_disabled
+            for user in logins.users.all()
+        )
+
+    def _of_page(
+        self, mode: ua.MessageSecurityMode, address: str, name: str | None, password: str | None
+    ) -> Person | None:
+        logins = self._options.logins
+        if logins is None or not (name and password) or name == self._options.operator.name:
+            return None
+        if mode != ua.MessageSecurityMode.SignAndEncrypt or not logins.users.are_there():
+            return None
+        attempt = logins.lockout.begin(address, name)
+        if isinstance(attempt, LockedOut):
+            return None
+        person = logins.users.by_password(name, password)
+        if person is not None:
+            logins.lockout.note_success(attempt)
+        return person
+
+    def _operator(self, username: str | None, password: str | None) -> Person | None:
+        operator, wanted = self._options.operator, self._options.password
+        if not wanted:
+            # A name asks for more than everybody has: it is right, or nobody comes in by it.
+            is_named = self._options.logins is not None and bool(password)
+            return operator if is_loopback(self._options.host) and not is_named else None
+        if not (username and password):
+            # Programs that look around come like this: it is no try.
+            return None
+        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+            return None
+        is_right = hmac.compare_digest(password.encode(), wanted.encode())
+        if username == operator.name and is_right:
+            return operator
+        self._failed.append(self._now())
+        log.warning("refused a login over OPC UA as %r", username)
+        if len(self._failed) == MOST and self._now() - self._failed[0] < WHILE:
+            log.warning("for %g s nobody logs in over OPC UA: too many wrong passwords", WHILE)
+        return None

@@ -1,4 +1,0 @@
-"""Modbus TCP server for small PLCs.
-
-Imports `http`.
-"""

@@ -1,4 +1,0 @@
-"""OPC UA server for PLCs.
-
-Imports `http`.
-"""
