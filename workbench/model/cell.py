@@ -308,7 +308,7 @@ class Cell(FactsRepr):
 
     Neither the controller's address nor `approvers` is in the digest: where a plan is sent, and
     how many different people have to approve it, change nothing in it.  `recipe`: by which of
-    `recipes` it is made (`derived.by_recipe`), 0 for none.
+    `recipes` it is made (`derived.by_recipe`), 0 for none; `bin`: `derived.by_bin`.
     """
 
     name: str
@@ -327,6 +327,7 @@ class Cell(FactsRepr):
     stations: tuple[Station, ...] = field(default_factory=tuple, metadata=LATER)
     recipes: tuple[Recipe, ...] = field(default_factory=tuple, metadata=LATER)
     recipe: int = field(default_factory=lambda: NO_RECIPE, metadata=LATER)
+    other_bins: tuple[Bin, ...] = field(default_factory=tuple, metadata=LATER)
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -354,6 +355,11 @@ class Cell(FactsRepr):
         """Whether there are two arms or more, and a controller that can move two at once."""
         return len(self.arms) > 1 and self.controller.motion.arms_at_once > 1
 
+    @property
+    def bins(self) -> tuple[Bin, ...]:
+        """All bins, by their numbers."""
+        return tuple(sorted((self.bin, *self.other_bins), key=lambda box: box.number))
+
     def joint_values(self, q: Mapping[str, Floats]) -> dict[str, float]:
         """The value [rad or m] of each joint by its name, of the named arms at `q` (n,)."""
         return {
@@ -377,9 +383,7 @@ class Cell(FactsRepr):
 
     def T_world_station(self, station: Station) -> pin.SE3:
         """Where a station is; it goes along with its fixture."""
-        bases = (
-            fixture.T_world_fixture for fixture in self.fixtures if fixture.name == station.fixture
-        )
+        bases = (f.T_world_fixture for f in self.fixtures if f.name == station.fixture)
         return next(bases, pin.SE3.Identity()) * station.T_base_station
 
     def part(self, name: str) -> Part:

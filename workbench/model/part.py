@@ -251,7 +251,7 @@ class Bin:
 
     `size` (3,) [m]: inner length, width and height of the walls; where it `has_walls` not, up to
     where parts may lie.  `wall` [m]: how thick floor and walls are.  Where there are `regions`,
-    parts are taken from these alone.
+    parts are taken from these alone.  Several bins of a cell have names, and numbers from 1 on.
     """
 
     T_world_bin: pin.SE3
@@ -259,6 +259,8 @@ class Bin:
     wall: float = 0.003
     has_walls: bool = field(default_factory=lambda: True, metadata=LATER)
     regions: tuple[Region, ...] = field(default_factory=tuple, metadata=LATER)
+    name: str = field(default_factory=str, metadata=LATER)
+    number: int = field(default_factory=int, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_bin=copy_pose(self.T_world_bin), size=frozen(self.size))

@@ -65,7 +65,7 @@ class PileTask:
     `bounds`: what stays is tried by all grasps of the tool, too.  `change`: a change of the
     cell (`app.emptying.changes`) that the pile is emptied with, None for none; it lies as without
     it, and what stays is told without a nearest fix.  `picks`: plans in a row after one look, at
-    most.  `recipe` is the number of the cell's recipe, 0 for none.
+    most.  `recipe` is the number of the cell's recipe, 0 for none; `bin` the name of its bin.
     """
 
     cell: str
@@ -79,6 +79,7 @@ class PileTask:
     change: Message | None = None
     picks: int = 1
     recipe: int = field(default_factory=int, metadata=LATER)
+    bin: str = field(default_factory=str, metadata=LATER)
 
 
 NOT_FOUND, STOPPED = "not found", "stopped"

@@ -3,7 +3,7 @@
 from types import ModuleType
 
 from workbench.app.core import control, session
-from workbench.app.core.cell import changes, emptying, kits, making, part_edits, recipes
+from workbench.app.core.cell import bins, changes, emptying, kits, making, part_edits, recipes
 from workbench.app.core.command import Command
 from workbench.app.core.cycle import (
     ahead,
@@ -35,6 +35,7 @@ SUBJECTS = (
     jobs,
     changes,
     recipes,
+    bins,
     kits,
     part_edits,
     making,

@@ -5,10 +5,11 @@ from collections.abc import Mapping
 from workbench.app.core.command import Command
 from workbench.app.core.people import MACHINES, Role
 from workbench.app.core.state import Phase, State
-from workbench.model.messages.cells import RecipeText
+from workbench.model.messages.cells import BinChoiceText, RecipeText
 from workbench.model.messages.message import Message, all_of, as_message, plain
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.states import NextText, task_message
+from workbench.model.recipes.recipe import NO_RECIPE
 
 MOST_SAID = 3
 """So many changes are told in a sentence; the page has the whole list."""
@@ -36,6 +37,9 @@ def obstacle(state: State, command: type[Command]) -> Message | None:
     if state.job is not None and not right.beside_job and state.phase is not Phase.SENDING:
         return Refusal.TASK_RUNS(command=right.says(), task=task_message(state.job.name))
     if right.changes_cell and state.whole is not None:
+        if state.cell.recipe == NO_RECIPE:
+            name, first = state.cell.bin.name, state.whole.bin.name
+            return BinChoiceText.CELL_FIXED(command=right.says(), name=name, first=first)
         return RecipeText.CELL_FIXED(command=right.says(), number=state.cell.recipe)
     if problem := command.obstacle(state):
         return problem

@@ -23,6 +23,10 @@ CellOfPlan = Annotated[
 RecipeNumber = Annotated[
     int, arg(help="Number of the cell's recipe; 0: none, the cell is as its file states it.")
 ]
+BinName = Annotated[
+    str,
+    arg(help="Name of the bin that parts are taken from; as recipe or cell say when not given."),
+]
 PartName = Annotated[str, arg(help="Name under parts/, or path of a part's folder.")]
 PartOfPoses = Annotated[
     Maybe[str],

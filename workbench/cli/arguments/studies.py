@@ -6,7 +6,15 @@ from typing import Annotated, Literal
 
 from tyro.conf import Positional, subcommand
 
-from workbench.cli.arguments.names import CellName, FirstSeed, Json, Maybe, Piles, RecipeNumber
+from workbench.cli.arguments.names import (
+    BinName,
+    CellName,
+    FirstSeed,
+    Json,
+    Maybe,
+    Piles,
+    RecipeNumber,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +129,7 @@ class StudyEmptying:
     """One of the cell's parts, `all` for all of them in turn, or names under parts/ or paths, a+b
     for both in one pile; the cell's first when not given."""
     recipe: RecipeNumber = 0
+    bin: BinName = ""
     scenes: Piles = 10
     seed: FirstSeed = 0
     seen: Literal["truth", "scan"] = "truth"

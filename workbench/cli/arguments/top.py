@@ -13,6 +13,7 @@ from workbench.cli.arguments.access import USERS, UserCommands
 from workbench.cli.arguments.bench import BenchCommands
 from workbench.cli.arguments.cell import CellCommands, PoseFormatName
 from workbench.cli.arguments.names import (
+    BinName,
     CellName,
     CellOfPlan,
     Json,
@@ -46,6 +47,7 @@ class Demo:
 
     cell: CellName = "yumi"
     recipe: RecipeNumber = 0
+    bin: BinName = ""
     seed: int = 0
     """Seed of the pile and of all else that is random; each further cycle takes the next one."""
     cycles: int = 1
@@ -73,6 +75,7 @@ class ScanArguments:
     truth: Maybe[Path] = None
     """JSON file to write the true poses to."""
     recipe: RecipeNumber = 0
+    bin: BinName = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +91,7 @@ class Localize:
     """Tell also which poses were hypotheses and rejected, and why."""
     seed: Seed = 0
     recipe: RecipeNumber = 0
+    bin: BinName = ""
     detail: float = 1.0
     """How fine the scan is searched, 0.3 to 2; finer sees smaller features and takes longer."""
     least_score: float = 0.0
@@ -174,6 +178,7 @@ class PlanArguments:
     """Robot link that it is meant for, see `workbench plugins`; that of the cell when not given."""
     seed: Seed = 0
     recipe: RecipeNumber = 0
+    bin: BinName = ""
     part: PartOfPoses = None
     json: Json = False
 

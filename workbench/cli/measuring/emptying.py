@@ -13,7 +13,7 @@ from workbench.cli.exits import SUCCESS
 from workbench.cli.terminal import check_number, check_whole, print_json, print_table, progress
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import MOST_PICKS
-from workbench.model.derived.by_recipe import check_strategy, with_recipe
+from workbench.model.derived.by_recipe import as_chosen, check_strategy
 from workbench.model.errors import InputError
 from workbench.model.prediction import CHANGE_KINDS, PileTask
 from workbench.studies.emptying.pile_results import emptied_all
@@ -53,16 +53,19 @@ def emptying(typed: StudyEmptying) -> int:
             typed.bound,
             picks=typed.picks,
             recipe=typed.recipe,
+            bin=typed.bin,
         )
         for seed in range(typed.seed, typed.seed + typed.scenes)
     ]
-    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
     check_strategy(cell, typed.strategy)
     check_picks(cell, typed.picks)
     check_task(tasks[0])
     kinds = kinds_of(typed.what_if) if typed.what_if else frozenset[str]()
     if kinds:
-        tasks = tasks_with_changes(cell_of(typed.cell, typed.part, typed.recipe), tasks, kinds)
+        tasks = tasks_with_changes(
+            cell_of(typed.cell, typed.part, typed.recipe, typed.bin), tasks, kinds
+        )
     if typed.picks > 1:
         tasks += [replace(task, picks=1) for task in tasks if not task.change]
     with progress("emptying") as report:

@@ -15,7 +15,7 @@ from workbench.formats.cells.reading import cell_path, read_cell
 from workbench.formats.clouds.scans import read_scan, write_cloud
 from workbench.formats.plans.pose_files import write_poses
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import with_recipe
+from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.scan import (
     Detection,
     LocalizationResult,
@@ -35,7 +35,7 @@ def scan(typed: arguments.ScanArguments) -> int:
     """Write a simulated scan and, when asked for, where the parts truly are."""
     check_whole("--seed", typed.seed, 0, SEED_LIMIT - 1)
     check_whole("--parts", typed.parts, 1, MOST_PARTS)
-    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
     with progress("scan") as report:
         report(0.1, "parts fall into the bin")
         truth = pile_of(cell, typed.part, typed.parts, seed=typed.seed)
@@ -54,7 +54,7 @@ def localize(typed: arguments.Localize) -> int:
     check_number("--detail", typed.detail, *DETAIL)
     check_number("--least-score", typed.least_score, 0.0, 1.0)
     overrides = SearchOverrides(typed.detail, typed.least_score)
-    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
     sizes = {part.name: 1.0 for part in cell.parts} | sizes_of(cell, typed.scale)
     cell = with_sizes(cell, sizes)
     with progress("localize") as report:

@@ -35,12 +35,13 @@ from workbench.formats.clouds.scans import read_scan
 from workbench.formats.plans.plan_files import write_plan
 from workbench.formats.plans.pose_files import read_poses
 from workbench.model.cell import MOST_PICKS, Cell, PlanOverrides
-from workbench.model.derived.by_recipe import check_strategy, strategy_of, wanted_parts, with_recipe
+from workbench.model.derived.by_recipe import as_chosen, check_strategy, strategy_of, wanted_parts
 from workbench.model.derived.row_parts import parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import Plan, PlanResult
+from workbench.model.recipes.recipe import NO_RECIPE
 from workbench.model.scan import Detection, Unexplained
 from workbench.plugins.planner import planner_named
 from workbench.plugins.robot_link import spoken_to_by
@@ -56,7 +57,7 @@ def plan(typed: arguments.PlanArguments) -> int:
 
 def _plan_view(typed: arguments.PlanArguments) -> int:
     """Plan the path to the view by the cell's policy."""
-    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     with progress("plan") as report:
@@ -73,7 +74,7 @@ def _plan_picks(typed: arguments.PlanArguments, poses: Path) -> int:
         check_number("--threshold", typed.threshold, 0.0, 1.0)
     if typed.iterations is not None:
         check_whole("--iterations", typed.iterations, 1, MOST_ITERATIONS)
-    cell = with_recipe(read_cell(typed.cell), typed.recipe)
+    cell = as_chosen(read_cell(typed.cell), typed.recipe, typed.bin)
     if typed.protocol is not None:
         cell = spoken_to_by(cell, typed.protocol)
     strategy = typed.strategy or strategy_of(cell)
@@ -151,15 +152,16 @@ def warm_up(cell: Cell) -> None:
 def cell_of(plan: Plan, name: str | None) -> Cell:
     """The cell that a plan was made for, found by the name in it unless another one is given.
 
-    Where one of its recipes makes the cell that the plan names by its digest, that is it.
+    Where one of its recipes and bins makes the cell that the plan names by its digest, that is it.
 
     Raises:
         InputError: there is no such cell.
     """
     try:
         cell = read_cell(plan.cell if name is None else name)
-        by_recipes = (with_recipe(cell, recipe.number) for recipe in cell.recipes)
-        return next((known for known in by_recipes if known.digest == plan.cell_digest), cell)
+        numbers = (NO_RECIPE, *(recipe.number for recipe in cell.recipes))
+        chosen = (as_chosen(cell, n, box.name) for n in numbers for box in cell.bins)
+        return next((known for known in chosen if known.digest == plan.cell_digest), cell)
     except InputError as error:
         if name is not None:
             raise

@@ -4,6 +4,7 @@ import time
 from dataclasses import dataclass, replace
 from typing import Any
 
+from workbench.app.core.cell.bins import ChooseBin
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
 from workbench.app.core.cycle.ahead import GoOn
@@ -82,6 +83,8 @@ def demo(typed: arguments.Demo) -> int:
             with progress("demo") as report:
                 if typed.recipe:
                     bench.do(ChooseRecipe(typed.recipe), ACTOR)
+                if typed.bin:
+                    bench.do(ChooseBin(typed.bin), ACTOR)
                 for number in range(typed.cycles):
                     Cycle(bench, number + 1, rows, report).run(typed.seed + number)
                     cycles.append(_cycle_form(typed.seed + number, bench.state))

@@ -173,11 +173,12 @@ def _numbers(cell: Cell) -> Floats:
 def _edit(document: Any, old: Cell, new: Cell) -> None:
     _edit_parts(document, old, new)
     edit_pose(document["robot"], old.T_world_robot, new.T_world_robot)
-    edit_pose(document["bin"], old.bin.T_world_bin, new.bin.T_world_bin)
+    box = document["bin"][0] if isinstance(document["bin"], list) else document["bin"]
+    edit_pose(box, old.bin.T_world_bin, new.bin.T_world_bin)
     if not np.array_equal(old.bin.size, new.bin.size):
-        document["bin"]["size_mm"] = millimetres(new.bin.size)
+        box["size_mm"] = millimetres(new.bin.size)
     for table, region, other in zip(
-        document["bin"].get("region", []), old.bin.regions, new.bin.regions, strict=True
+        box.get("region", []), old.bin.regions, new.bin.regions, strict=True
     ):
         edit_pose(table, region.T_bin_region, other.T_bin_region)
     carrier, other_carrier = old.scanner.on_arm, new.scanner.on_arm

@@ -1,4 +1,4 @@
-"""Places of a cell file, by a pose of the tool or of the part that it lets go of; and stations."""
+"""Where parts lie by a cell file: bins, places by a pose of tool or part, and stations."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,8 +10,9 @@ import pinocchio as pin
 from workbench.formats.files.toml_keys import Table
 from workbench.formats.meshes.solids import REACH_MM, read_pose
 from workbench.model.cell import Fixture
+from workbench.model.derived.by_bin import MOST_BINS, overlapping
 from workbench.model.geometry import Floats, pose_from_rpy
-from workbench.model.part import DOWN, PartPlace, Station
+from workbench.model.part import DOWN, Bin, PartPlace, Region, Station
 
 MOST_PLACES = 400
 """On one pallet."""
@@ -228,3 +229,63 @@ def _check_layers(table: Table, is_of_part: bool, T_part: pin.SE3) -> None:
             f"turns z of the part {np.rad2deg(off):.1f} degrees off the vertical; layers need it "
             "up or down",
         )
+
+
+def read_bins(table: Table) -> tuple[Bin, ...]:
+    """The bins of a cell; parts are taken from the first one unless another is chosen.
+
+    Args:
+        table: of the cell.
+
+    Raises:
+        FileError: names the file, the key, its value and what was expected.
+    """
+    if not table.is_array("bin"):
+        return (read_bin(table.table("bin")),)
+    tables = list(table.tables("bin"))
+    if not 1 <= len(tables) <= MOST_BINS:
+        raise table.error("bin", f"{len(tables)} bins, 1 to {MOST_BINS} are expected")
+    bins = tuple(read_bin(one, number) for number, one in enumerate(tables, start=1))
+    if len(bins) == 1:
+        return (replace(bins[0], number=0),)
+    for one, found in zip(tables, bins, strict=True):
+        if not found.name:
+            raise one.error("name", "is missing; each of several bins needs a name of its own")
+    table.once("bin.name", (found.name for found in bins))
+    if pair := overlapping(bins):
+        raise table.error("bin", f"{pair[0]!r} and {pair[1]!r} overlap; bins stand apart")
+    return bins
+
+
+def read_bin(table: Table, number: int = 0) -> Bin:
+    """The table of a bin with its regions."""
+    found = Bin(
+        read_pose(table),
+        table.numbers("size_mm", 3, low=10, high=5000) / 1000,
+        table.number("wall_mm", 3, low=0.5, high=100) / 1000,
+        table.flag("walls", True),
+        tuple(_region(region) for region in table.tables("region")),
+        table.text("name", "", empty=True),
+        number,
+    )
+    table.once("region.name", (region.name for region in found.regions))
+    for region in found.regions:
+        x, y, z = np.abs(region.T_bin_region.translation)
+        if x > found.size[0] / 2 or y > found.size[1] / 2 or z > found.size[2]:
+            raise table.error(
+                "region.position_mm",
+                f"the middle of region {region.name!r} lies outside of the bin; it is counted from "
+                "the middle of the bin's floor",
+            )
+    table.finish()
+    return found
+
+
+def _region(table: Table) -> Region:
+    found = Region(
+        table.text("name"),
+        read_pose(table),
+        table.numbers("size_mm", 3, low=1, high=5000) / 1000,
+    )
+    table.finish()
+    return found

@@ -14,7 +14,7 @@ from workbench.formats.cells.devices import (
     read_scanner,
     refused_at,
 )
-from workbench.formats.cells.places import check_kinds, read_stations
+from workbench.formats.cells.places import check_kinds, read_bins, read_stations
 from workbench.formats.cells.recipes import check_recipes, read_recipes
 from workbench.formats.files.shipped import exists, find
 from workbench.formats.files.toml_keys import Table, read_toml
@@ -38,7 +38,7 @@ from workbench.model.cell import (
 from workbench.model.derived.policies import POLICIES
 from workbench.model.derived.speed_limits import limits_speed
 from workbench.model.errors import FileError, InputError
-from workbench.model.part import Bin, Part, Region
+from workbench.model.part import Part
 from workbench.model.robot import Link, Robot
 from workbench.model.scan import LocalizerChoice, PosesFolder
 from workbench.plugins.misfit import mapping_problem
@@ -84,8 +84,10 @@ def read_cell(name: str | Path) -> Cell:
     robot_table.finish()
     policy, approvers = _policy(table.table("policy")) if table.has("policy") else (Policy(), 1)
     fixtures = tuple(_fixture(fixture) for fixture in table.tables("fixture"))
-    table.once("fixture.name", (fixture.name for fixture in fixtures))
-    called, box = table.text("name"), read_bin(table.table("bin"))
+    called, (box, *other_bins) = table.text("name"), read_bins(table)
+    # The page and world files know the other bins as fixtures.
+    names = [fixture.name for fixture in fixtures]
+    table.once("fixture.name", names + [f"bin {one.name}" for one in (box, *other_bins)])
     scanner, arms = _scanner(table.table("scanner"), robot, T_world_robot, arms)
     cell = Cell(
         name=called,
@@ -109,6 +111,7 @@ def read_cell(name: str | Path) -> Cell:
         approvers=approvers,
         stations=read_stations(table, fixtures),
         recipes=read_recipes(table),
+        other_bins=tuple(other_bins),
     )
     with refused_at(table, "controller.protocol"):
         link_named(cell.controller.link).check(cell)
@@ -211,38 +214,6 @@ def _without_pairs(table: Table, robot: Robot, arms: tuple[Arm, ...]) -> Robot:
                     f"called {' or '.join(sorted(tools))}",
                 )
     return replace(robot, disabled_pairs=robot.disabled_pairs | pairs)
-
-
-def read_bin(table: Table) -> Bin:
-    """The table `[bin]` with its regions."""
-    found = Bin(
-        read_pose(table),
-        table.numbers("size_mm", 3, low=10, high=5000) / 1000,
-        table.number("wall_mm", 3, low=0.5, high=100) / 1000,
-        table.flag("walls", True),
-        tuple(_region(region) for region in table.tables("region")),
-    )
-    table.once("region.name", (region.name for region in found.regions))
-    for region in found.regions:
-        x, y, z = np.abs(region.T_bin_region.translation)
-        if x > found.size[0] / 2 or y > found.size[1] / 2 or z > found.size[2]:
-            raise table.error(
-                "region.position_mm",
-                f"the middle of region {region.name!r} lies outside of the bin; it is counted from "
-                "the middle of the bin's floor",
-            )
-    table.finish()
-    return found
-
-
-def _region(table: Table) -> Region:
-    found = Region(
-        table.text("name"),
-        read_pose(table),
-        table.numbers("size_mm", 3, low=1, high=5000) / 1000,
-    )
-    table.finish()
-    return found
 
 
 def read_poses_folder(table: Table) -> PosesFolder:

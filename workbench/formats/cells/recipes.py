@@ -35,6 +35,7 @@ def read_recipes(table: Table) -> tuple[Recipe, ...]:
                 recipe.number("speed", 0.5, low=0.01, high=1) if recipe.has("speed") else None,
                 _items(recipe),
                 recipe.flag("in_order", False),
+                recipe.text("bin", "", empty=True),
             )
         )
         if found[-1].in_order and not found[-1].items:
@@ -83,6 +84,8 @@ def recipe_lines(recipe: Recipe) -> Iterator[str]:
         yield f"threshold_mm = {number(recipe.threshold * 1000)}"
     if recipe.speed is not None:
         yield f"speed = {number(recipe.speed)}"
+    if recipe.bin:
+        yield f"bin = {text(recipe.bin)}"
     if recipe.in_order:
         yield "in_order = true"
     for item in recipe.items:

@@ -14,8 +14,8 @@ from typing import Any
 
 from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
-from workbench.formats.cells.places import read_stations
-from workbench.formats.cells.reading import read_bin, read_cell, read_poses_folder
+from workbench.formats.cells.places import read_bin, read_stations
+from workbench.formats.cells.reading import read_cell, read_poses_folder
 from workbench.formats.cells.recipes import read_recipes
 from workbench.formats.cells.tools import LOAD_KEYS
 from workbench.formats.files.shipped import find
@@ -68,7 +68,11 @@ A_RECIPE = {
     "item": [{"part": "cap", "count": 2}],
 }
 
-A_BIN = {"size_mm": [100, 100, 50], "region": [{"name": "left", "size_mm": [50, 100, 50]}]}
+A_BIN = {
+    "name": "left",
+    "size_mm": [100, 100, 50],
+    "region": [{"name": "left", "size_mm": [50, 100, 50]}],
+}
 
 SOLIDS = (
     {"name": "box", "shape": "box", "size_mm": [1, 1, 1]},
@@ -229,7 +233,10 @@ def _with_options(key: str, name: str, group: Group) -> dict[str, Any]:
 
 def schema_text() -> str:
     """The schema as the file `robots/cell.schema.json` has it."""
-    return json.dumps(cell_schema(), indent=1) + "\n"
+    schema = cell_schema()
+    tables = schema["properties"]
+    tables["bin"] = {"anyOf": [tables["bin"], {"type": "array", "items": tables["bin"]}]}
+    return json.dumps(schema, indent=1) + "\n"
 
 
 def _is_foreign(place: str) -> bool:

@@ -21,7 +21,7 @@ from workbench.formats.robots.urdf_package import write_package, write_srdf
 from workbench.model.cell import Arm, Cell, Fixture, Policy, ScannerMount, Tool
 from workbench.model.derived.policies import POLICIES
 from workbench.model.geometry import Box, Capsule, Cylinder, Floats, Mesh, Solid, Sphere
-from workbench.model.part import DOWN, PartPlace, Station
+from workbench.model.part import DOWN, Bin, PartPlace, Station
 from workbench.model.recipes.recipe import names_of
 from workbench.model.robot import ArmScanner
 from workbench.plugins.options import Options
@@ -74,16 +74,8 @@ def _lines(folder: Path, cell: Cell) -> Iterator[str]:
     for arm in cell.arms:
         is_carrier = carrier is not None and carrier.arm == arm.name
         yield from _arm(cell, arm, carrier.home if carrier and is_carrier else arm.home)
-    yield from ("", "# Its frame: in the middle of the floor's upper side.", "[bin]")
-    yield from _pose(cell.bin.T_world_bin)
-    yield f"size_mm = {_mm(cell.bin.size)}          # inside: length, width, height"
-    yield f"wall_mm = {number(cell.bin.wall * 1000)}"
-    if not cell.bin.has_walls:
-        yield "walls = false             # a surface on which parts lie"
-    for region in cell.bin.regions:
-        yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
-        yield from _pose(region.T_bin_region)
-        yield f"size_mm = {_mm(region.size)}"
+    for box in cell.bins:
+        yield from _bin(box)
     yield from _scanner(cell, put_mesh)
     controller = cell.controller
     yield from ("", "[controller]", f"protocol = {text(controller.link)}")
@@ -113,6 +105,22 @@ def _options(options: Options) -> Iterator[str]:
     # What JSON writes of texts, numbers and flags is TOML as well.
     keys = (f"{key} = {json.dumps(value)}" for key, value in options.items())
     yield f"options = {{ {', '.join(keys)} }}"
+
+
+def _bin(box: Bin) -> Iterator[str]:
+    head = "[[bin]]" if box.number else "[bin]"
+    yield from ("", "# Its frame: in the middle of the floor's upper side.", head)
+    if box.name:
+        yield f"name = {text(box.name)}"
+    yield from _pose(box.T_world_bin)
+    yield f"size_mm = {_mm(box.size)}          # inside: length, width, height"
+    yield f"wall_mm = {number(box.wall * 1000)}"
+    if not box.has_walls:
+        yield "walls = false             # a surface on which parts lie"
+    for region in box.regions:
+        yield from ("", "[[bin.region]]", f"name = {text(region.name)}")
+        yield from _pose(region.T_bin_region)
+        yield f"size_mm = {_mm(region.size)}"
 
 
 def _policy(cell: Cell) -> Iterator[str]:

@@ -212,6 +212,10 @@ class Table:
                 )
             yield Table(self.path, cast(dict[str, Any], item), f"{self.place}{key}[{number}].")
 
+    def is_array(self, key: str) -> bool:
+        """Whether it is given as `[[key]]`, or as another list."""
+        return isinstance(self._values.get(key), list)
+
     def forms(self, key: str) -> list[Any]:
         """A list of whatever the file may hold; none when it is not given."""
         self._note(key, (), {"type": "array"})

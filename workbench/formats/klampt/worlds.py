@@ -20,6 +20,7 @@ from workbench.formats.files.whole_files import file_name, make_folder, write_wh
 from workbench.formats.meshes.triangles import stl_of, surface_of
 from workbench.formats.robots.urdf_writer import depth_first, numbers, write_urdf, write_xml
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Floats, Solid
 from workbench.model.part import Part
 from workbench.model.robot import Joint, Link, Robot
@@ -77,7 +78,7 @@ def write_world(folder: Path, name: str, cell: Cell, snapshot: Snapshot) -> Path
     config = f"{whole.shape[1]} {numbers(whole[0])}"
     ElementTree.SubElement(root, "robot", name=robot.name, file="robot.urdf", config=config)
     still = [("bin", cell.bin.solids, cell.bin.T_world_bin)]
-    still += [(fixture.name, fixture.solids, fixture.T_world_fixture) for fixture in cell.fixtures]
+    still += [(fixture.name, fixture.solids, fixture.T_world_fixture) for fixture in barriers(cell)]
     still += [(placed.name, placed.part.pieces, placed.T) for placed in snapshot.standing]
     for thing, solids, T in still:
         if solids:

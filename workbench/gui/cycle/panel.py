@@ -20,6 +20,7 @@ from workbench.app.core.value_checks import MOST_PARTS, SEED_LIMIT
 from workbench.app.picking.facts import bin_check_of
 from workbench.gui.cycle.approval import ApprovalDialog, row_of
 from workbench.gui.cycle.approval_views import approval_line
+from workbench.gui.cycle.bins import BinInput
 from workbench.gui.cycle.going_on import GoOnButton
 from workbench.gui.cycle.kit import KitInputs
 from workbench.gui.cycle.outcomes import OutcomeInputs
@@ -71,6 +72,7 @@ class CyclePanel:
         gui = visitor.gui
         with group(gui, "1 · Scan"):
             self._recipe = RecipeInput(visitor, self._follow_recipe)
+            self._bin = BinInput(visitor)
             self._kit = KitInputs(visitor)
             gui.add_html(ROW)
             parts, seed = visitor.look.now.scan_asked
@@ -165,6 +167,7 @@ class CyclePanel:
         if old is not None and old.state is state and _passing(old) == _passing(new):
             return
         self._recipe.show(None if old is None else old.state, state)
+        self._bin.show(state)
         self._kit.show(new)
         self._show_kinds(state.cell)
         self._threshold.follow(None if old is None else old.state, state)

@@ -8,6 +8,7 @@ import pinocchio as pin
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.gui.shared.look import View
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import surfaces
 from workbench.model.geometry import Floats, Solid
 from workbench.planning.kinematics.robot import Kinematics
 
@@ -80,7 +81,7 @@ def _owners(cell: Cell, q: Mapping[str, Floats]) -> list[tuple[pin.SE3, tuple[So
     owners += [
         (links[a.flange], (*a.tool.body, *cell.scanner.housing_of(a.name))) for a in cell.arms
     ]
-    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
+    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in surfaces(cell)]
     return [*owners, (cell.bin.T_world_bin, cell.bin.solids)]
 
 

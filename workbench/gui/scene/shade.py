@@ -13,6 +13,7 @@ from scipy import ndimage
 
 from workbench.formats.meshes.triangles import triangles_of
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import surfaces
 from workbench.model.geometry import Floats, Solid
 
 Image = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
@@ -57,7 +58,7 @@ def shade_of(cell: Cell) -> Shade | None:
 
     Same cell, same shade.
     """
-    fixed = [_surface(s, f.T_world_fixture) for f in cell.fixtures for s in f.solids]
+    fixed = [_surface(s, f.T_world_fixture) for f in surfaces(cell) for s in f.solids]
     foot = float(cell.bin.T_world_bin.translation[2]) + REACH
     tops = [body.bounds[1, 2] for body in fixed if body.bounds[1, 2] <= foot]
     if not tops:

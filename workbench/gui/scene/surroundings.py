@@ -16,6 +16,7 @@ from workbench.gui.shared.colours import GRID, NIGHT_GRID, NIGHT_SKY, SKY, rgb_o
 from workbench.gui.shared.movable_frames import name_of_region
 from workbench.gui.shared.solids import by_colour
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import surfaces
 from workbench.model.geometry import Floats
 from workbench.model.part import Part
 from workbench.planning.kinematics.robot import Kinematics
@@ -77,7 +78,7 @@ class BrowserCamera(Protocol):
 
 def add_surroundings(scene: viser.SceneApi, cell: Cell) -> None:
     """Floor, fixtures, stations, bin, regions and scanner: each is a frame that a drag can move."""
-    for fixture in cell.fixtures:
+    for fixture in surfaces(cell):
         name = f"/fixtures/{fixture.name}"
         place(scene.add_frame(name, show_axes=False), fixture.T_world_fixture)
         for number, (colour, points, triangles) in enumerate(by_colour(fixture.solids)):

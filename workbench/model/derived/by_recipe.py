@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import cycle, islice
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_bin import with_bin
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import RecipeText
 from workbench.model.messages.message import Message
@@ -78,12 +79,21 @@ def with_recipe(cell: Cell, number: int) -> Cell:
     if recipe.speed is not None:
         policy = replace(policy, speed=recipe.speed)
     return replace(
-        cell,
+        with_bin(cell, recipe.bin),
         parts=tuple(_part(part, recipe) for part in _parts(cell, recipe)),
         arms=tuple(_arm(arm, recipe) for arm in cell.arms),
         policy=policy,
         recipe=number,
     )
+
+
+def as_chosen(cell: Cell, recipe: int, bin: str = "") -> Cell:
+    """A cell as its file states it, by a recipe and a bin; without a name the recipe's bin.
+
+    Raises:
+        InputError: there is no such recipe or bin, or the recipe does not fit the cell.
+    """
+    return with_bin(with_recipe(cell, recipe), bin)
 
 
 def strategy_of(cell: Cell) -> str:
@@ -137,6 +147,9 @@ def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:
     if recipe.strategy and recipe.strategy not in strategies_of(cell):
         text = RecipeText.NO_STRATEGY(strategy=recipe.strategy, known=strategies_of(cell))
         return "strategy", text
+    bins = tuple(box.name for box in cell.bins)
+    if recipe.bin and recipe.bin not in bins:
+        return "bin", RecipeText.NO_BIN(bin=recipe.bin, known=bins)
     return _grasp_problem(cell, recipe) or _place_problem(cell, recipe)
 
 

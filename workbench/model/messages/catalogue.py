@@ -15,6 +15,7 @@ from workbench.model.messages.calibration import (
     ScanText,
 )
 from workbench.model.messages.cells import (
+    BinChoiceText,
     CellText,
     CommissioningText,
     DifferenceText,
@@ -131,6 +132,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     CommissioningText,
     LoadText,
     RecipeText,
+    BinChoiceText,
     KitText,
     InventoryText,
     CommandText,

@@ -24,6 +24,7 @@ class DifferenceText(Text, subject="difference"):
     RECIPE = "recipe {number} {name} was chosen"
     NO_RECIPE = "no recipe is chosen any more"
     RECIPES = "the recipes were changed"
+    BINS = "the bins were changed"
     HOME = "the home of the {arm} arm was moved by up to {turn:deg1}"
     OTHER_TOOL = "the {arm} arm has another tool"
     OTHER_PLACES = "the {arm} arm has other places"
@@ -67,10 +68,20 @@ class RecipeText(Text, subject="recipe"):
     NO_PLACE = "place {place} is not one of the named places: {known}"
     ARM_WITHOUT_PLACE = "the {arm} arm has no place among those of the recipe"
     NO_STRATEGY = "strategy {strategy} is not one of {known}"
+    NO_BIN = "bin {bin} is not one of the cell's bins: {known}"
     CELL_FIXED = "{command} has to wait while recipe {number} is chosen; choose no recipe first"
     STILL_PLACED = (
         "a part {part} stands on a pallet, and the recipe does not know it; empty the pallets first"
     )
+
+
+class BinChoiceText(Text, subject="bin_choice"):
+    """Bins: which one is picked from, and why one cannot be used."""
+
+    CHOSEN = "parts are taken from bin {name}"
+    ONLY = "cell {cell} has one bin only"
+    UNKNOWN = "cell {cell} has no bin {name}; it has {known}"
+    CELL_FIXED = "{command} has to wait while bin {name} is chosen; choose bin {first} first"
 
 
 class KitText(Text, subject="kit"):

@@ -32,6 +32,7 @@ class CommandText(Text, subject="command"):
     JOB_ENDED = "the end of a task"
     CANCEL_JOB = "the cancelling of a task"
     CHOOSE_RECIPE = "the choice of a recipe"
+    CHOOSE_BIN = "the choice of a bin"
     NEW_KIT = "a new kit"
     CHANGE_CELL = "a change of the cell"
     UNDO_CELL = "an undo"

@@ -24,7 +24,7 @@ class Recipe:
     share of the joints' speeds, replace those of the policy.
 
     Where there are `items`, parts are taken as long as a kit of these lacks them.  `in_order`:
-    those of an item only when the items before it are complete.
+    those of an item only when the items before it are complete.  Parts are taken from `bin`.
     """
 
     number: int
@@ -37,6 +37,7 @@ class Recipe:
     speed: float | None = None
     items: tuple[KitItem, ...] = field(default_factory=tuple, metadata=LATER)
     in_order: bool = field(default_factory=bool, metadata=LATER)
+    bin: str = field(default_factory=str, metadata=LATER)
 
 
 def names_of(places: int, names: tuple[str, ...]) -> tuple[str, ...]:

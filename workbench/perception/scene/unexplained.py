@@ -14,6 +14,7 @@ import pinocchio as pin
 from numba import njit
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Box, Floats, Ints, Solid
 from workbench.model.scan import Detection, Obstacle, Scan, Unexplained
 from workbench.perception.scene.hidden import Room, hidden_columns
@@ -155,7 +156,7 @@ def _add_parts(
 def _solids(cell: Cell) -> list[tuple[pin.SE3, Solid]]:
     """All that stands still, with its pose in the world."""
     owners = [(cell.bin.T_world_bin, cell.bin.solids)]
-    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in cell.fixtures]
+    owners += [(fixture.T_world_fixture, fixture.solids) for fixture in barriers(cell)]
     return [(T * solid.T_owner_shape, solid) for T, solids in owners for solid in solids]
 
 

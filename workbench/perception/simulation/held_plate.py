@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from workbench.model.calibration import BallPlate
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import surfaces
 from workbench.model.errors import InputError
 from workbench.model.geometry import Cylinder, Solid, Sphere
 from workbench.model.scan import Scan
@@ -79,7 +80,7 @@ def scan_held_plate(
     scene = robot_scene(cell, Ts_world_link)
     add_solids(scene, plate_solids(plate), _plate_of(cell, Ts_world_link, arm, plate))
     add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
-    for fixture in cell.fixtures:
+    for fixture in surfaces(cell):
         add_solids(scene, fixture.solids, fixture.T_world_fixture)
     mount = cell.scanner
     rays = Pinhole.of_scanner(mount).rays().reshape(-1, 3)

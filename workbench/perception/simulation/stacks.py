@@ -7,6 +7,7 @@ import mujoco
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import barriers
 from workbench.model.part import Part
 from workbench.perception.simulation.physics import (
     TIMESTEP,
@@ -39,7 +40,7 @@ def let_go(cell: Cell, parts: Sequence[tuple[Part, pin.SE3]]) -> tuple[pin.SE3, 
     T_bin_world = cell.bin.T_world_bin.inverse()
     around = [
         replace(solid, T_owner_shape=T_bin_world * fixture.T_world_fixture * solid.T_owner_shape)
-        for fixture in cell.fixtures
+        for fixture in barriers(cell)
         for solid in fixture.solids
     ]
     kinds = [part for part, _ in parts]

@@ -7,6 +7,7 @@ import open3d as o3d
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived import by_bin
 from workbench.model.errors import InputError
 from workbench.model.geometry import Floats
 from workbench.model.scan import Detection, Scan
@@ -91,7 +92,10 @@ def _colours(
     """Colours (n, 3) of what was hit (n, 2), see `_cast`; None where no part has any."""
     if all(part.colours is None for part in cell.parts):
         return None
-    solids = (*cell.bin.solids, *(solid for fixture in cell.fixtures for solid in fixture.solids))
+    solids = (
+        *cell.bin.solids,
+        *(solid for fixture in by_bin.surfaces(cell) for solid in fixture.solids),
+    )
     # What is seen across an edge, where nothing is hit, is as grey as parts without colours.
     paints = np.full((len(hits), 3), PLAIN, np.uint8)
     for number, detection in enumerate(truth):
@@ -129,7 +133,7 @@ def _scene(cell: Cell, truth: Sequence[Detection]) -> o3d.t.geometry.RaycastingS
     for detection in truth:
         add_surface(scene, surfaces[detection.part], detection.T_world_part)
     add_solids(scene, cell.bin.solids, cell.bin.T_world_bin)
-    for fixture in cell.fixtures:
+    for fixture in by_bin.surfaces(cell):
         add_solids(scene, fixture.solids, fixture.T_world_fixture)
     return scene
 

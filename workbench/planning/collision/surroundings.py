@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Box, Floats, Shape, Solid
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.around import Around
@@ -80,7 +81,7 @@ class Surroundings:
 def _of_cell(cell: Cell) -> Iterator[Body]:
     for solid in cell.bin.solids:
         yield _still(solid, cell.bin.T_world_bin, "bin", "bin", solid.name)
-    for fixture in cell.fixtures:
+    for fixture in barriers(cell):
         for solid in fixture.solids:
             yield _still(solid, fixture.T_world_fixture, "fixture", fixture.name, solid.name)
 

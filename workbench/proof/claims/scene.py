@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
 from workbench.model.part import Part
 from workbench.model.scan import Detection, Obstacle, Scene
@@ -73,7 +74,7 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
     def still(label: str, T: pin.SE3, solid: Solid) -> CheckedBody:
         return CheckedBody("still", label, "still", "", -1, 0, T * solid.T_owner_shape, solid.shape)
 
-    for fixture in cell.fixtures:
+    for fixture in barriers(cell):
         for solid in fixture.solids:
             yield still(solid.name, fixture.T_world_fixture, solid)
     for solid in cell.bin.solids:

@@ -65,7 +65,11 @@ def emptied_all(
 def _path(folder: Path, task: PileTask) -> Path:
     """The file of a pile: another cell, part, seed or program has another one."""
     said = repr(
-        (canonical(task), _digest(task.cell, task.part, task.change, task.recipe), _program())
+        (
+            canonical(task),
+            _digest(task.cell, task.part, task.change, task.recipe, task.bin),
+            _program(),
+        )
     )
     return folder / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.json"
 
@@ -77,8 +81,8 @@ def _program() -> str:
 
 
 @lru_cache(maxsize=256)
-def _digest(cell: str, part: str, change: Message | None, recipe: int) -> str:
-    return apply_change(cell_of(cell, part, recipe), change).digest
+def _digest(cell: str, part: str, change: Message | None, recipe: int, bin: str) -> str:
+    return apply_change(cell_of(cell, part, recipe, bin), change).digest
 
 
 def _read(folder: Path, task: PileTask) -> EmptiedPile | None:

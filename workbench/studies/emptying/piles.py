@@ -10,7 +10,7 @@ from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.parts.reading import read_part
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import with_recipe
+from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.messages.message import Message
 from workbench.model.prediction import TOGETHER, EmptiedPile, PileTask
 from workbench.model.recipes.recipe import NO_RECIPE
@@ -22,13 +22,13 @@ from workbench.planning.picking.propose import propose
 from workbench.plugins.localizer import find_parts
 
 
-def cell_of(name: str, part: str, recipe: int = NO_RECIPE) -> Cell:
-    """The cell by its recipe of that number, picking what `PileTask.part` names.
+def cell_of(name: str, part: str, recipe: int = NO_RECIPE, bin: str = "") -> Cell:
+    """The cell by its recipe of that number and that bin, picking what `PileTask.part` names.
 
     Raises:
-        InputError: cell or part cannot be read, or there is no such recipe.
+        InputError: cell or part cannot be read, or there is no such recipe or bin.
     """
-    cell = with_recipe(read_cell(name), recipe)
+    cell = as_chosen(read_cell(name), recipe, bin)
     if part in ("", ALL_KINDS):
         return cell if part or recipe else replace(cell, parts=cell.parts[:1])
     known = {known_part.name: known_part for known_part in cell.parts}
@@ -42,20 +42,20 @@ def check_task(task: PileTask) -> None:
     Raises:
         InputError: cell or part cannot be read, or see `check_pile`.
     """
-    check_pile(cell_of(task.cell, task.part, task.recipe), task.count)
+    check_pile(cell_of(task.cell, task.part, task.recipe, task.bin), task.count)
 
 
 def empty_pile(task: PileTask) -> EmptiedPile:
     """Drop a pile and empty it; see `app.emptying.empty`."""
-    cell = _warm(task.cell, task.part, task.seen, task.change, task.recipe)
-    pile = empty.fallen(cell_of(task.cell, task.part, task.recipe), cell, task)
+    cell = _warm(task.cell, task.part, task.seen, task.change, task.recipe, task.bin)
+    pile = empty.fallen(cell_of(task.cell, task.part, task.recipe, task.bin), cell, task)
     return empty.empty_pile(cell, task, pile, estimates=not task.change)
 
 
 @lru_cache(maxsize=4)
-def _warm(name: str, part: str, seen: str, change: Message | None, recipe: int) -> Cell:
+def _warm(name: str, part: str, seen: str, change: Message | None, recipe: int, bin: str) -> Cell:
     """The cell, after one plan: compiled code is loaded before a clock runs."""
-    cell = apply_change(cell_of(name, part, recipe), change)
+    cell = apply_change(cell_of(name, part, recipe, bin), change)
     pile = drop_parts(kinds_in_turn(cell, 2), cell.bin, seed=0)
     if seen == "scan":
         scan = synthesize(cell, pile, seed=0)

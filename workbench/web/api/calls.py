@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_args
 
+from workbench.app.core.cell.bins import ChooseBin
 from workbench.app.core.cell.changes import EmptyPallets, RedoCell, SaveCell, UndoCell
 from workbench.app.core.cell.emptying import TryEmptying
 from workbench.app.core.cell.kits import NewKit
@@ -353,6 +354,12 @@ CALLS: tuple[Call, ...] = (
                 _whole(NO_RECIPE, HIGHEST),
             ),
         ),
+    ),
+    Call(
+        "/bin",
+        "Take parts from another bin; detections, plan and approval are void then.",
+        ChooseBin,
+        (Field("name", "of one of the `bins` of the state", _text(LONGEST_NAME)),),
     ),
     Call(
         "/kit",

@@ -41,6 +41,8 @@ def state_form(state: State, live: Live) -> Form:
         "changed": list(map(str, state.changed)),
         "cell": state.cell.name,
         "cell_digest": state.cell.digest,
+        "bin": state.cell.bin.name,
+        "bins": [box.name for box in state.cell.bins],
         "recipe": state.cell.recipe,
         "recipes": [{"number": r.number, "name": r.name} for r in state.cell.recipes],
         "kit": _kit_form(state),

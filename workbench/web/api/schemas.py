@@ -84,6 +84,8 @@ STATE = record(
     cell_digest=DIGEST,
     recipe=WHOLE,
     recipes=many(record(number=WHOLE, name=TEXT)),
+    bin=TEXT,
+    bins=many(TEXT),
     kit=or_none(
         record(
             items=many(record(part=TEXT, count=WHOLE, has=WHOLE)),

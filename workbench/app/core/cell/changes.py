@@ -22,7 +22,7 @@ from workbench.app.core.state import (
 from workbench.app.core.value_checks import check_cell, check_says, check_text
 from workbench.formats.cells.differences import difference
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import with_recipe
+from workbench.model.derived.by_recipe import as_chosen
 from workbench.model.digest import LATER, digest_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.geometry import put
@@ -174,7 +174,7 @@ def redone(state: State) -> Changed:
 
 
 def cell_read(state: State, command: CellRead) -> Changed:
-    """The state after the cell file was read; a recipe stays chosen where the file still has it."""
+    """The state after the cell file was read; recipe and bin stay chosen where it has them."""
     if state.whole is None or command.cell is None:
         return _read(state, command)
     in_force, number = state.cell, state.cell.recipe
@@ -184,10 +184,10 @@ def cell_read(state: State, command: CellRead) -> Changed:
         cell = replace(in_force, approvers=whole.approvers)
     else:
         try:
-            cell = with_recipe(whole, number)
+            cell = as_chosen(whole, number, in_force.bin.name)
         except InputError as error:
             return replace(after, message=RecipeText.UNFIT(problem=error.message)), effects
-    after = replace(after, cell=cell, whole=whole)
+    after = replace(after, cell=cell, whole=None if cell.digest == whole.digest else whole)
     return after, tuple(UseCell(cell) if isinstance(e, UseCell) else e for e in effects)
 
 

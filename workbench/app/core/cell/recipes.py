@@ -11,7 +11,7 @@ from workbench.app.core.command import SAFE, Asked, Command, Decision, Entry, Ri
 from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_integer
 from workbench.model.cell import Cell
-from workbench.model.derived.by_recipe import kit_of, recipe_of, with_recipe
+from workbench.model.derived.by_recipe import as_chosen, kit_of, recipe_of
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import KitText, RecipeText
 from workbench.model.messages.commands import CommandText
@@ -44,7 +44,9 @@ def by_recipe(state: State, number: int) -> Cell:
         CommandRefused: there is none of that number, or it does not fit the cell.
     """
     try:
-        return with_recipe(state.whole or state.cell, number)
+        whole, bin = state.whole or state.cell, state.cell.bin.name
+        names_bin = number != NO_RECIPE and recipe_of(whole, number).bin
+        return as_chosen(whole, number, "" if names_bin else bin)
     except InputError as error:
         raise CommandRefused(error.message) from error
 
@@ -54,9 +56,10 @@ def _choose(state: State, number: int) -> Changed:
     whole, message = state.whole or state.cell, _message(state.cell, number)
     if number == state.cell.recipe:
         return replace(state, message=message), ()
-    after, effects = with_cell(state, by_recipe(state, number), message)
-    after = replace(after, whole=None if number == NO_RECIPE else whole, kit=KitProgress())
-    return after, effects
+    cell = by_recipe(state, number)
+    after, effects = with_cell(state, cell, message)
+    whole = None if cell.digest == whole.digest else whole
+    return replace(after, whole=whole, kit=KitProgress()), effects
 
 
 def _message(cell: Cell, number: int) -> Message:

@@ -1,0 +1,55 @@
+"""Bins chosen: what is void then, what has to wait, and that sessions are computed again."""
+
+from dataclasses import replace
+
+import pytest
+from line import Line
+
+from workbench.app.core.cell.bins import ChooseBin
+from workbench.app.core.cell.changes import SaveCell
+from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.cycle.parts import FindParts
+from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.state import Phase
+from workbench.model.errors import CommandRefused
+from workbench.model.geometry import pose_from_rpy
+from workbench.model.recipes.recipe import Recipe
+
+
+@pytest.fixture
+def line(cell) -> Line:
+    right = replace(cell.bin, name="right", number=1)
+    away = pose_from_rpy((0, 2.0, 0)) * cell.bin.T_world_bin
+    left = replace(right, name="left", number=2, T_world_bin=away)
+    recipes = (Recipe(1, "to the left", bin="left"), Recipe(2, "plain"))
+    return Line(replace(cell, bin=right, other_bins=(left,), recipes=recipes))
+
+
+def test_another_bin_keeps_the_scan_and_voids_the_parts_found(line, samples):
+    line.do(TakeScan())
+    line.ended(samples.scan(line.state.number))
+    line.do(FindParts())
+    line.ended(samples.detections())
+    before = line.state.cell.digest
+    state = line.do(ChooseBin("left"))
+    assert (state.cell.bin.name, state.phase, state.detections) == ("left", Phase.SCANNED, None)
+    assert "bin left" in str(state.message)
+    assert line.do(ChooseBin("left")).cell is state.cell
+    state = line.do(ChooseBin("right"))
+    assert state.cell.digest == before and state.whole is None
+
+
+def test_a_recipe_takes_its_bin_along_and_others_keep_the_one_that_is_chosen(line):
+    assert line.do(ChooseRecipe(1)).cell.bin.name == "left"
+    assert line.do(ChooseRecipe(2)).cell.bin.name == "left"
+    state = line.do(ChooseRecipe(0))
+    assert state.cell.bin.name == "left" and state.whole is not None
+    assert line.do(ChooseBin("right")).whole is None
+
+
+def test_unknown_bins_are_refused_and_the_cell_is_edited_with_its_first_bin(line):
+    with pytest.raises(CommandRefused, match="has no bin third; it has right, left"):
+        line.do(ChooseBin("third"))
+    line.do(ChooseBin("left"))
+    with pytest.raises(CommandRefused, match="has to wait while bin left is chosen; choose bin r"):
+        line.do(SaveCell(""))
