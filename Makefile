@@ -114,7 +114,7 @@ test-fast: $(VENV)/.test $(VENV)/.compiled
 # As where no extra is installed, nor a library that only extras need; whole commands are tried so
 # in tests/plugins/test_extras.py.
 test-core: $(VENV)/.test $(VENV)/.compiled
-	PYTHONPATH=$(CURDIR)/tests/without_extras $(BIN)/python -m pytest -m "not extensive" \
+	PYTHONPATH=$(CURDIR)/tests/without_extras:$$PYTHONPATH $(BIN)/python -m pytest -m "not extensive" \
 		--ignore=tests/app/core/test_any_sequence.py tests/app/core tests/journal tests/model $(ARGS)
 
 foreign: $(VENV)/.test $(VENV)/.compiled
