@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from arm_scanner_cell import six_axes_cell
 from waiting import PATIENCE, wait_until
@@ -201,6 +202,26 @@ def test_whoever_is_in_control_is_not_overruled(bench, robot):
     assert robot.ask("scan") == ("NO", "control")
     assert robot.ask("recipe", "1") == ("NO", "control")
     assert bench.state.phase is Phase.IDLE
+
+
+def test_a_bin_is_chosen_by_its_number(tmp_path):
+    cell = workbench.read_cell("tx2_90")
+    one = replace(cell.bin, name="near", number=1)
+    aside = pin.SE3(np.eye(3), np.array([0.0, 2.0, 0.0]))
+    other = replace(one, name="far", number=2, T_world_bin=aside * one.T_world_bin)
+    controller = controller_by("pick-server", port=free_port())
+    cell = replace(cell, controller=controller, bin=one, other_bins=(other,))
+    bench = Bench(cell, Journal(tmp_path / "session"))
+    with robot_jobs(bench):
+        robot = Program(cell, cell.controller.port)
+        assert robot.ask("bin", "2") == ("OK", "2")
+        assert bench.state.cell.bin.name == "far"
+        assert robot.ask("bin", "3") == ("NO", "bin")
+        assert robot.ask("bin", "0") == ("NO", "bin")
+        assert robot.ask("bin", "1") == ("OK", "1")
+        assert bench.state.cell.bin.name == "near"
+        robot.close()
+        bench.close()
 
 
 def test_what_the_cell_does_not_have_is_answered_by_no(bench, robot):

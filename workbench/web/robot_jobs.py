@@ -6,6 +6,7 @@ Approvals are not here: they are a person's.
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 
+from workbench.app.core.cell.bins import ChooseBin
 from workbench.app.core.cell.kits import NewKit, kit_problem
 from workbench.app.core.cell.recipes import ChooseRecipe
 from workbench.app.core.command import Command
@@ -72,7 +73,7 @@ class BenchDesk:
                     self._do(NewKit())
                     return "OK", "kit"
                 case "bin":
-                    return ("OK", "1") if _whole(request, 9999, 1) == 1 else ("NO", "bin")
+                    return self._choose_bin(state, _whole(request, 9999, 1))
                 case "view":
                     return self._view(state, request.words)
                 case "stop":
@@ -153,6 +154,14 @@ class BenchDesk:
             self._do(PlanView(carrier.view.name, state.number))
             self._begun = "view"
         return "WAIT", "plan"
+
+    def _choose_bin(self, state: State, number: int) -> Words:
+        bins = state.cell.bins
+        if not 1 <= number <= len(bins):
+            return "NO", "bin"
+        if bins[number - 1] is not state.cell.bin:
+            self._do(ChooseBin(bins[number - 1].name))
+        return "OK", str(number)
 
     def _refuse(self) -> Words:
         state = self._bench.state
