@@ -15,9 +15,11 @@ from workbench.app.picking.row import plan_row
 from workbench.app.runtime.live import Live
 from workbench.formats.cells.reading import read_cell
 from workbench.model.cell import Cell
+from workbench.model.derived.by_recipe import with_recipe
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.plan import PlanResult
+from workbench.model.recipes.kit import KitItem
 from workbench.model.recipes.recipe import Recipe
 from workbench.model.release import PartReport
 from workbench.model.scan import Detection, Scan
@@ -59,6 +61,15 @@ def results_with_recipes() -> Results:
     usual = make_results()
     recipes = (Recipe(4, "left", strategy="left", threshold=0.05), Recipe(12, "slow", speed=0.1))
     return replace(usual, cell=replace(usual.cell, recipes=recipes))
+
+
+def results_with_kit() -> Results:
+    """The same by a recipe 7 whose kit is the two parts."""
+    usual = make_results()
+    pair = Recipe(7, "pairs", items=(KitItem("keyed_cylinder", 2),))
+    cell = with_recipe(replace(usual.cell, recipes=(pair,)), pair.number)
+    planned = plan_pick(cell, usual.detections, usual.scan.digest, seed=0)
+    return replace(usual, cell=cell, planned=planned)
 
 
 def make_row(picks: int) -> Results:

@@ -144,7 +144,7 @@ OF_EXTRAS: Mapping[type, tuple[str, str]] = {
     studies.StudyBop: ("bop.commands:study_bop", "this needs"),
     top.OpcUaCommands: ("opcua.commands:certificates", "certificates need"),
 }
-"""The function of an extra that carries a command out, and what is said where the extra lacks."""
+"""The function of an extra that carries a command out; how its error begins where it is missing."""
 
 
 def run(typed: top.Arguments) -> int:

@@ -3,14 +3,21 @@
 from dataclasses import replace
 
 import pytest
+from idle import Idle
 from line import Line
 
 from workbench.app.core.cell.bins import ChooseBin
-from workbench.app.core.cell.changes import SaveCell
+from workbench.app.core.cell.changes import CellRead, SaveCell
 from workbench.app.core.cell.recipes import ChooseRecipe
+from workbench.app.core.cycle.jobs import JobEnded
 from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.scanning import TakeScan
+from workbench.app.core.people import CELL_FILE, WORKER, Role
 from workbench.app.core.state import Phase
+from workbench.app.records.replay import replay
+from workbench.app.runtime.bench import Bench
+from workbench.journal.journal import Journal
+from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.recipes.recipe import Recipe
@@ -37,6 +44,28 @@ def test_another_bin_keeps_the_scan_and_voids_the_parts_found(line, samples):
     assert line.do(ChooseBin("left")).cell is state.cell
     state = line.do(ChooseBin("right"))
     assert state.cell.digest == before and state.whole is None
+
+
+def test_a_file_that_loses_the_chosen_bin_is_used_as_it_stands(line):
+    whole = line.state.cell
+    line.do(ChooseBin("left"))
+    without = replace(whole, other_bins=(), recipes=())
+    state = line.do(CellRead(without), CELL_FILE)
+    assert (state.cell.digest, state.whole) == (without.digest, None)
+    assert "the cell is used as its file states it" in str(state.message)
+
+
+def test_a_session_in_which_bins_are_chosen_is_computed_again(line, samples, tmp_path):
+    cell, journal = line.state.cell, Journal(tmp_path / "session")
+    bench = Bench(cell, journal, effects=Idle)
+    for name in ("left", "right", "left"):
+        bench.do(ChooseBin(name), "ada", Role.OPERATOR)
+        bench.do(TakeScan(), "ada")
+        bench.do(JobEnded(bench.state.number, samples.scan()), WORKER)
+    last = bench.state
+    bench.close()
+    *_, (_, again) = replay(Journal(tmp_path / "session"), cell)
+    assert digest_of(again) == digest_of(last) and again.cell.bin.name == "left"
 
 
 def test_a_recipe_takes_its_bin_along_and_others_keep_the_one_that_is_chosen(line):

@@ -151,7 +151,9 @@ def test_the_recipe_stays_chosen_when_the_cell_file_changes(approved):
     assert state.is_saved
     gone, effects = after(chosen, CellRead(replace(wider, recipes=(TOP,))), CELL_FILE)
     assert (gone.cell.recipe, gone.whole) == (0, None)
-    assert str(gone.message).endswith("no recipe 2; it has 9 top; no recipe is chosen")
+    assert str(gone.message).endswith(
+        "no recipe 2; it has 9 top; the cell is used as its file states it"
+    )
     assert [effect.cell for effect in effects if isinstance(effect, UseCell)] == [gone.cell]
 
 

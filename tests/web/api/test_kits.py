@@ -1,26 +1,15 @@
 """A kit filled over HTTP, and as the statistics see it."""
 
-from dataclasses import replace
-
 import pytest
-from prepared_bench import make_results
+from prepared_bench import results_with_kit
 
-from workbench.app.picking.pipeline import plan_pick
 from workbench.app.statistics.kits import KitCount
 from workbench.app.statistics.statistics import statistics, together
-from workbench.model.derived.by_recipe import with_recipe
-from workbench.model.recipes.kit import KitItem
-from workbench.model.recipes.recipe import Recipe
-
-PAIR = Recipe(7, "pairs", items=(KitItem("keyed_cylinder", 2),))
 
 
 @pytest.fixture(scope="module")
 def results():
-    usual = make_results()
-    cell = with_recipe(replace(usual.cell, recipes=(PAIR,)), 7)
-    planned = plan_pick(cell, usual.detections, usual.scan.digest, seed=0)
-    return replace(usual, cell=cell, planned=planned)
+    return results_with_kit()
 
 
 def cycle(site) -> None:

@@ -87,7 +87,7 @@ def read_cell(name: str | Path) -> Cell:
     called, (box, *other_bins) = table.text("name"), read_bins(table)
     # The page and world files know the other bins as fixtures.
     names = [fixture.name for fixture in fixtures]
-    table.once("fixture.name", names + [f"bin {one.name}" for one in (box, *other_bins)])
+    table.once("fixture.name", names + [f"bin {each.name}" for each in (box, *other_bins)])
     scanner, arms = _scanner(table.table("scanner"), robot, T_world_robot, arms)
     cell = Cell(
         name=called,

@@ -2,7 +2,7 @@
 
 Fingers of a cell move straight, those of linkages swing.  So a tool made here is a little larger
 than such a gripper: of each finger the last link moves, and holds all places of its own that are
-off its straight way.  What moves behind it counts as body, at all its places at once.
+off its straight path.  What moves behind it counts as body, at all its places at once.
 """
 
 import re

@@ -57,7 +57,7 @@ class RecipeText(Text, subject="recipe"):
 
     CHOSEN = "recipe {number} {name} is chosen"
     NOT_CHOSEN = "no recipe is chosen"
-    UNFIT = "{problem}; no recipe is chosen"
+    UNFIT = "{problem}; the cell is used as its file states it"
     NONE = "cell {cell} has no recipes"
     UNKNOWN = "cell {cell} has no recipe {number}; it has {known}"
     MISFIT = "recipe {number} {name} does not fit the cell: {problem}"

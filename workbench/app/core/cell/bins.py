@@ -12,7 +12,7 @@ from workbench.app.core.state import State
 from workbench.app.core.value_checks import check_text
 from workbench.model.cell import Cell
 from workbench.model.derived.by_bin import with_bin
-from workbench.model.errors import CommandRefused
+from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.cells import BinChoiceText
 from workbench.model.messages.commands import CommandText
 
@@ -44,9 +44,7 @@ def _by_bin(state: State, name: str) -> Cell:
     Raises:
         CommandRefused: there is none of that name.
     """
-    known = [box.name for box in state.cell.bins]
-    if name not in known:
-        cell = state.cell.name
-        text = BinChoiceText.UNKNOWN(cell=cell, name=f"{name:.40}", known=known)
-        raise CommandRefused(text if state.cell.other_bins else BinChoiceText.ONLY(cell=cell))
-    return with_bin(state.cell, name)
+    try:
+        return with_bin(state.cell, name)
+    except InputError as error:
+        raise CommandRefused(error.message) from error

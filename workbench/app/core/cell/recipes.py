@@ -44,9 +44,9 @@ def by_recipe(state: State, number: int) -> Cell:
         CommandRefused: there is none of that number, or it does not fit the cell.
     """
     try:
-        whole, bin = state.whole or state.cell, state.cell.bin.name
+        whole = state.whole or state.cell
         names_bin = number != NO_RECIPE and recipe_of(whole, number).bin
-        return as_chosen(whole, number, "" if names_bin else bin)
+        return as_chosen(whole, number, "" if names_bin else state.cell.bin.name)
     except InputError as error:
         raise CommandRefused(error.message) from error
 
