@@ -195,3 +195,18 @@ class Pick:
     def q_grasp(self) -> Floats:
         """Where the fingers close, shape (n,)."""
         return np.asarray(self.approach[-1])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FoundGrip:
+    """A grip that was searched for one part: `opening` [m] on arrival, `grip` [m] when closed.
+
+    The hand arrives along the TCP's z.
+    """
+
+    T_part_tcp: pin.SE3
+    opening: float
+    grip: float
+
+    def __post_init__(self) -> None:
+        put(self, T_part_tcp=copy_pose(self.T_part_tcp))

@@ -36,7 +36,8 @@ class Grasp:
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
     part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
     about its own z either way; `tilt` [rad] how far about its closing axis y; `slide` [m] how far
-    it may be moved along its x.  `tool` is the one it is for; empty means any.
+    it may be moved along its x.  `tool` is the one it is for; empty means any.  `is_found`: a
+    search found it for one part where it lies, no library has it.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Grasp:
     tool: str = ""
     tilt: float = 0.0
     slide: float = 0.0
+    is_found: bool = field(default_factory=bool, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(
@@ -139,11 +141,13 @@ class GraspLibrary:
     """All grasps of a part, as authored: single ones and patterns.
 
     `pairs`: where there are any, two arms take parts of this kind by these pairs only.
+    `searches`: where no grasp of it takes a part, a plan searches all grips of the tools.
     `grasps` holds every single one, patterns written out, in authored order.
     """
 
     entries: tuple[Entry, ...] = ()
     pairs: tuple[GraspPair, ...] = ()
+    searches: bool = field(default_factory=bool, metadata=LATER)
     grasps: tuple[Grasp, ...] = field(init=False, repr=False, metadata={"derived": True})
 
     def __post_init__(self) -> None:

@@ -49,7 +49,7 @@ def edit_library(library: GraspLibrary, was: Sequence[Entry], now: Sequence[Entr
     pairs = library.pairs
     if len(was) == len(now) == 1:
         pairs = tuple(_rename(pair, was[0].name, now[0].name) for pair in pairs)
-    result = GraspLibrary(tuple(entries), pairs)
+    result = replace(library, entries=tuple(entries), pairs=pairs)
     left = {entry.name for entry in entries}
     pairs = tuple(pair for pair in pairs if {pair.first, pair.second} <= left)
     _check_names(result)

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Candidate, Verdict
+from workbench.model.candidate import Candidate, FoundGrip, Verdict
 from workbench.model.cell import ARM_NAME
 from workbench.model.digest import LATER, FactsRepr, called, digest_of
 from workbench.model.errors import InputError
@@ -131,7 +131,8 @@ class ArmPlan:
 
     It is `NO_PART`, and `grasp` empty, of an arm that takes its scanner to the view.
     `station` names where the part is put to be taken anew; empty: to a place.  `loads` are those of
-    tool and part, which the controller gets; None where the tool's mass is not known.
+    tool and part, which the controller gets; None where the tool's mass is not known.  `found` is
+    the grip where the part's library has no grasp of this name.
     """
 
     arm: str
@@ -142,6 +143,7 @@ class ArmPlan:
     legs: tuple[Leg, ...]
     station: str = field(default_factory=str, metadata=LATER)
     loads: Loads | None = field(default_factory=lambda: None, metadata=LATER)
+    found: FoundGrip | None = field(default_factory=lambda: None, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_tcp_part=copy_pose(self.T_tcp_part))

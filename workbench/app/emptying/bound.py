@@ -75,7 +75,7 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
     tried = fits = holds = 0
     refused: Counter[Reason] = Counter()
     for arm in cell.arms:
-        grips = grips_of(part, arm)
+        grips = grips_of(part, arm.tool)
         free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
         found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
         tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
@@ -107,7 +107,7 @@ def _is_holdable(world: World, number: int, rng: np.random.Generator) -> bool:
         if arm.tool.name in seen:
             continue
         seen.add(arm.tool.name)
-        grips = grips_of(part, arm)
+        grips = grips_of(part, arm.tool)
         free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
         for k in rng.permutation(free)[:HELD].tolist():
             grasp = grips.grasp(k)

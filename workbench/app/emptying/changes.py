@@ -15,7 +15,7 @@ from workbench.model.cell import LIFT_NAMES, ORDER_NAMES, Arm, Cell, Finger, Too
 from workbench.model.geometry import Box, Solid, pose_from_rpy
 from workbench.model.messages.changes import ChangeText
 from workbench.model.messages.message import Message
-from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPattern, Part
+from workbench.model.part import Entry, Grasp, GraspPattern, Part
 from workbench.planning.grasps.grasp_suggestions import suggest
 from workbench.planning.kinematics.chain import chain_of, is_solution
 from workbench.planning.kinematics.quickness import tool_acceleration
@@ -168,7 +168,7 @@ def _with_grasps(cell: Cell, made: Callable[[Part], tuple[Entry, ...] | None]) -
         return None
     parts = tuple(
         part if entries is None
-        else replace(part, library=GraspLibrary(entries, part.library.pairs))
+        else replace(part, library=replace(part.library, entries=entries))
         for part, entries in zip(cell.parts, found, strict=True)
     )  # fmt: skip
     return replace(cell, parts=parts)

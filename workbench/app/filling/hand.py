@@ -108,7 +108,7 @@ def hands_for(cell: Cell, part: Part, seed: int, work: Work) -> list[Hand]:
         if checker.pads is None and checker.cup is None:
             continue
         grower = Grower(checker, round_bodies(part, checker), least_air, work)
-        grips = grips_of(part, arm)
+        grips = grips_of(part, arm.tool)
         if not len(grips.hands.turn):
             continue
         rng = np.random.default_rng(seed)

@@ -5,26 +5,30 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
+from workbench.app.picking.judging import (
+    JUDGED,
+    Looked,
+    count_hands,
+    furthest_verdict,
+    judge_candidates,
+)
+from workbench.model.candidate import Candidate, Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES, Cell, PlanOverrides, Policy
 from workbench.model.derived.by_recipe import check_strategy
 from workbench.model.derived.policies import widened
 from workbench.model.derived.row_parts import count_taken
-from workbench.model.errors import InputError, JobCancelled
+from workbench.model.errors import InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.refusals import Refusal
-from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.messages.work import CancelText, ProgressText
+from workbench.model.messages.work import ProgressText
 from workbench.model.plan import Plan, PlanResult, Proof
 from workbench.model.recipes.kit import Wanted
 from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
 from workbench.planning.picking.least_time import least_cycle
-from workbench.planning.picking.lifts import lift_message
-from workbench.planning.picking.propose import is_spare, levels_of, propose
-from workbench.planning.picking.resolve import resolve
+from workbench.planning.picking.propose import HandsLooked, levels_of, propose, search_candidates
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.misfit import misfit
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
@@ -32,8 +36,8 @@ from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
-FIRST_SEARCH = 0.7
-"""Share of the progress for the search by the policy itself, before that by the widened one."""
+FIRST, WIDER = 0.6, 0.8
+"""Shares of the progress at which the search by the policy itself ends, and by the widened one."""
 
 TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
 """What fingers that arrive less open, or other lifts, may mend."""
@@ -42,9 +46,6 @@ TWO_ARMS = (*BOTH, "both")
 """Strategies that only two arms can follow."""
 
 NOTHING: Mapping[int, Message] = MappingProxyType({})
-
-TRIED, JUDGED = 0.2, 0.75
-"""Shares of a look at candidates after which the hands were tried, and all candidates judged."""
 
 
 def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyword
@@ -67,7 +68,8 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
     when no plan comes out of those before them, or one for fewer arms than could work; where one
     arm has work already, they get no more than half of the time.  Where no plan comes out of all,
-    one is searched by `widened`, unless the policy says not to.
+    one is searched by `widened`, unless the policy says not to.  Where still none comes out, grips
+    are searched for one part after the other, from the top, of those kinds whose library says so.
 
     Args:
         cell: with its parts and policy.
@@ -102,19 +104,26 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         avoided,
         wanted,
         seed,
-        within(report, 0.0, FIRST_SEARCH),
+        within(report, 0.0, FIRST),
         cancelled,
         processor_time() + policy.seconds,
     )
     scene = Scene(scan_digest, detections, obstacles)
     stages = _Stages()
-    result = _plan(World(cell, detections, obstacles, policy), scene, asked, stages)
-    if not _may_widen(cell, policy, result.candidates) or result.plan is not None:
-        return result
-    asked = replace(asked, report=within(report, FIRST_SEARCH, 1.0))
-    stages = _Stages(dict(result.seconds))
-    wider = _plan(World(cell, detections, obstacles, widened(policy)), scene, asked, stages)
-    return result if wider.plan is None else wider
+    world = World(cell, detections, obstacles, policy)
+    result = _plan(world, scene, asked, stages, _library_levels(cell))
+    if result.plan is None and _may_widen(cell, policy, result.candidates):
+        asked = replace(asked, report=within(report, FIRST, WIDER))
+        world, stages = World(cell, detections, obstacles, widened(policy)), _after(result)
+        wider = _plan(world, scene, asked, stages, _library_levels(cell))
+        result = result if wider.plan is None else wider
+    levels = _search_levels(world, asked)
+    if result.plan is None and levels:
+        asked = replace(asked, report=within(report, WIDER, 1.0))
+        found = _plan(world, scene, asked, _after(result), levels, takes_first=True)
+        if found.plan is not None:
+            return replace(found, candidates=(*result.candidates, *found.candidates))
+    return result
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,21 +150,59 @@ def _may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> b
     return Reason.EXTRACT_BLOCKED in reasons and set(policy.lifts) != set(LIFT_NAMES)
 
 
-def _plan(world: World, scene: Scene, asked: _Asked, stages: "_Stages") -> PlanResult:
-    """Search a plan in a world, one level of priorities after the other; see `plan_pick`."""
+Level = Callable[[World, HandsLooked], tuple[Candidate, ...]]
+"""Proposes candidates in a world; see `propose` for what it reports to."""
+
+
+def _library_levels(cell: Cell) -> list[Level]:
+    """The grasps of the libraries, one level of priorities after the other."""
+    return [
+        lambda world, looked, level=level: propose(world, priorities=level, looked=looked)
+        for level in levels_of(cell)
+    ]
+
+
+def _search_levels(world: World, asked: _Asked) -> list[Level]:
+    """Grips of one part after the other, from the top, where libraries leave it to a search."""
+    searching = {part.name for part in world.cell.parts if part.library.searches}
+    lying = [
+        (float(detection.T_world_part.translation[2]), number)
+        for number, detection in enumerate(world.detections)
+        if detection.part in searching and number not in asked.avoided
+    ]
+    return [
+        lambda world, looked, number=number: search_candidates(
+            world, number, seed=asked.seed, looked=looked
+        )
+        for _, number in sorted(lying, reverse=True)
+    ]
+
+
+def _plan(
+    world: World,
+    scene: Scene,
+    asked: _Asked,
+    stages: "_Stages",
+    levels: Sequence[Level],
+    *,
+    takes_first: bool = False,
+) -> PlanResult:
+    """Search a plan in a world by one level of candidates after the other; see `plan_pick`.
+
+    `takes_first`: one candidate that works is enough.
+    """
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
-    looked = _Looked()
+    looked = Looked()
     results: list[PlanResult] = []
-    levels = levels_of(world.cell)
     for number, level in enumerate(levels):
         # The last tenth is for the proof.
         report = within(asked.report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
-        found = propose(world, priorities=level, looked=_counting(report, asked.cancelled))
+        found = level(world, count_hands(report, asked.cancelled))
         stages.end("propose")
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and asked.strategy == "auto" else world.deadline
-        _judge(
+        judge_candidates(
             world,
             _without(asked.avoided, found),
             looked,
@@ -166,8 +213,12 @@ def _plan(world: World, scene: Scene, asked: _Asked, stages: "_Stages") -> PlanR
         )
         stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
-        if not is_last and not has_enough_picks(
-            world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
+        if (
+            not is_last
+            and not (takes_first and looked.picks)
+            and not has_enough_picks(
+                world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
+            )
         ):
             continue
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
@@ -200,16 +251,21 @@ class _Stages:
         return _Stages(dict(self.seconds))
 
 
+def _after(result: PlanResult) -> _Stages:
+    """The times of what was searched before, to go on with."""
+    return _Stages(dict(result.seconds))
+
+
 def _attempt(
     world: World,
     scene: Scene,
-    looked: "_Looked",
+    looked: Looked,
     asked: _Asked,
     strategy: str,
     stages: _Stages,
 ) -> PlanResult:
     """Plan by one strategy, prove, and bound the cycle from below."""
-    plan, proof, bound, verdict = None, None, 0.0, _summary(looked.candidates)
+    plan, proof, bound, verdict = None, None, 0.0, furthest_verdict(looked.candidates)
     plans: tuple[Plan, ...] = ()
     if looked.picks:
         plans, verdict = plan_first_feasible(
@@ -297,10 +353,10 @@ def judge(
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
 
-    def looked_by(policy: Policy) -> _Looked:
-        world, looked = World(cell, detections, obstacles, policy), _Looked()
-        found = propose(world, looked=_counting(report, cancelled))
-        _judge(
+    def looked_by(policy: Policy) -> Looked:
+        world, looked = World(cell, detections, obstacles, policy), Looked()
+        found = propose(world, looked=count_hands(report, cancelled))
+        judge_candidates(
             world,
             found,
             looked,
@@ -316,83 +372,3 @@ def judge(
         wider = looked_by(widened(cell.policy))
         looked = wider if wider.picks else looked
     return tuple(looked.candidates)
-
-
-@dataclass(slots=True)
-class _Looked:
-    """What was checked so far: candidates with their final verdicts, picks of those that work."""
-
-    candidates: list[Candidate] = field(default_factory=list[Candidate])
-    picks: list[Pick] = field(default_factory=list[Pick])
-    working: dict[tuple[str, int], list[Candidate]] = field(
-        default_factory=dict[tuple[str, int], list[Candidate]]
-    )
-
-
-def _counting(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
-    """Tells how many hands were tried, of how many, until `cancelled` ends that."""
-
-    def count_hands(count: int, of: int) -> None:
-        if cancelled():
-            raise JobCancelled(CancelText.PLANNING())
-        report(TRIED * count / of, ProgressText.HAND_CHECKS(number=count, count=of))
-
-    return count_hands
-
-
-def _judge(
-    world: World,
-    candidates: tuple[Candidate, ...],
-    looked: _Looked,
-    *,
-    seed: int,
-    report: Report,
-    cancelled: Cancelled,
-    until: float,
-) -> None:
-    """Give every candidate its final verdict; after `until` [s] of processor time: out of time."""
-    for number, candidate in enumerate(candidates):
-        if cancelled():
-            raise JobCancelled(CancelText.PLANNING())
-        done = TRIED + (JUDGED - TRIED) * number / len(candidates)
-        report(done, ProgressText.CANDIDATES(number=number + 1, count=len(candidates)))
-        verdict = candidate.verdict
-        if verdict.is_ok:
-            others = looked.working.setdefault((candidate.arm, candidate.detection), [])
-            if processor_time() > until:
-                verdict = Verdict(Reason.OUT_OF_TIME, verdict.stage)
-            elif is_spare(candidate, others):
-                note = VerdictNote.SPARE(grasp=others[0].grasp.name)
-                verdict = Verdict(Reason.DISABLED, verdict.stage, note=note)
-            else:
-                result = resolve(world, candidate, seed=seed)
-                if isinstance(result, Pick):
-                    looked.picks.append(result)
-                    others.append(candidate)
-                    verdict = Verdict(Reason.OK, Stage.PLACE, note=_describe(world, result))
-                else:
-                    verdict = result
-        if verdict is not candidate.verdict:
-            candidate = replace(candidate, verdict=verdict)
-        looked.candidates.append(candidate)
-
-
-def _describe(world: World, pick: Pick) -> Message:
-    """What to know of a candidate that works: how far it goes, its lift and its opening."""
-    candidate = pick.candidate
-    facts = [VerdictNote.DURATION(seconds=pick.seconds)]
-    if len(world.policy.lifts) > 1:
-        facts.append(VerdictNote.LIFT(lift=lift_message(pick.lift)))
-    if world.policy.least_air is not None and world.arm(candidate.arm).tool.fingers:
-        facts.append(VerdictNote.FINGERS(opening=candidate.grasp.opening))
-    return VerdictNote.WORKS(facts=facts)
-
-
-def _summary(candidates: Sequence[Candidate]) -> Verdict:
-    """Why nothing works: the refusal of the candidate that got furthest."""
-    if not candidates:
-        note = VerdictNote.NO_GRASP()
-        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=note)
-    stages = list(Stage)
-    late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
-    return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))

@@ -26,7 +26,8 @@ def fill(typed: Grasps, part: Part, cell: Cell) -> int:
     file = grasps_file(typed.part)
     if found.entries:
         library = part.library
-        save_grasps(file, replace(library, entries=(*library.entries, *found.entries)))
+        entries = (*library.entries, *found.entries)
+        save_grasps(file, replace(library, entries=entries, searches=True))
     if typed.json:
         print_json(_form(found, file))
     else:

@@ -52,6 +52,8 @@ def save_grasps(path: Path, library: GraspLibrary) -> None:
         table = tables.get(entry.name)
         grasps.append(_edit(table, before.get(entry.name, {}), keys_of(entry)))
     _put(document, "grasp", grasps)
+    if old.searches != library.searches:
+        _put_search(document, is_on=library.searches)
     if old.pairs != library.pairs:
         pairs = tomlkit.aot()
         for pair in library.pairs:
@@ -95,7 +97,7 @@ def are_written_alike(library: GraspLibrary, other: GraspLibrary) -> bool:
             _pair_keys(p) for p in grasp_library.pairs
         ]
 
-    return keys(library) == keys(other)
+    return keys(library) == keys(other) and library.searches == other.searches
 
 
 def as_written(library: GraspLibrary) -> GraspLibrary:
@@ -105,6 +107,8 @@ def as_written(library: GraspLibrary) -> GraspLibrary:
         FileError: it holds what no file may hold; names the key and what is expected.
     """
     document = tomlkit.document()
+    if library.searches:
+        document["search"] = True
     document["grasp"] = [keys_of(entry) for entry in library.entries]
     document["pair"] = [_pair_keys(pair) for pair in library.pairs]
     try:
@@ -187,6 +191,15 @@ def _put(document: Any, key: str, tables: Any) -> None:
         document[key] = tables
     else:
         document.pop(key, None)
+
+
+def _put_search(document: Any, *, is_on: bool) -> None:
+    """Keys of the file itself stand before its tables."""
+    document.pop("search", None)
+    if is_on:
+        tables = {key: document.pop(key) for key in ("grasp", "pair") if key in document}
+        document["search"] = True
+        document.update(tables)
 
 
 def _table(path: Path, text: str) -> Table:

@@ -136,13 +136,14 @@ def library_of(table: Table) -> GraspLibrary:
     entries = tuple(_entry(entry) for entry in table.tables("grasp"))
     names = tuple(entry.name for entry in entries)
     pairs = tuple(_pair(pair, names) for pair in table.tables("pair"))
+    searches = table.flag("search", False)
     table.finish()
     if sum(map(_copies, entries)) > MOST_GRASPS:
         raise FileError(path, f"stands for more than {MOST_GRASPS} grasps")
     for name, times in Counter(names).items():
         if times > 1:
             raise FileError(path, f"the grasp name {name!r} is used {times} times")
-    library = GraspLibrary(entries, pairs)
+    library = GraspLibrary(entries, pairs, searches)
     for name, times in Counter(grasp.name for grasp in library.grasps).items():
         if times > 1:
             raise FileError(path, f"the grasp name {name!r} is used {times} times")

@@ -26,6 +26,7 @@ from workbench.formats.files.json_keys import json_text, read_json
 from workbench.formats.files.toml_keys import MISSING, Table, quote
 from workbench.formats.files.whole_files import write_whole
 from workbench.formats.plans.pose_files import MOST_PARTS, name_in, read_detection, read_pose_rows
+from workbench.model.candidate import FoundGrip
 from workbench.model.digest import LARGE, canonical
 from workbench.model.errors import FileError, InputError
 from workbench.model.geometry import Floats
@@ -210,9 +211,20 @@ def _arm(table: Table, detections: int) -> ArmPlan:
         legs=legs,
         station=name_in(table, "station") if table.has("station") else "",
         loads=_loads(table.table("loads")) if table.has("loads") else None,
+        found=_found_grip(table.table("found")) if table.has("found") else None,
     )
     table.finish()
     return arm
+
+
+def _found_grip(table: Table) -> FoundGrip:
+    grip = FoundGrip(
+        T_part_tcp=read_pose_rows(table, "T_part_tcp"),
+        opening=table.number("opening", low=0, high=1),
+        grip=table.number("grip", low=0, high=1),
+    )
+    table.finish()
+    return grip
 
 
 def _loads(table: Table) -> Loads:

@@ -198,7 +198,7 @@ def _part(part: Part, recipe: Recipe) -> Part:
     entries = tuple(
         entry if _is_enabled(entry, recipe) else _disable(entry) for entry in part.library.entries
     )
-    return replace(part, library=replace(part.library, entries=entries))
+    return replace(part, library=replace(part.library, entries=entries, searches=False))
 
 
 def _disable(entry: Entry) -> Entry:

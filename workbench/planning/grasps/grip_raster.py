@@ -1,4 +1,4 @@
-"""All grips that a tool has on a part, on a fine raster: for a bound, not for a plan.
+"""All grips that a tool has on a part, on a fine raster: for bounds, filling, and searching plans.
 
 Two fingers: pairs of points with opposite normals all over the surface, the hand from all sides and
 more or less deep.  A cup: points all over the surface.  Where a hand fits among neighbours is for
@@ -6,19 +6,20 @@ more or less deep.  A cup: points all over the surface.  Where a hand fits among
 """
 
 from functools import lru_cache
+from itertools import islice
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Arm
-from workbench.model.geometry import Floats
+from workbench.model.cell import Tool
+from workbench.model.geometry import Floats, Ints
 from workbench.model.part import Grasp, Part
 from workbench.planning.collision.hands import NOTHING, Hands
 from workbench.planning.grasps.grasp_check import GraspChecker
 from workbench.planning.grasps.grasp_frames import fitted_opening
 from workbench.planning.grasps.grasp_suggestions import opposite_points, sides
 from workbench.planning.grasps.pads import Pads
-from workbench.planning.grasps.part_rays import normals_of, samples_of
+from workbench.planning.grasps.part_rays import centre_of_mass, normals_of, samples_of
 
 PAIRS, POINTS = 500, 2000
 """Points of the surface: that one finger touches, or a cup."""
@@ -32,17 +33,27 @@ DEPTHS = (0.001, 0.003, 0.006, 0.010, 0.015)
 AIR = 0.0015
 """[m] Between each finger and the part on arrival."""
 
+EXAMINED = 200
+"""Grips that fit at a part and are checked whether they hold, where some are searched."""
+
+FOUND_PRIORITY = -1000
+"""Of grips as grasps: behind all that a library may have."""
+
+RINGS = 4
+"""By how many distances from the centre of mass grips are ranked: nearer ones hold steadier."""
+
 
 class Grips:
-    """The grips of an arm's tool on a part.
+    """The grips of a tool on a part.
 
     `hands` are their ways, one each; `Ts_part_tcp` (R (n, 3, 3), p (n, 3) [m]) where the hand is.
+    They are weighed where an acceleration [m/s2] is given, see `GraspChecker`.
 
-    Lifetime: as long as part and arm.
+    Lifetime: as long as part and tool.
     """
 
-    def __init__(self, part: Part, arm: Arm):
-        self._checker = GraspChecker(part, arm.tool)
+    def __init__(self, part: Part, tool: Tool, acceleration: float | None = None):
+        self._checker = GraspChecker(part, tool, acceleration)
         rng = np.random.default_rng(0)
         pads = self._checker.pads
         if pads is not None:
@@ -51,8 +62,8 @@ class Grips:
             R, p = _touches(part, rng)
             closed = np.zeros(len(p))
         self._R, self._p = R, p
-        T = arm.tool.T_flange_tcp.inverse()
-        high = arm.tool.stroke[1]
+        T = tool.T_flange_tcp.inverse()
+        high = tool.stroke[1]
         self.hands = Hands(
             np.arange(len(p) + 1),
             np.ascontiguousarray(R @ T.rotation),
@@ -62,6 +73,16 @@ class Grips:
             np.full((len(p), 2), NOTHING),
         )
         self._known: dict[int, Grasp | None] = {}
+        centre = centre_of_mass(part.mesh)
+        size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) / 2
+        self._ring = np.floor(RINGS * np.linalg.norm(p - centre, axis=1) / size)
+
+    def search(self, free: Ints, most: int, seed: int) -> tuple[Grasp, ...]:
+        """Some of the grips with the numbers `free` (f,) that hold the part, at most `most`."""
+        some = np.random.default_rng(seed).permutation(free)[:EXAMINED]
+        near_first = some[np.argsort(self._ring[some], kind="stable")]
+        holding = (self.grasp(number) for number in near_first.tolist())
+        return tuple(islice((grasp for grasp in holding if grasp is not None), most))
 
     def grasp(self, number: int) -> Grasp | None:
         """One as a grasp; None where it does not hold the part, or the tool cuts into it."""
@@ -76,16 +97,17 @@ class Grips:
             if fingers is None or fingers.grip > self._checker.tool.stroke[1]:
                 return None
             opening = min(fingers.grip + 2 * AIR, self._checker.tool.stroke[1])
-            grasp = Grasp("any", T, opening, fingers.grip)
+            widths = opening, fingers.grip
         else:
-            grasp = Grasp("any", T, 0.0, 0.0)
+            widths = 0.0, 0.0
+        grasp = Grasp(f"found-{number}", T, *widths, priority=FOUND_PRIORITY, is_found=True)
         return grasp if self._checker.check(grasp).is_ok else None
 
 
 @lru_cache(maxsize=8)
-def grips_of(part: Part, arm: Arm) -> Grips:
-    """The grips of an arm's tool on a part, the same each time."""
-    return Grips(part, arm)
+def grips_of(part: Part, tool: Tool, acceleration: float | None = None) -> Grips:
+    """The grips of a tool on a part, the same each time."""
+    return Grips(part, tool, acceleration)
 
 
 def _pinches(

@@ -15,7 +15,9 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
+from workbench.planning.grasps.grip_raster import grips_of
 from workbench.planning.grasps.rolls import at_every_turn
+from workbench.planning.kinematics.quickness import tool_acceleration
 
 TURN_WEIGHT = 0.1
 """[m/rad] What a turn of the hand counts against its way in the SE(3) index."""
@@ -24,18 +26,21 @@ _FITS = Verdict(Reason.OK, Stage.PROPOSE)
 _OUTSIDE = Verdict(Reason.OUTSIDE_REGIONS, Stage.PROPOSE)
 
 
-Looked = Callable[[int, int], object]
+HandsLooked = Callable[[int, int], object]
 """Told after each hand that was tried: how many were, of how many."""
 
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
+
+MOST_FOUND = 12
+"""Grips of a part that are found for each arm where its library has none."""
 
 
 def propose(
     world: World,
     *,
     priorities: Collection[int] | None = None,
-    looked: Looked = lambda count, of: None,
+    looked: HandsLooked = lambda count, of: None,
 ) -> tuple[Candidate, ...]:
     """All candidates, refused ones included, in the order in which they shall be tried.
 
@@ -88,6 +93,32 @@ def groups(world: World, grasps: Mapping[str, Sequence[Grasp]]) -> Iterator[tupl
 def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate:
     """One candidate with its first verdict, whether or not the part's library has that grasp."""
     return next(_candidates(world, [number], (grasp,), arm))
+
+
+def search_candidates(
+    world: World, number: int, *, seed: int, looked: HandsLooked = lambda count, of: None
+) -> tuple[Candidate, ...]:
+    """Candidates of one part by grips that are in no library, ordered as those of `propose`.
+
+    They are among all grips of the tools: those that fit among the neighbours and hold the part,
+    at most `MOST_FOUND` for each arm.
+
+    Args:
+        world: of the cell with the parts found.
+        number: of the part among them.
+        seed: of which grips are examined.
+        looked: is called with the progress, and may end it by raising.
+    """
+    part = world.cell.part(world.detections[number].part)
+    found: list[Candidate] = []
+    for count, arm in enumerate(world.cell.arms):
+        looked(count, len(world.cell.arms))
+        grips = grips_of(part, arm.tool, tool_acceleration(world.cell, arm.tool))
+        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
+        grasps = grips.search(free, MOST_FOUND, seed)
+        if grasps:
+            found += _candidates(world, [number], grasps, arm)
+    return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.candidate import Pick, Reason, Stage, Verdict
+from workbench.model.candidate import FoundGrip, Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
 from workbench.model.derived.carried_points import InHand
 from workbench.model.derived.point_speeds import speeds_on
@@ -183,7 +183,8 @@ def _straight_legs(world: World, pick: Pick, put: PutDown) -> ArmPlan:
     )
     loads = loads_of(arm.tool, part, pick.T_tcp_part)
     taken = candidate.detection, grasp.name, pick.T_tcp_part
-    return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads)
+    grip = FoundGrip(grasp.T_part_tcp, grasp.opening, grasp.grip) if grasp.is_found else None
+    return ArmPlan(arm.name, *taken, arm.joints, legs, loads=loads, found=grip)
 
 
 def route_view(world: World, carrier: ArmScanner, *, scan_digest: str, seed: int) -> Plan | Verdict:

@@ -31,7 +31,8 @@ class EditPart(Command):
     """Change the grasps of a part, or its symmetry; undone and redone with the cell.
 
     `was` are the entries as the one who edits has seen them, `now` what shall stand in their
-    place: who edits something that was changed meanwhile is refused.  None: as it is.
+    place: who edits something that was changed meanwhile is refused.  `searches`: of the library.
+    None: as it is.
     """
 
     right: ClassVar[Right] = Right(
@@ -44,6 +45,7 @@ class EditPart(Command):
     pairs: tuple[GraspPair, ...] | None = None
     symmetry: Symmetry | None = None
     says: Message | str = ""
+    searches: bool | None = None
 
     def check(self, state: State, asked: Asked) -> None:
         check_says("says", self.says)
@@ -120,6 +122,8 @@ def edited_part(part: Part, edit: EditPart) -> Part:
         library = edit_library(library, edit.was, as_written(GraspLibrary(edit.now)).entries)
     if edit.pairs is not None:
         library = as_written(replace(library, pairs=edit.pairs))
+    if edit.searches is not None:
+        library = replace(library, searches=edit.searches)
     _check_count(library.entries, symmetry)
     return replace(part, library=library, symmetry=symmetry)
 

@@ -27,17 +27,18 @@ FAR = 0.1
 
 
 def roll_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
-    """Whether all is right at every turn of the parts whose roll nobody knows.
+    """Whether a hand holds its part, and all is right at every turn where nobody knows its roll.
 
-    The walk keeps everything out of the room of all turns.  Here it is asked whether the hand holds
-    the part at each of them; whether the part comes off what it lies on, and whether the place may
-    have it.  Turns at which a part would lie deeper than `sink` in something are left out.
+    People have authored how a grasp of a library holds a part; a found grip is checked here.  The
+    walk keeps everything out of the room of all turns.  Here it is asked whether the hand holds
+    the part at each of them; whether the part comes off what it lies on, and whether the place
+    may have it.  Turns at which a part would lie deeper than `sink` in something are left out.
     """
     found = plan.detections[arm_plan.detection]
     arm, part = cell.arm(arm_plan.arm), cell.part(found.part)
-    if not found.roll_known:
-        if arm.needs_roll:
-            yield Violation(ProofText.PLACES_NEED_ROLL(), arm.name)
+    if not found.roll_known and arm.needs_roll:
+        yield Violation(ProofText.PLACES_NEED_ROLL(), arm.name)
+    if not found.roll_known or arm_plan.found is not None:
         T_tcp_part = in_hand(cell, tree, plan, arm_plan)
         yield from _held_violations(arm, part, found, arm_plan, T_tcp_part)
     if not all(other.roll_known for other in plan.detections):

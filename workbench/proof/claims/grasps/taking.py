@@ -10,7 +10,7 @@ from workbench.model.derived.policies import LEAST_AIR
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.messages.message import Message
 from workbench.model.messages.proofs import ProofText
-from workbench.model.part import Grasp
+from workbench.model.part import Grasp, Part
 from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.proof.claims.form import HOLDING
 from workbench.proof.claims.grasps.straight import part_reach, straight_violations
@@ -30,7 +30,7 @@ from workbench.proof.engine.robot import Tree
 def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> Iterator[Violation]:
     """Check regions, permission, openings, grasp pose, straight legs and place of one arm."""
     arm, part = cell.arm(arm_plan.arm), cell.part(plan.detections[arm_plan.detection].part)
-    grasp = next((g for g in part.grasps if g.name == arm_plan.grasp), None)
+    grasp = _grasp_of(part, arm_plan)
     if grasp is None:
         yield Violation(ProofText.NO_GRASP(grasp=arm_plan.grasp), arm.name)
         return
@@ -60,6 +60,19 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> I
         yield from standing_violations(cell, tree, plan, arm_plan)
     else:
         yield from _place_violations(cell, tree, plan, arm_plan, T_tcp_part)
+
+
+def _grasp_of(part: Part, arm_plan: ArmPlan) -> Grasp | None:
+    """By what a plan takes a part: its library's grasp, or the grip found where that permits it.
+
+    Whether a found grip holds is asked by `rolls.roll_violations`.
+    """
+    found = arm_plan.found
+    if found is None:
+        return next((g for g in part.grasps if g.name == arm_plan.grasp), None)
+    if not part.library.searches:
+        return None
+    return Grasp(arm_plan.grasp, found.T_part_tcp, found.opening, found.grip)
 
 
 def _check_permission(arm: Arm, grasp: Grasp) -> Iterator[Violation]:
