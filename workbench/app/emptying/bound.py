@@ -18,7 +18,7 @@ from workbench.model.messages.states import LeftText
 from workbench.model.scan import Detection
 from workbench.perception.simulation.unloading import is_in_bin, unloaded
 from workbench.planning.collision.world import World
-from workbench.planning.grasps.grip_raster import grips_of
+from workbench.planning.grasps.grip_raster import clear_grips, grips_of
 from workbench.planning.kinematics.chain import chain_of
 from workbench.planning.picking.lifts import find_lifts_clear_for_part
 from workbench.planning.picking.propose import candidate_of
@@ -75,8 +75,8 @@ def any_grasp(cell: Cell, lying: Sequence[Detection], number: int, *, seed: int)
     tried = fits = holds = 0
     refused: Counter[Reason] = Counter()
     for arm in cell.arms:
-        grips = grips_of(part, arm.tool)
-        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
+        grips, clear = grips_of(part, arm.tool), clear_grips(cell, part, arm)
+        free = clear[world.tool_check.free(arm, number, grips.hands.some(clear))]
         found = [grasp for k in free.tolist() if (grasp := grips.grasp(k)) is not None]
         tried, fits, holds = tried + len(grips.hands.turn), fits + len(free), holds + len(found)
         order = np.random.default_rng(seed).permutation(len(found))[:MOST]
@@ -107,8 +107,8 @@ def _is_holdable(world: World, number: int, rng: np.random.Generator) -> bool:
         if arm.tool.name in seen:
             continue
         seen.add(arm.tool.name)
-        grips = grips_of(part, arm.tool)
-        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
+        grips, clear = grips_of(part, arm.tool), clear_grips(world.cell, part, arm)
+        free = clear[world.tool_check.free(arm, number, grips.hands.some(clear))]
         for k in rng.permutation(free)[:HELD].tolist():
             grasp = grips.grasp(k)
             if grasp is not None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.app.core.cycle.outcomes import MOST_FAILURES, SAME_PLACE
+from workbench.app.picking.judging import furthest_verdict
 from workbench.app.picking.pipeline import judge
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
@@ -60,7 +61,13 @@ def left_in(
                 kind, why = str(refusal.reason), LeftText.NO_PLAN(verdict=refusal.message)
             found.append(LeftPart(label, kind, LeftText.WORKS_BUT(why=why), ""))
             continue
-        best = max((candidate.verdict for candidate in mine), key=lambda verdict: verdict.progress)
+        searches = cell.part(detections[index].part).library.searches
+        verdicts = [candidate.verdict for candidate in mine]
+        best = max(
+            verdicts,
+            key=lambda verdict: verdict.progress,
+            default=furthest_verdict((), is_searched=searches),
+        )
         fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
         why = _none_works(mine, best).renumber(lambda index: lying[index][0])
         found.append(LeftPart(label, str(best.reason), why, "" if fix is None else fix.change))
@@ -86,6 +93,8 @@ def _as_found(lying: Numbered, index: int, looked: Looked) -> tuple[str, Message
 
 
 def _none_works(mine: Sequence[Candidate], best: Verdict) -> Message:
+    if not mine:
+        return best.message
     counted = Counter(candidate.verdict.kind for candidate in mine)
     reasons = (
         LeftText.COUNTED(count=count, reason=reason.message)

@@ -9,7 +9,7 @@ from workbench.app.filling.families import Family, Grower, family_of
 from workbench.app.filling.round_bodies import round_bodies
 from workbench.app.filling.work import FIT, PIECE, WAY, Work
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Bools, Ints
+from workbench.model.geometry import Bools
 from workbench.model.part import Entry, Grasp, GraspPattern, Part
 from workbench.planning.collision.hands import Hands
 from workbench.planning.collision.tool_check import ToolCheck
@@ -118,20 +118,8 @@ def hands_for(cell: Cell, part: Part, seed: int, work: Work) -> list[Hand]:
             for entry in part.library.entries
             if _is_for(entry, arms)
         ]
-        found.append(Hand(arms, grower, _some(grips.hands, chosen), families, least_air))
+        found.append(Hand(arms, grower, grips.hands.some(chosen), families, least_air))
     return found
-
-
-def _some(hands: Hands, chosen: Ints) -> Hands:
-    """Those of hands with one way each."""
-    return Hands(
-        np.arange(len(chosen) + 1),
-        np.ascontiguousarray(hands.R[chosen]),
-        np.ascontiguousarray(hands.p[chosen]),
-        hands.opening[chosen],
-        hands.turn[chosen],
-        hands.cuts[chosen],
-    )
 
 
 def _is_for(entry: Entry, arms: tuple[Arm, ...]) -> bool:

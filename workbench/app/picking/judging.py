@@ -89,11 +89,17 @@ def _describe(world: World, pick: Pick) -> Message:
     return VerdictNote.WORKS(facts=facts)
 
 
-def furthest_verdict(candidates: Sequence[Candidate]) -> Verdict:
-    """Why nothing works: the refusal of the candidate that got furthest."""
+def furthest_verdict(candidates: Sequence[Candidate], *, is_searched: bool) -> Verdict:
+    """Why nothing works: the refusal of the candidate that got furthest.
+
+    Args:
+        candidates: refused ones; there may be none.
+        is_searched: whether grips were searched, and not only those of libraries tried.
+    """
+    if not candidates and is_searched:
+        return Verdict(Reason.TOOL_COLLISION, Stage.PROPOSE, note=VerdictNote.NO_GRIP())
     if not candidates:
-        note = VerdictNote.NO_GRASP()
-        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=note)
+        return Verdict(Reason.DISABLED, Stage.PROPOSE, note=VerdictNote.NO_GRASP())
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))

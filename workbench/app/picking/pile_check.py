@@ -35,8 +35,8 @@ def check_pile(cell: Cell, count: int) -> None:
     """Look whether this many of a cell's parts can be piled up in its bin and be taken.
 
     Raises:
-        InputError: no parts, more than fit, one larger than the bin, no grasps, or none that any
-            tool of the cell can do.
+        InputError: no parts, more than fit, one larger than the bin, a part that needs grasps
+            and has none, or none that any tool of the cell can do.
     """
     if not cell.parts:
         raise InputError(PileText.NO_PART(cell=cell.name))
@@ -46,6 +46,8 @@ def check_pile(cell: Cell, count: int) -> None:
 
 
 def _check_grasps(cell: Cell, part: Part) -> None:
+    if part.library.searches:
+        return
     grasps = [grasp for grasp in part.grasps if grasp.is_enabled]
     if not grasps:
         raise InputError(PileText.NO_GRASP(part=part.name))

@@ -1,7 +1,7 @@
 """The line from detections to a proven plan: one function for page, command line and studies."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -18,7 +18,7 @@ from workbench.model.derived.by_recipe import check_strategy
 from workbench.model.derived.policies import widened
 from workbench.model.derived.row_parts import count_taken
 from workbench.model.errors import InputError
-from workbench.model.messages.message import Message
+from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import PlanNote
 from workbench.model.messages.refusals import Refusal
 from workbench.model.messages.work import ProgressText
@@ -109,19 +109,19 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
         processor_time() + policy.seconds,
     )
     scene = Scene(scan_digest, detections, obstacles)
-    stages = _Stages()
     world = World(cell, detections, obstacles, policy)
-    result = _plan(world, scene, asked, stages, _library_levels(cell))
+    result = _plan(world, scene, asked, _Stages(), _library_levels(cell))
     if result.plan is None and _may_widen(cell, policy, result.candidates):
         asked = replace(asked, report=within(report, FIRST, WIDER))
-        world, stages = World(cell, detections, obstacles, widened(policy)), _after(result)
-        wider = _plan(world, scene, asked, stages, _library_levels(cell))
+        world = World(cell, detections, obstacles, widened(policy))
+        wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
         result = result if wider.plan is None else wider
-    levels = _search_levels(world, asked)
+    levels = _search_levels(cell, detections, avoided)
     if result.plan is None and levels:
+        world = World(cell, detections, obstacles, _widest(policy))
         asked = replace(asked, report=within(report, WIDER, 1.0))
         found = _plan(world, scene, asked, _after(result), levels, takes_first=True)
-        if found.plan is not None:
+        if found.plan is not None or not result.candidates:
             return replace(found, candidates=(*result.candidates, *found.candidates))
     return result
 
@@ -154,6 +154,11 @@ Level = Callable[[World, HandsLooked], tuple[Candidate, ...]]
 """Proposes candidates in a world; see `propose` for what it reports to."""
 
 
+def _widest(policy: Policy) -> Policy:
+    """The policy by which grips are searched: the last that a plan is searched by."""
+    return widened(policy) if policy.as_needed else policy
+
+
 def _library_levels(cell: Cell) -> list[Level]:
     """The grasps of the libraries, one level of priorities after the other."""
     return [
@@ -162,18 +167,18 @@ def _library_levels(cell: Cell) -> list[Level]:
     ]
 
 
-def _search_levels(world: World, asked: _Asked) -> list[Level]:
+def _search_levels(
+    cell: Cell, detections: Sequence[Detection], avoided: Container[int]
+) -> list[Level]:
     """Grips of one part after the other, from the top, where libraries leave it to a search."""
-    searching = {part.name for part in world.cell.parts if part.library.searches}
+    searching = {part.name for part in cell.parts if part.library.searches}
     lying = [
         (float(detection.T_world_part.translation[2]), number)
-        for number, detection in enumerate(world.detections)
-        if detection.part in searching and number not in asked.avoided
+        for number, detection in enumerate(detections)
+        if detection.part in searching and number not in avoided
     ]
     return [
-        lambda world, looked, number=number: search_candidates(
-            world, number, seed=asked.seed, looked=looked
-        )
+        lambda world, looked, number=number: search_candidates(world, number, looked=looked)
         for _, number in sorted(lying, reverse=True)
     ]
 
@@ -265,7 +270,9 @@ def _attempt(
     stages: _Stages,
 ) -> PlanResult:
     """Plan by one strategy, prove, and bound the cycle from below."""
-    plan, proof, bound, verdict = None, None, 0.0, furthest_verdict(looked.candidates)
+    is_searched = any(part.library.searches for part in world.cell.parts)
+    verdict = furthest_verdict(looked.candidates, is_searched=is_searched)
+    plan, proof, bound = None, None, 0.0
     plans: tuple[Plan, ...] = ()
     if looked.picks:
         plans, verdict = plan_first_feasible(
@@ -285,7 +292,7 @@ def _attempt(
         stages.end("prove")
         bound = least_cycle(world, plan, looked.picks)
         stages.end("route")
-        plan = replace(plan, seconds=stages.seconds)
+        plan = replace(plan, seconds=stages.seconds, notes=(*plan.notes, *_found_grips(plan)))
     return PlanResult(
         tuple(looked.candidates),
         plan,
@@ -296,6 +303,14 @@ def _attempt(
         world.policy.planner,
         bound=bound,
     )
+
+
+def _found_grips(plan: Plan) -> list[Message]:
+    return [
+        PlanNote.FOUND_GRIP(part=FoundPart(arm_plan.detection))
+        for arm_plan in plan.arms
+        if arm_plan.found is not None
+    ]
 
 
 def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
@@ -352,10 +367,9 @@ def judge(
     cancelled: Cancelled = never,
 ) -> tuple[Candidate, ...]:
     """Every candidate with its verdict, up to the place; see `plan_pick`."""
+    count = count_hands(report, cancelled)
 
-    def looked_by(policy: Policy) -> Looked:
-        world, looked = World(cell, detections, obstacles, policy), Looked()
-        found = propose(world, looked=count_hands(report, cancelled))
+    def look(world: World, found: tuple[Candidate, ...], looked: Looked) -> None:
         judge_candidates(
             world,
             found,
@@ -365,10 +379,19 @@ def judge(
             cancelled=cancelled,
             until=world.deadline,
         )
+
+    def looked_by(policy: Policy) -> Looked:
+        world, looked = World(cell, detections, obstacles, policy), Looked()
+        look(world, propose(world, looked=count), looked)
         return looked
 
     looked = looked_by(cell.policy)
     if not looked.picks and _may_widen(cell, cell.policy, looked.candidates):
         wider = looked_by(widened(cell.policy))
         looked = wider if wider.picks else looked
+    world = World(cell, detections, obstacles, _widest(cell.policy))
+    taken = {pick.candidate.detection for pick in looked.picks}
+    for number, detection in enumerate(detections):
+        if number not in taken and cell.part(detection.part).library.searches:
+            look(world, search_candidates(world, number, looked=count), looked)
     return tuple(looked.candidates)

@@ -99,6 +99,8 @@ def _grasps(cell: Cell) -> CheckedStep:
     text = CommissioningText
     if not cell.parts:
         return CheckedStep(Step.GRASPS, False, text.NO_PART())
-    without = [part.name for part in cell.parts if not part.library.grasps]
+    without = [
+        part.name for part in cell.parts if not (part.library.grasps or part.library.searches)
+    ]
     count = sum(len(part.library.grasps) for part in cell.parts)
     return _of(Step.GRASPS, not without, text.GRASPS(count=count), text.NO_GRASPS(parts=without))

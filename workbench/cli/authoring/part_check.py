@@ -82,7 +82,7 @@ def _problems(
         yield f"symmetry: the stated turns move the surface by {off * 1000:.2f} mm"
     for problem in surface.problems:
         yield f"mesh: {problem}"
-    if not part.library.grasps:
+    if not part.library.grasps and not part.library.searches:
         yield f"it has no grasps: workbench grasps suggest {part.name} --add"
     for arm, found in checks.items():
         for check in found:

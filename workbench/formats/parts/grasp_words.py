@@ -19,7 +19,7 @@ KEYS = (
 
 
 def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[Message, ...]:
-    """A message for each entry and pair in which `new` differs from `old`, in their order."""
+    """A message for each thing in which `new` differs from `old`, in their order."""
     before = {entry.name: entry for entry in old.entries}
     after = {entry.name: entry for entry in new.entries}
     found = [GraspChange.GONE(name=name) for name in before if name not in after]
@@ -34,6 +34,8 @@ def changes_in_words(old: GraspLibrary, new: GraspLibrary) -> tuple[Message, ...
     ]
     if kept[0] != kept[1]:
         found.append(GraspChange.ORDER())
+    if old.searches != new.searches:
+        found.append(GraspChange.SEARCH() if new.searches else GraspChange.NO_SEARCH())
     found += [
         GraspChange.GONE(name=_describe_pair(pair))
         for pair in old.pairs

@@ -47,6 +47,8 @@ THINNEST = 1e-4
 GRASPS = """\
 # Grasps of {name}; lengths in mm, angles in degrees, all in the part's frame (see part.toml).
 # `workbench grasps suggest {name} --cell CELL --add` writes some; keys: see parts/keyed_cylinder.
+# Where none takes a part, a plan tries all grips of the tools:
+search = true
 """
 
 

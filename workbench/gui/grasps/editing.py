@@ -13,9 +13,10 @@ from workbench.gui.shared.visitor import Visitor
 from workbench.model.cell import Tool
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, WorkbenchError
+from workbench.model.messages.changes import GraspChange
 from workbench.model.messages.commands import GraspEditText
 from workbench.model.messages.message import Message
-from workbench.model.part import Entry, Grasp, GraspPair, Part
+from workbench.model.part import Entry, Grasp, GraspLibrary, GraspPair, Part
 from workbench.model.part_edits import free_name, grasp_of, names_in, with_grasp
 from workbench.model.symmetry import Symmetry
 from workbench.planning.grasps.grasp_check import GraspCheck, GraspChecker
@@ -158,9 +159,10 @@ class Editing:
                 GraspEditText.COPY_OF_LOST(copy=copy.name, grasp=lost.name),
             )
 
-    def add(self, entries: Sequence[Entry], says: Message) -> bool:
-        """Add entries at the end, and choose the first of them."""
-        if not self._ask(EditPart(self.part.name, (), tuple(entries), says=says)):
+    def add(self, entries: Sequence[Entry], says: Message, *, searches: bool | None = None) -> bool:
+        """Add entries at the end, and choose the first of them; `searches` as of `EditPart`."""
+        command = EditPart(self.part.name, (), tuple(entries), says=says, searches=searches)
+        if not self._ask(command):
             return False
         self.choose(entry=entries[0].name)
         return True
@@ -175,14 +177,23 @@ class Editing:
         self.choose(entry=left[min(place, len(left) - 1)] if left else "")
         return True
 
-    def take_library(
-        self, entries: Sequence[Entry], pairs: Sequence[GraspPair], says: Message
-    ) -> bool:
+    def take_library(self, library: GraspLibrary, says: Message) -> bool:
         """Put another library instead of the one there is."""
-        was = self.part.library.entries
         return self._ask(
-            EditPart(self.part.name, was, tuple(entries), pairs=tuple(pairs), says=says)
+            EditPart(
+                self.part.name,
+                self.part.library.entries,
+                library.entries,
+                pairs=library.pairs,
+                says=says,
+                searches=library.searches,
+            )
         )
+
+    def set_search(self, *, is_on: bool) -> bool:
+        """Whether plans search grips where no grasp of the library takes a part."""
+        says = GraspChange.SEARCH() if is_on else GraspChange.NO_SEARCH()
+        return self._ask(EditPart(self.part.name, says=says, searches=is_on))
 
     def set_pairs(self, pairs: Sequence[GraspPair], says: Message) -> bool:
         """Which grasps go together."""

@@ -1,7 +1,8 @@
-"""The button that fills the library with the grasps by which the cell's bin is emptied."""
+"""What fills a library by itself: families by which the cell's bin is emptied, and the search."""
 
 import threading
 from collections.abc import Sequence
+from typing import Any
 
 import viser
 
@@ -33,10 +34,24 @@ class FillControls:
         )
         stop = gui.add_button("Cancel", icon=viser.Icon.X, color="gray", disabled=True)
         self._search = GraspSearch(visitor, begin, stop, self._find, editing.notify)
+        self._plans_search = gui.add_checkbox(
+            "Plans search grips where none takes a part",
+            False,
+            hint="A plan then tries all grips of the tools. The proof checks that such a grip "
+            "holds the part.",
+        )
 
-    def show(self) -> None:
-        """Whether it can be pressed now."""
+        @self._plans_search.on_update
+        def _(_: Any) -> None:
+            is_on = bool(self._plans_search.value)
+            if is_on != editing.part.library.searches and not editing.set_search(is_on=is_on):
+                self._plans_search.value = editing.part.library.searches
+
+    def show(self, *, problem: str) -> None:
+        """Whether it can be pressed now, and what the part's library says."""
         self._search.show()
+        self._plans_search.value = self._editing.part.library.searches
+        self._plans_search.disabled = bool(problem)
 
     def _find(self, report: Report, cancelled: threading.Event) -> Sequence[str]:
         # Physics, which most sessions spare.
@@ -50,5 +65,6 @@ class FillControls:
             return [self._visitor.words.render(GraspText.OTHER_PART(part=part.name))]
         if not found.entries:
             return [*says, "Nothing was found to add."]
-        self._editing.add(found.entries, GraspEditText.FILLED(count=len(found.entries)))
+        says_filled = GraspEditText.FILLED(count=len(found.entries))
+        self._editing.add(found.entries, says_filled, searches=True)
         return says

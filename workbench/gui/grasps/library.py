@@ -193,7 +193,7 @@ class LibraryControls:
         if digest_of(library) == digest_of(self._editing.part.library):
             self._visitor.notify("Versions", "the grasps are as in this version already")
             return
-        self._editing.take_library(library.entries, library.pairs, says)
+        self._editing.take_library(library, says)
 
 
 def _changes_html(version: Version | None, part: Part, otherwise: str, words: Words) -> str:

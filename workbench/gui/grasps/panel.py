@@ -189,7 +189,7 @@ class GraspsPanel:
         self._fields.show(entry, problem=cannot)
         self._copies.show(entry, problem=cannot)
         self._suggestions.show(part)
-        self._filling.show()
+        self._filling.show(problem=cannot)
         self._coverage.show(part, problem=cannot)
         self._symmetry.show(part, problem=cannot)
         self._pairs.show(part, problem=cannot)

@@ -62,6 +62,7 @@ class PlanNote(Text, subject="plan"):
     NEARER = "parts {distance:mm0} apart, below the threshold of {threshold:mm0}"
     FARTHER = "parts {distance:mm0} apart, threshold {threshold:mm0}"
     NOT_AT_ONCE = "the arms cannot work at once: {verdict}"
+    FOUND_GRIP = "{part} is taken by a grip that is in no library, found by a search"
     QUICKER_REFUSED = "the proof refuses a quicker plan: {violation}"
     GOES_UNSEEN = "collision possible with parts not found where the scan shows nothing"
     PUT_ON_STATION = "regrasp: put on station {station}, picked again from there"

@@ -59,6 +59,7 @@ class VerdictNote(Text, subject="note"):
     TAKEN_LAST = "neighbours may move with it, so it is taken last"
     SPARE = "spare grasp: {grasp} works and has priority"
     NO_GRASP = "the parts found have no grasp for any arm; create one first"
+    NO_GRIP = "no grip of the tools fits there and holds the part"
     WORKS = "{facts}"
     DURATION = "at least {seconds:s}"
     LIFT = "lift {lift}"

@@ -37,6 +37,17 @@ class Hands(NamedTuple):
     turn: Ints
     cuts: Ints
 
+    def some(self, numbers: Ints) -> "Hands":
+        """Those with these numbers (n,), where each grasp has one way."""
+        return Hands(
+            np.arange(len(numbers) + 1),
+            np.ascontiguousarray(self.R[numbers]),
+            np.ascontiguousarray(self.p[numbers]),
+            self.opening[numbers],
+            self.turn[numbers],
+            self.cuts[numbers],
+        )
+
 
 @lru_cache(maxsize=256)
 def hands_of(

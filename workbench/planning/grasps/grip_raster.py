@@ -5,18 +5,21 @@ more or less deep.  A cup: points all over the surface.  Where a hand fits among
 `ToolCheck.free` to say, whether it holds for `Grips.grasp`.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 from itertools import islice
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Tool
-from workbench.model.geometry import Floats, Ints
+from workbench.model.cell import Arm, Cell, Tool
+from workbench.model.geometry import Bools, Floats, Ints
 from workbench.model.part import Grasp, Part
+from workbench.model.scan import Detection
 from workbench.planning.collision.hands import NOTHING, Hands
+from workbench.planning.collision.world import World
 from workbench.planning.grasps.grasp_check import GraspChecker
-from workbench.planning.grasps.grasp_frames import fitted_opening
 from workbench.planning.grasps.grasp_suggestions import opposite_points, sides
 from workbench.planning.grasps.pads import Pads
 from workbench.planning.grasps.part_rays import centre_of_mass, normals_of, samples_of
@@ -33,8 +36,14 @@ DEPTHS = (0.001, 0.003, 0.006, 0.010, 0.015)
 AIR = 0.0015
 """[m] Between each finger and the part on arrival."""
 
-EXAMINED = 200
-"""Grips that fit at a part and are checked whether they hold, where some are searched."""
+EXAMINED = 60
+"""Grips of a batch that fit at a part and are checked whether they hold, in a search."""
+
+BATCH = 12_000
+"""Grips that are tried together where some are searched."""
+
+ALONE = 100.0
+"""[m] So high above the cell a part is looked at by itself."""
 
 FOUND_PRIORITY = -1000
 """Of grips as grasps: behind all that a library may have."""
@@ -59,7 +68,7 @@ class Grips:
         if pads is not None:
             R, p, closed = _pinches(self._checker, pads, rng)
         else:
-            R, p = _touches(part, rng)
+            R, p = _touches(part, POINTS if self._checker.cup is not None else 0, rng)
             closed = np.zeros(len(p))
         self._R, self._p = R, p
         T = tool.T_flange_tcp.inverse()
@@ -77,12 +86,24 @@ class Grips:
         size = float(np.linalg.norm(np.ptp(part.mesh.points, axis=0))) / 2
         self._ring = np.floor(RINGS * np.linalg.norm(p - centre, axis=1) / size)
 
-    def search(self, free: Ints, most: int, seed: int) -> tuple[Grasp, ...]:
-        """Some of the grips with the numbers `free` (f,) that hold the part, at most `most`."""
-        some = np.random.default_rng(seed).permutation(free)[:EXAMINED]
-        near_first = some[np.argsort(self._ring[some], kind="stable")]
-        holding = (self.grasp(number) for number in near_first.tolist())
-        return tuple(islice((grasp for grasp in holding if grasp is not None), most))
+    def search(self, fit: Callable[[Hands], Bools], clear: Ints, most: int) -> tuple[Grasp, ...]:
+        """Some grips that fit and hold the part, at most `most`; the same wherever the same fit.
+
+        Args:
+            fit: which of some hands (h,) fit where the part lies.
+            clear: (n,) grips that are tried, see `clear_grips`.
+            most: grips that are wanted.
+        """
+        found: list[Grasp] = []
+        order = np.random.default_rng(0).permutation(clear)
+        for numbers in np.split(order, range(BATCH, len(order), BATCH)):
+            free = numbers[fit(self.hands.some(numbers))][:EXAMINED]
+            near_first = free[np.argsort(self._ring[free], kind="stable")]
+            holding = filter(None, map(self.grasp, near_first.tolist()))
+            found += islice(holding, most - len(found))
+            if len(found) == most:
+                break
+        return tuple(found)
 
     def grasp(self, number: int) -> Grasp | None:
         """One as a grasp; None where it does not hold the part, or the tool cuts into it."""
@@ -93,11 +114,15 @@ class Grips:
     def _check(self, number: int) -> Grasp | None:
         T = pin.SE3(self._R[number], self._p[number])
         if self._checker.pads is not None:
-            fingers = fitted_opening(self._checker, T)
-            if fingers is None or fingers.grip > self._checker.tool.stroke[1]:
+            # From where the fingers arrive: one of them may do so inside of a hollow part.
+            opening = float(self.hands.opening[number, 0])
+            hold = self._checker.hold(T, opening)
+            low, high = self._checker.tool.stroke
+            if hold is None or max(hold.width, low) > high:
                 return None
-            opening = min(fingers.grip + 2 * AIR, self._checker.tool.stroke[1])
-            widths = opening, fingers.grip
+            T = T * pin.SE3(np.eye(3), hold.offset * self._checker.pads.travel)
+            grip = max(hold.width, low)
+            widths = min(grip + 2 * AIR, high), grip
         else:
             widths = 0.0, 0.0
         grasp = Grasp(f"found-{number}", T, *widths, priority=FOUND_PRIORITY, is_found=True)
@@ -108,6 +133,27 @@ class Grips:
 def grips_of(part: Part, tool: Tool, acceleration: float | None = None) -> Grips:
     """The grips of a tool on a part, the same each time."""
     return Grips(part, tool, acceleration)
+
+
+@lru_cache(maxsize=8)
+def clear_grips(cell: Cell, part: Part, arm: Arm) -> Ints:
+    """Numbers (n,) of the grips of an arm's tool whose open fingers do not cut into the part.
+
+    Args:
+        cell: with the arm.
+        part: one of its parts.
+        arm: whose tool.
+    """
+    grips = grips_of(part, arm.tool)
+    if not arm.tool.fingers:
+        return np.arange(len(grips.hands.turn))
+    # What stands in the hand's way is the same part at the same place, far from all else.
+    alone = Detection(part.name, pin.SE3(np.eye(3), np.array([0.0, 0.0, ALONE])))
+    policy = replace(cell.policy, near_margin=0.0)
+    check = World(cell, (alone, alone), (), policy).tool_check
+    # Fingers that close shall meet the part.
+    stay_open = grips.hands._replace(opening=grips.hands.opening[:, [0, 0]])
+    return np.flatnonzero(check.free(arm, 0, stay_open))
 
 
 def _pinches(
@@ -125,9 +171,9 @@ def _pinches(
     )
 
 
-def _touches(part: Part, rng: np.random.Generator) -> tuple[Floats, Floats]:
+def _touches(part: Part, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
     """Cups square on points: rotations (n, 3, 3) and places (n, 3) [m]."""
-    points, triangles = samples_of(part.mesh, POINTS, rng)
+    points, triangles = samples_of(part.mesh, count, rng)
     normals, _ = normals_of(part.mesh)
     z = np.repeat(-normals[triangles], TURNS, axis=0)
     x = sides(normals[triangles], TURNS).reshape(-1, 3)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import product
 
 import numpy as np
@@ -15,7 +15,7 @@ from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.part import Grasp
 from workbench.planning.collision.tool_check import Fit, ToolCheck
 from workbench.planning.collision.world import World
-from workbench.planning.grasps.grip_raster import grips_of
+from workbench.planning.grasps.grip_raster import clear_grips, grips_of
 from workbench.planning.grasps.rolls import at_every_turn
 from workbench.planning.kinematics.quickness import tool_acceleration
 
@@ -96,7 +96,7 @@ def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate
 
 
 def search_candidates(
-    world: World, number: int, *, seed: int, looked: HandsLooked = lambda count, of: None
+    world: World, number: int, *, looked: HandsLooked = lambda count, of: None
 ) -> tuple[Candidate, ...]:
     """Candidates of one part by grips that are in no library, ordered as those of `propose`.
 
@@ -106,18 +106,20 @@ def search_candidates(
     Args:
         world: of the cell with the parts found.
         number: of the part among them.
-        seed: of which grips are examined.
         looked: is called with the progress, and may end it by raising.
     """
     part = world.cell.part(world.detections[number].part)
+    known: dict[str, tuple[Grasp, ...]] = {}
     found: list[Candidate] = []
     for count, arm in enumerate(world.cell.arms):
         looked(count, len(world.cell.arms))
-        grips = grips_of(part, arm.tool, tool_acceleration(world.cell, arm.tool))
-        free = np.flatnonzero(world.tool_check.free(arm, number, grips.hands))
-        grasps = grips.search(free, MOST_FOUND, seed)
-        if grasps:
-            found += _candidates(world, [number], grasps, arm)
+        if arm.tool.name not in known:
+            grips = grips_of(part, arm.tool, tool_acceleration(world.cell, arm.tool))
+            fit = partial(world.tool_check.free, arm, number)
+            clear = clear_grips(world.cell, part, arm)
+            known[arm.tool.name] = grips.search(fit, clear, MOST_FOUND)
+        if known[arm.tool.name]:
+            found += _candidates(world, [number], known[arm.tool.name], arm)
     return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
 
 
