@@ -36,8 +36,8 @@ from workbench.proof.claims.prove import prove
 
 AS_THE_CELL = PlanOverrides()
 
-FIRST, WIDER = 0.6, 0.8
-"""Shares of the progress at which the search by the policy itself ends, and by the widened one."""
+FIRST, SEARCHED = 0.6, 0.8
+"""Shares of the progress after which the libraries were tried, and grips searched."""
 
 TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
 """What fingers that arrive less open, or other lifts, may mend."""
@@ -68,8 +68,8 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     Grasps of a priority below 0 are spares: they are checked, one priority after the other, only
     when no plan comes out of those before them, or one for fewer arms than could work; where one
     arm has work already, they get no more than half of the time.  Where no plan comes out of all,
-    one is searched by `widened`, unless the policy says not to.  Where still none comes out, grips
-    are searched for one part after the other, from the top, of those kinds whose library says so.
+    grips are searched for one part after the other, from the top, of those kinds whose library says
+    so; and then the grasps are tried by `widened`, unless the policy says not to.
 
     Args:
         cell: with its parts and policy.
@@ -111,18 +111,18 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     scene = Scene(scan_digest, detections, obstacles)
     world = World(cell, detections, obstacles, policy)
     result = _plan(world, scene, asked, _Stages(), _library_levels(cell))
+    levels = _search_levels(cell, detections, avoided)
+    if result.plan is None and levels:
+        asked = replace(asked, report=within(report, FIRST, SEARCHED))
+        world = World(cell, detections, obstacles, _widest(policy))
+        found = _plan(world, scene, asked, _after(result), levels)
+        if found.plan is not None or not result.candidates:
+            result = replace(found, candidates=(*result.candidates, *found.candidates))
     if result.plan is None and _may_widen(cell, policy, result.candidates):
-        asked = replace(asked, report=within(report, FIRST, WIDER))
+        asked = replace(asked, report=within(report, SEARCHED, 1.0))
         world = World(cell, detections, obstacles, widened(policy))
         wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
         result = result if wider.plan is None else wider
-    levels = _search_levels(cell, detections, avoided)
-    if result.plan is None and levels:
-        world = World(cell, detections, obstacles, _widest(policy))
-        asked = replace(asked, report=within(report, WIDER, 1.0))
-        found = _plan(world, scene, asked, _after(result), levels, takes_first=True)
-        if found.plan is not None or not result.candidates:
-            return replace(found, candidates=(*result.candidates, *found.candidates))
     return result
 
 
@@ -155,7 +155,7 @@ Level = Callable[[World, HandsLooked], tuple[Candidate, ...]]
 
 
 def _widest(policy: Policy) -> Policy:
-    """The policy by which grips are searched: the last that a plan is searched by."""
+    """The policy by which grips are searched."""
     return widened(policy) if policy.as_needed else policy
 
 
@@ -189,13 +189,8 @@ def _plan(
     asked: _Asked,
     stages: "_Stages",
     levels: Sequence[Level],
-    *,
-    takes_first: bool = False,
 ) -> PlanResult:
-    """Search a plan in a world by one level of candidates after the other; see `plan_pick`.
-
-    `takes_first`: one candidate that works is enough.
-    """
+    """Search a plan in a world by one level of candidates after the other; see `plan_pick`."""
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
     looked = Looked()
@@ -218,12 +213,8 @@ def _plan(
         )
         stages.end("resolve")
         is_last = number == len(levels) - 1 or processor_time() > until
-        if (
-            not is_last
-            and not (takes_first and looked.picks)
-            and not has_enough_picks(
-                world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
-            )
+        if not is_last and not has_enough_picks(
+            world, looked.picks, asked.strategy, asked.threshold, asked.avoided, asked.wanted
         ):
             continue
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)

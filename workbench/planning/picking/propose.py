@@ -32,7 +32,7 @@ HandsLooked = Callable[[int, int], object]
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
-MOST_FOUND = 12
+MOST_FOUND = 8
 """Grips of a part that are found for each arm where its library has none."""
 
 
