@@ -71,7 +71,9 @@ def _held_violations(
                 for place in places
                 for solid, T in before
             )
-        if deep < -NEARLY or far > arm.tool.press + NEARLY:
+        # What pads give way by differs from turn to turn; otherwise the fingers lie on the part.
+        away = NEARLY if found.roll_known else arm.tool.press + NEARLY
+        if deep < -NEARLY or far > away:
             problem = ProofText.NOT_HELD(angle=2 * np.pi * turn / count)
             yield Violation(problem, arm.name, "approach", distance=min(far, deep))
             return
