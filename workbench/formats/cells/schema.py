@@ -153,7 +153,7 @@ def part_schema() -> dict[str, Any]:
         for name in ("keyed_cylinder", "puck"):
             read_part(name)
         _read_solids()
-    mine = ("grasp", "pair", "tool", "fixture")
+    mine = ("grasp", "pair", "search", "tool", "fixture")
     return _object({place: form for place, form in notes.items() if _top(place) not in mine}, "")
 
 
