@@ -18,7 +18,7 @@ from workbench.app.core.command import Entry
 from workbench.app.core.cycle import approval
 from workbench.app.core.state import State
 from workbench.app.filling.fill import Filled, filled
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.app.picking.proving import prove
 from workbench.app.picking.row import plan_row
 from workbench.app.records import case_folder, session_archive

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.files.shipped import find
 from workbench.formats.parts.reading import read_part

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 from make_plans import cell_of, kept
 
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.judging import judge
+from workbench.app.picking.pipeline import plan_pick
 
 SEED = 111
 """Of a scene in which the fingers, as open as the grasps say, meet the wall."""

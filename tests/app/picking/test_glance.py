@@ -7,7 +7,7 @@ import pytest
 import two_parts
 
 from workbench.app.picking.glance import apply_change, glance_at
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.app.runtime.work import JOBS
 from workbench.gui.shared.movable_frames import move_frame, moving, pose_of
 from workbench.model.candidate import Reason, Stage

@@ -8,7 +8,7 @@ import pytest
 
 from workbench.app.core.cycle.standing import left_on_station
 from workbench.app.picking.facts import put_down
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.app.picking.proving import prove as prove_alone
 from workbench.app.picking.row import plan_row, prove_row
 from workbench.app.picking.stations import station_problems

@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.formats.cells.edits import save_cell
 from workbench.formats.cells.reading import read_cell
 from workbench.formats.cells.writer import write_cell

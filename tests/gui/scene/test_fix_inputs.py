@@ -10,7 +10,7 @@ from workbench.app.core.cycle.parts import FindParts
 from workbench.app.core.cycle.planning import MakePlan
 from workbench.app.core.cycle.scanning import UseScan
 from workbench.app.picking.fixing import make_fix_command
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.gui.scene.fix_inputs import FixInputs
 from workbench.gui.shared.look import NO_HELP, Help
 from workbench.model.candidate import Reason, Stage, Verdict

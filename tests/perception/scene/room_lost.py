@@ -17,7 +17,7 @@ import numpy as np
 import open3d as o3d
 import trimesh
 
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason
 from workbench.model.cell import Cell, Fixture

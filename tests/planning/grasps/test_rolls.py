@@ -7,7 +7,8 @@ from bending import with_grasps
 
 from workbench.app.core.state import State
 from workbench.app.picking.fixing import make_fix_command
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.judging import judge
+from workbench.app.picking.pipeline import plan_pick
 from workbench.model.candidate import Reason
 from workbench.model.errors import InputError
 from workbench.model.geometry import pose_from_rpy

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.judging import judge
+from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import RUBS, Pick, Reason, Stage
 from workbench.model.cell import LIFT_NAMES, Cell, LiftName

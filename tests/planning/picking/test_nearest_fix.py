@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from bending import with_grasps
 
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.model.geometry import pose_from_rpy
 from workbench.model.part import GraspLibrary
 from workbench.planning.picking.nearest_fix import nearest_fix

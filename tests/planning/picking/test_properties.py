@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shipped import shipped
 
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.judging import judge
+from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.proving import prove
 from workbench.model.candidate import Pick, Reason, Verdict
 from workbench.model.cell import PlanOverrides

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from workbench.app.picking import pipeline
-from workbench.app.picking.pipeline import judge, plan_pick
+from workbench.app.picking.judging import judge
+from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage
 from workbench.model.cell import Cell

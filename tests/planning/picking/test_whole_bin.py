@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bending import with_grasps
 
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import LIFT_NAMES

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.app.core.cycle.outcomes import MOST_FAILURES, SAME_PLACE
-from workbench.app.picking.judging import furthest_verdict
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import furthest_verdict, judge
 from workbench.model.candidate import Candidate, Verdict
 from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message

@@ -4,19 +4,29 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 from workbench.model.candidate import Candidate, Pick, Reason, Stage, Verdict
+from workbench.model.cell import LIFT_NAMES, Cell, Policy
+from workbench.model.derived.policies import widened
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.model.messages.work import CancelText, ProgressText
+from workbench.model.plan import Plan
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import lift_message
-from workbench.planning.picking.propose import is_spare
+from workbench.planning.picking.propose import is_spare, propose, search_candidates
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time
-from workbench.plugins.progress import Cancelled, Report
+from workbench.plugins.progress import Cancelled, Report, never, silent
 
 TRIED, JUDGED = 0.2, 0.75
 """Shares of a look at candidates after which the hands were tried, and all candidates judged."""
+
+TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
+"""What fingers that arrive less open, or other lifts, may mend."""
+
+ROOM = 0.0001
+"""[m] More than the near margin that found grips keep: the proof looks closer than planning."""
 
 
 @dataclass(slots=True)
@@ -28,6 +38,16 @@ class Looked:
     working: dict[tuple[str, int], list[Candidate]] = field(
         default_factory=dict[tuple[str, int], list[Candidate]]
     )
+
+    def drop(self, plan: Plan) -> None:
+        """Leave out the picks of a plan whose proof does not hold."""
+        refused = {(arm.arm, arm.detection, arm.grasp) for arm in plan.arms}
+        self.picks = [
+            pick
+            for pick in self.picks
+            if (pick.candidate.arm, pick.candidate.detection, pick.candidate.grasp.name)
+            not in refused
+        ]
 
 
 def count_hands(report: Report, cancelled: Cancelled) -> Callable[[int, int], None]:
@@ -103,3 +123,59 @@ def furthest_verdict(candidates: Sequence[Candidate], *, is_searched: bool) -> V
     stages = list(Stage)
     late = next((c.verdict for c in candidates if c.verdict.reason is Reason.OUT_OF_TIME), None)
     return late or max((c.verdict for c in candidates), key=lambda v: stages.index(v.stage))
+
+
+def may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> bool:
+    """Whether other lifts, or fingers less open, could take what was refused."""
+    if not policy.as_needed:
+        return False
+    reasons = {candidate.verdict.reason for candidate in candidates}
+    if policy.least_air is None and any(arm.tool.fingers for arm in cell.arms):
+        return not reasons.isdisjoint({*TIGHT, Reason.EXTRACT_BLOCKED})
+    return Reason.EXTRACT_BLOCKED in reasons and set(policy.lifts) != set(LIFT_NAMES)
+
+
+def searching_policy(policy: Policy) -> Policy:
+    """The policy by which grips are searched."""
+    wide = widened(policy) if policy.as_needed else policy
+    return replace(wide, near_margin=wide.near_margin + ROOM)
+
+
+def judge(
+    cell: Cell,
+    detections: tuple[Detection, ...],
+    *,
+    obstacles: tuple[Obstacle, ...] = (),
+    seed: int = 0,
+    report: Report = silent,
+    cancelled: Cancelled = never,
+) -> tuple[Candidate, ...]:
+    """Every candidate with its verdict, up to the place; see `pipeline.plan_pick`."""
+    count = count_hands(report, cancelled)
+
+    def look(world: World, found: tuple[Candidate, ...], looked: Looked) -> None:
+        judge_candidates(
+            world,
+            found,
+            looked,
+            seed=seed,
+            report=report,
+            cancelled=cancelled,
+            until=world.deadline,
+        )
+
+    def looked_by(policy: Policy) -> Looked:
+        world, looked = World(cell, detections, obstacles, policy), Looked()
+        look(world, propose(world, looked=count), looked)
+        return looked
+
+    looked = looked_by(cell.policy)
+    if not looked.picks and may_widen(cell, cell.policy, looked.candidates):
+        wider = looked_by(widened(cell.policy))
+        looked = wider if wider.picks else looked
+    world = World(cell, detections, obstacles, searching_policy(cell.policy))
+    taken = {pick.candidate.detection for pick in looked.picks}
+    for number, detection in enumerate(detections):
+        if number not in taken and cell.part(detection.part).library.searches:
+            look(world, search_candidates(world, number, looked=count), looked)
+    return tuple(looked.candidates)

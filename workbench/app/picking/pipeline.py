@@ -11,9 +11,11 @@ from workbench.app.picking.judging import (
     count_hands,
     furthest_verdict,
     judge_candidates,
+    may_widen,
+    searching_policy,
 )
 from workbench.model.candidate import Candidate, Reason, Stage, Verdict
-from workbench.model.cell import LIFT_NAMES, Cell, PlanOverrides, Policy
+from workbench.model.cell import Cell, PlanOverrides
 from workbench.model.derived.by_recipe import check_strategy
 from workbench.model.derived.policies import widened
 from workbench.model.derived.row_parts import count_taken
@@ -39,11 +41,11 @@ AS_THE_CELL = PlanOverrides()
 FIRST, SEARCHED = 0.6, 0.8
 """Shares of the progress after which the libraries were tried, and grips searched."""
 
-TIGHT = {Reason.TOOL_COLLISION, Reason.WITHIN_MARGIN, Reason.APPROACH_BLOCKED}
-"""What fingers that arrive less open, or other lifts, may mend."""
-
 TWO_ARMS = (*BOTH, "both")
 """Strategies that only two arms can follow."""
+
+PROVEN_TRIES = 2
+"""Plans of one look at candidates that are proven before others are looked at."""
 
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 
@@ -112,17 +114,17 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     world = World(cell, detections, obstacles, policy)
     result = _plan(world, scene, asked, _Stages(), _library_levels(cell))
     levels = _search_levels(cell, detections, avoided)
-    if result.plan is None and levels:
+    if levels and not _holds(result):
         asked = replace(asked, report=within(report, FIRST, SEARCHED))
-        world = World(cell, detections, obstacles, _widest(policy))
+        world = World(cell, detections, obstacles, searching_policy(policy))
         found = _plan(world, scene, asked, _after(result), levels)
-        if found.plan is not None or not result.candidates:
-            result = replace(found, candidates=(*result.candidates, *found.candidates))
-    if result.plan is None and _may_widen(cell, policy, result.candidates):
+        found = replace(found, candidates=(*result.candidates, *found.candidates))
+        result = _better(result, found) if result.candidates else found
+    if not _holds(result) and may_widen(cell, policy, result.candidates):
         asked = replace(asked, report=within(report, SEARCHED, 1.0))
         world = World(cell, detections, obstacles, widened(policy))
         wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
-        result = result if wider.plan is None else wider
+        result = _better(result, wider)
     return result
 
 
@@ -140,23 +142,8 @@ class _Asked:
     deadline: float
 
 
-def _may_widen(cell: Cell, policy: Policy, candidates: Sequence[Candidate]) -> bool:
-    """Whether other lifts, or fingers less open, could take what was refused."""
-    if not policy.as_needed:
-        return False
-    reasons = {candidate.verdict.reason for candidate in candidates}
-    if policy.least_air is None and any(arm.tool.fingers for arm in cell.arms):
-        return not reasons.isdisjoint({*TIGHT, Reason.EXTRACT_BLOCKED})
-    return Reason.EXTRACT_BLOCKED in reasons and set(policy.lifts) != set(LIFT_NAMES)
-
-
 Level = Callable[[World, HandsLooked], tuple[Candidate, ...]]
 """Proposes candidates in a world; see `propose` for what it reports to."""
-
-
-def _widest(policy: Policy) -> Policy:
-    """The policy by which grips are searched."""
-    return widened(policy) if policy.as_needed else policy
 
 
 def _library_levels(cell: Cell) -> list[Level]:
@@ -194,17 +181,17 @@ def _plan(
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
     looked = Looked()
-    results: list[PlanResult] = []
+    best: PlanResult | None = None
     for number, level in enumerate(levels):
         # The last tenth is for the proof.
         report = within(asked.report, 0.9 * number / len(levels), 0.9 * (number + 1) / len(levels))
-        found = level(world, count_hands(report, asked.cancelled))
+        proposed = level(world, count_hands(report, asked.cancelled))
         stages.end("propose")
         # One arm alone would do: what is left of the time is for its plan.
         until = half if looked.picks and asked.strategy == "auto" else world.deadline
         judge_candidates(
             world,
-            _without(asked.avoided, found),
+            _without(asked.avoided, proposed),
             looked,
             seed=asked.seed,
             report=report,
@@ -220,11 +207,30 @@ def _plan(
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
         if looked.picks:
             report(JUDGED, ProgressText.MOTION())
-        results = [_attempt(world, scene, looked, asked, name, stages.branch()) for name in wanted]
-        if any(result.plan is not None for result in results):
+        for _ in range(PROVEN_TRIES):
+            found = best_of(
+                world.cell,
+                [_attempt(world, scene, looked, asked, name, stages.branch()) for name in wanted],
+            )
+            best = found if best is None else _better(best, found)
+            if found.plan is None or _holds(found):
+                break
+            looked.drop(found.plan)
+        if best is not None and _holds(best):
             break
         stages.began = working_time()
-    return best_of(world.cell, results)
+    assert best is not None
+    return best
+
+
+def _holds(result: PlanResult) -> bool:
+    return result.proof is not None and result.proof.holds
+
+
+def _better(result: PlanResult, later: PlanResult) -> PlanResult:
+    """What holds, or else what has a plan at all; the earlier one where they are alike."""
+    is_later = _holds(later) or (result.plan is None and later.plan is not None)
+    return later if is_later and not _holds(result) else result
 
 
 @dataclass(slots=True)
@@ -297,11 +303,8 @@ def _attempt(
 
 
 def _found_grips(plan: Plan) -> list[Message]:
-    return [
-        PlanNote.FOUND_GRIP(part=FoundPart(arm_plan.detection))
-        for arm_plan in plan.arms
-        if arm_plan.found is not None
-    ]
+    found = [FoundPart(arm.detection) for arm in plan.arms if arm.found is not None]
+    return [PlanNote.FOUND_GRIP(parts=found)] if found else []
 
 
 def _proven(cell: Cell, scene: Scene, plans: Sequence[Plan]) -> tuple[Plan, Proof]:
@@ -346,43 +349,3 @@ def best_of(cell: Cell, results: Sequence[PlanResult]) -> PlanResult:
 
     best, *others = sorted(results, key=rank)
     return replace(best, beside=tuple(others))
-
-
-def judge(
-    cell: Cell,
-    detections: tuple[Detection, ...],
-    *,
-    obstacles: tuple[Obstacle, ...] = (),
-    seed: int = 0,
-    report: Report = silent,
-    cancelled: Cancelled = never,
-) -> tuple[Candidate, ...]:
-    """Every candidate with its verdict, up to the place; see `plan_pick`."""
-    count = count_hands(report, cancelled)
-
-    def look(world: World, found: tuple[Candidate, ...], looked: Looked) -> None:
-        judge_candidates(
-            world,
-            found,
-            looked,
-            seed=seed,
-            report=report,
-            cancelled=cancelled,
-            until=world.deadline,
-        )
-
-    def looked_by(policy: Policy) -> Looked:
-        world, looked = World(cell, detections, obstacles, policy), Looked()
-        look(world, propose(world, looked=count), looked)
-        return looked
-
-    looked = looked_by(cell.policy)
-    if not looked.picks and _may_widen(cell, cell.policy, looked.candidates):
-        wider = looked_by(widened(cell.policy))
-        looked = wider if wider.picks else looked
-    world = World(cell, detections, obstacles, _widest(cell.policy))
-    taken = {pick.candidate.detection for pick in looked.picks}
-    for number, detection in enumerate(detections):
-        if number not in taken and cell.part(detection.part).library.searches:
-            look(world, search_candidates(world, number, looked=count), looked)
-    return tuple(looked.candidates)

@@ -7,7 +7,7 @@ import numpy as np
 
 from workbench.app.core.value_checks import SEED_LIMIT
 from workbench.app.picking.exactness import with_exactness
-from workbench.app.picking.pipeline import judge
+from workbench.app.picking.judging import judge
 from workbench.app.runtime.readiness import make_ready
 from workbench.cli.arguments import top as arguments
 from workbench.cli.exits import NO_PLAN, SUCCESS

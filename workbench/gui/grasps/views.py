@@ -59,6 +59,10 @@ def grasps_html(
         words: of who reads it.
     """
     if not part.library.entries:
+        if part.library.searches:
+            return line(
+                "No grasps: plans search grips. Add grasp puts one on the part.", kind="hint"
+            )
         return line("No grasps yet: press Add grasp, then click on the part.", kind="hint")
     head = "".join(
         f'<th class="{style}" title="{escape(tip)}">{title}</th>' for title, style, tip in HEADS
