@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.app.picking import pipeline
+from workbench.app.picking import judging, pipeline
 from workbench.app.picking.judging import judge
 from workbench.app.picking.pipeline import plan_pick
 from workbench.formats.cells.reading import read_cell
@@ -136,7 +136,8 @@ def test_spares_do_not_take_the_time_of_a_plan_that_there_could_be(cell, monkeyp
         return propose(world, priorities=priorities, looked=looked)
 
     monkeypatch.setattr(pipeline, "propose", proposed)
-    monkeypatch.setattr(pipeline, "processor_time", lambda: processor_time() + gone[0])
+    for module in (pipeline, judging):
+        monkeypatch.setattr(module, "processor_time", lambda: processor_time() + gone[0])
     patient = right_first(cell)
     patient = replace(patient, policy=replace(patient.policy, seconds=1000.0))
     result = plan_pick(patient, (lying(cell, -0.1), lying(cell, 0.1)), "test")

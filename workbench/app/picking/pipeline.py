@@ -45,7 +45,7 @@ TWO_ARMS = (*BOTH, "both")
 """Strategies that only two arms can follow."""
 
 PROVEN_TRIES = 2
-"""Plans of one look at candidates that are proven before others are looked at."""
+"""Plans with found grips that are proven before the next part is looked at."""
 
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 
@@ -117,10 +117,10 @@ def plan_pick(  # noqa: PLR0913 - all that a request for a plan can say, by keyw
     if levels and not _holds(result):
         asked = replace(asked, report=within(report, FIRST, SEARCHED))
         world = World(cell, detections, obstacles, searching_policy(policy))
-        found = _plan(world, scene, asked, _after(result), levels)
+        found = _plan(world, scene, asked, _after(result), levels, tries=PROVEN_TRIES)
         found = replace(found, candidates=(*result.candidates, *found.candidates))
         result = _better(result, found) if result.candidates else found
-    if not _holds(result) and may_widen(cell, policy, result.candidates):
+    if result.plan is None and may_widen(cell, policy, result.candidates):
         asked = replace(asked, report=within(report, SEARCHED, 1.0))
         world = World(cell, detections, obstacles, widened(policy))
         wider = _plan(world, scene, asked, _after(result), _library_levels(cell))
@@ -176,8 +176,13 @@ def _plan(
     asked: _Asked,
     stages: "_Stages",
     levels: Sequence[Level],
+    *,
+    tries: int = 1,
 ) -> PlanResult:
-    """Search a plan in a world by one level of candidates after the other; see `plan_pick`."""
+    """Search a plan in a world by one level of candidates after the other; see `plan_pick`.
+
+    Where a proof does not hold, as many as `tries` plans of other candidates are proven.
+    """
     world.deadline = asked.deadline
     half = processor_time() + (asked.deadline - processor_time()) / 2
     looked = Looked()
@@ -207,7 +212,7 @@ def _plan(
         wanted = BOTH if asked.strategy == "both" else (asked.strategy,)
         if looked.picks:
             report(JUDGED, ProgressText.MOTION())
-        for _ in range(PROVEN_TRIES):
+        for _ in range(tries):
             found = best_of(
                 world.cell,
                 [_attempt(world, scene, looked, asked, name, stages.branch()) for name in wanted],
