@@ -60,8 +60,11 @@ def check_part(typed: PartCheck) -> int:
             f"{surface.triangles} triangles, {closed}, {counted_pieces(part)}"
         )
         print(exactness(excess_of(part)))
-        _print_grasps(checks, covered)
-        _print_coverage(covered)
+        if part.library.grasps or not part.library.searches:
+            _print_grasps(checks, covered)
+            _print_coverage(covered)
+        else:
+            print("it has no grasps; plans search the grips of the tools")
         print(
             f"seen by the scanner: {seen.pixels} pixels where it lies alone, {seen.across:.0f} "
             f"across, {seen.height * 1000:.1f} mm high"
