@@ -16,7 +16,7 @@ KITS = ROOT / "robots" / "yumi" / "kits.toml"
 
 @pytest.mark.extensive
 def test_the_page_leads_to_a_kit(tmp_path, monkeypatch, capsys):
-    (block,) = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
+    block, _ = re.findall(r"```sh\n(.*?)```", PAGE, re.DOTALL)
     assert block.count("\n") == 4
     follow(block, tmp_path, monkeypatch)
     said = capsys.readouterr().out
@@ -24,7 +24,7 @@ def test_the_page_leads_to_a_kit(tmp_path, monkeypatch, capsys):
 
 
 def test_the_recipe_on_the_page_is_that_of_the_cell():
-    _, block = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    _, block, _ = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     said = tomllib.loads(block)["recipe"][0]
     assert said == tomllib.loads(KITS.read_text(encoding="utf-8"))["recipe"][0]
 

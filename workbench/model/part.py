@@ -34,10 +34,10 @@ class Grasp:
     their lengths in m: the tool arrives along `approach` over `approach_length`.  When
     `retreat` is None the extraction follows the cell's policy (lift, leaning to the bin
     centre).  `opening` [m] is the finger distance on arrival, `grip` [m] when closed on the
-    part.  `arms` empty means any arm.  `free_rotation` [rad] is how far the tool may turn
-    about its own z either way; `tilt` [rad] how far about its closing axis y; `slide` [m] how far
-    it may be moved along its x.  `tool` is the one it is for; empty means any.  `is_found`: a
-    search found it for one part where it lies, no library has it.
+    part.  `arms` and `tool` are those it is for; empty means any.  `free_rotation` [rad] is how
+    far the tool may turn about its own z either way; `tilt` [rad] how far about its closing axis
+    y; `slide` [m] how far it may be moved along its x.  `is_found`: a search found it for one
+    part where it lies; no library has it.
     """
 
     name: str
@@ -174,6 +174,9 @@ class GraspLibrary:
 
 DOWN = (0.0, 0.0, -1.0)
 
+PLACE_LIFT = 0.05
+"""[m] The last linear motion to a place."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PartPlace:
@@ -183,7 +186,7 @@ class PartPlace:
     kind that it is for, empty: any.  The part may be turned by up to `free_rotation` [rad] either
     way about the z of `T_world_part`.  `tolerance` [m], of its origin, and `turn_tolerance` [rad]
     are how far from there a plan may put it.  `approach` (3,) is the direction in the world in
-    which it comes there straight at last.
+    which it comes there straight at last, over `length` [m].
 
     Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
     place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
@@ -200,6 +203,7 @@ class PartPlace:
     pallet: int = field(default_factory=int, metadata=LATER)
     layer: int = field(default_factory=lambda: 1, metadata=LATER)
     name: str = field(default_factory=str, metadata=LATER)
+    length: float = field(default_factory=lambda: PLACE_LIFT, metadata=LATER)
 
     def __post_init__(self) -> None:
         put(self, T_world_part=copy_pose(self.T_world_part))

@@ -253,8 +253,10 @@ class Obstacle:
 
     `size` (3,) [m]: full lengths along the axes of the box, whose frame lies in its middle.
 
-    Where it is around a part that was put onto a pallet in layers, and surely is there, `part` is
-    its kind, and `T_world_put` where the hand has let go of it: the box is where it has fallen to.
+    Where it is around a part that was put onto a pallet in layers, or into an assembly, and surely
+    is there, `part` is its kind, and `T_world_put` where the hand has let go of it: the box is
+    where it has fallen to.  In an assembly (`derived.assembling`) the part's own shape counts
+    instead of the box.
     """
 
     T_world_box: pin.SE3

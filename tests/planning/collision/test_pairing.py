@@ -12,10 +12,11 @@ from workbench.model.cell import Fixture
 from workbench.model.geometry import Box, Solid
 from workbench.model.scan import Detection
 from workbench.planning.collision import pairing
+from workbench.planning.collision.legs import holding_phase
 from workbench.planning.collision.pairing import Pairing
 from workbench.planning.collision.world import World
 from workbench.planning.picking.propose import propose
-from workbench.planning.picking.resolve import holding_phase, resolve
+from workbench.planning.picking.resolve import resolve
 
 
 @pytest.mark.parametrize("name", ["right_link_5", "right_tool", "bin"])

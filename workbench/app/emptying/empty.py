@@ -12,17 +12,20 @@ from workbench.app.emptying.bound import bound_of, holdable
 from workbench.app.emptying.film import FilmedPick, Shot, unseen
 from workbench.app.emptying.remaining_parts import Looked, left_in
 from workbench.app.emptying.taking import carried_out, failure, in_turn
+from workbench.app.picking.facts import put_down
+from workbench.app.picking.pallets import boxes_around
 from workbench.app.picking.pile_check import kinds_in_turn
 from workbench.app.picking.row import plan_row
 from workbench.app.picking.sightlines import seconds_seen, sees_from
 from workbench.model.candidate import Verdict
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.by_recipe import kit_of, wanted_parts
 from workbench.model.errors import JobCancelled
 from workbench.model.messages.message import Message
 from workbench.model.messages.states import LeftText
 from workbench.model.messages.work import CancelText, ProgressText
-from workbench.model.plan import Plan, PlanResult
+from workbench.model.plan import ArmPlan, Plan, PlanResult
 from workbench.model.prediction import FAILURES, EmptiedPile, PileTask
 from workbench.model.recipes.kit import lacking
 from workbench.model.scan import Detection, SearchOverrides, Unexplained
@@ -64,6 +67,7 @@ class _Tally:
     warned_touches: int = 0
     kit: list[str] = field(default_factory=list[str])
     kits: int = 0
+    assembled: tuple[Detection, ...] = ()
 
 
 def empty_pile(
@@ -163,6 +167,7 @@ def _record_pile(
         known,
         refusal=end.refusal,
         looked=_summarize(tally.seen, end.result),
+        obstacles=boxes_around(cell, tally.assembled),
         seed=task.seed,
         is_stopped=end.is_stopped,
         fixes=not task.change,
@@ -256,7 +261,7 @@ def _look_and_plan(
         digest,
         picks=task.picks,
         strategy=task.strategy,
-        obstacles=around.seen,
+        obstacles=(*around.seen, *boxes_around(cell, tally.assembled)),
         unseen=around.unseen,
         avoided=_left_alone(detections, [detection for detection, _ in avoided]),
         wanted=wanted_parts(cell, Counter(tally.kit)),
@@ -268,13 +273,17 @@ def _look_and_plan(
     return result
 
 
-def _add_to_kit(cell: Cell, tally: _Tally, part: str) -> None:
+def _add_to_kit(cell: Cell, tally: _Tally, plan: Plan, arm_plan: ArmPlan) -> None:
     """Count a part for the kit that is being filled; after a complete one an empty one follows."""
-    items = kit_of(cell)
+    items, part = kit_of(cell), plan.detections[arm_plan.detection].part
     tally.kit.append(part)
+    if part in assembled_kinds(cell):
+        (placed,) = put_down(cell, replace(plan, arms=(arm_plan,)))
+        tally.assembled += (placed,)
     if items and not lacking(items, Counter(tally.kit)):
         tally.kits += 1
         tally.kit.clear()
+        tally.assembled = ()
 
 
 def _kits_possible(cell: Cell, count: int) -> int:
@@ -351,7 +360,7 @@ def _carry_out(
         else:
             tally.taken += 1
             tally.rolled += taking.is_turned
-            _add_to_kit(cell, tally, plan.detections[arm_plan.detection].part)
+            _add_to_kit(cell, tally, plan, arm_plan)
         if taking.number is None:
             picks.append(FilmedPick(arm_plan.arm, None, arm_plan.T_tcp_part, kind, tuple(lying)))
             continue

@@ -12,7 +12,7 @@ from workbench.model.cell import Cell
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.states import LeftText
 from workbench.model.prediction import NOT_FOUND, STOPPED, LeftPart
-from workbench.model.scan import Detection
+from workbench.model.scan import Detection, Obstacle
 from workbench.planning.picking.nearest_fix import nearest_fix
 
 Numbered = Sequence[tuple[int, Detection]]
@@ -28,6 +28,7 @@ def left_in(
     *,
     refusal: Verdict | None,
     looked: Looked = (),
+    obstacles: tuple[Obstacle, ...] = (),
     seed: int,
     is_stopped: bool = False,
     fixes: bool = True,
@@ -39,6 +40,7 @@ def left_in(
         lying: what is left, as it truly lies.
         refusal: what the last plan was refused for, if there was a pick for it.
         looked: what the last look has found, numbered otherwise than `lying`.
+        obstacles: what else was in the way.
         seed: of the judging.
         is_stopped: failed picks have ended it, whatever else could have been taken.
         fixes: whether the nearest fix is searched for, which takes a second for each part.
@@ -46,7 +48,7 @@ def left_in(
     detections = tuple(detection for _, detection in lying)
     if not detections:
         return ()
-    judged = judge(cell, detections, seed=seed)
+    judged = judge(cell, detections, obstacles=obstacles, seed=seed)
     found: list[LeftPart] = []
     for index, (number, _) in enumerate(lying):
         label = str(FoundPart(number))
@@ -67,7 +69,11 @@ def left_in(
             key=lambda verdict: verdict.progress,
             default=furthest_verdict((), is_searched=searches),
         )
-        fix = nearest_fix(cell, detections, mine, seed=seed, may_move_bin=False) if fixes else None
+        fix = None
+        if fixes:
+            fix = nearest_fix(
+                cell, detections, mine, seed=seed, obstacles=obstacles, may_move_bin=False
+            )
         why = _none_works(mine, best).renumber(lambda index: lying[index][0])
         found.append(LeftPart(label, str(best.reason), why, "" if fix is None else fix.change))
     return tuple(found)

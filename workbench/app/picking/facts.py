@@ -17,6 +17,7 @@ from workbench.app.picking.pile_check import check_pile, with_kinds
 from workbench.app.picking.sightlines import sees_from
 from workbench.model.calibration import BinCheck
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.part import Bin
 from workbench.model.plan import ArmPlan, Plan, Proof, Proven
@@ -108,14 +109,14 @@ def check_installed(state: State, command: Command) -> None:
 def put_down(cell: Cell, plan: Plan) -> tuple[Detection, ...]:
     """The parts of a plan where its arms put them, as far as they stay there.
 
-    Those are at places that keep them, and on stations, where they stand until a later plan takes
-    them.
+    Those are at places that keep them, in an assembly, and on stations, where they stand until a
+    later plan takes them.
     """
-    kinematics = Kinematics(cell)
+    kinematics, assembled = Kinematics(cell), assembled_kinds(cell)
     placed: list[Detection] = []
     for arm_plan in plan.picks:
         arm, found = cell.arm(arm_plan.arm), plan.detections[arm_plan.detection]
-        if arm.keeps_parts or arm_plan.station:
+        if arm.keeps_parts or arm_plan.station or found.part in assembled:
             T = stands_on_station(cell, plan, arm_plan)
             if T is None:
                 T = (

@@ -36,6 +36,7 @@ from workbench.planning.picking.propose import (
     try_grasps,
 )
 from workbench.planning.picking.put_down import ways_at_places
+from workbench.planning.placing.assembling import arm_placing
 
 T = TypeVar("T")
 
@@ -180,14 +181,18 @@ class _Reach:
 
     def _reason(self, number: int, grasp: Grasp, T_world_tcp: pin.SE3) -> Reason:
         """Why the arm cannot take the part there and bring it to a place; or that it can."""
-        is_right = bool(self._arm.places_for(self._world.detections[number].part))
-        if not is_right and not self._arm.Ts_world_place:
+        arm = arm_placing(self._world, self._arm, number)
+        if isinstance(arm, Verdict):
+            return arm.reason
+        is_right = bool(arm.places_for(self._world.detections[number].part))
+        has_place = self._has_place and bool(arm.Ts_world_place)
+        if not is_right and not arm.Ts_world_place:
             return Reason.NO_PLACE
         is_reached = False
         for T in self._hands(number, grasp, T_world_tcp):
             if self._reaches(T):
                 is_reached = True
-                if self._has_place or (is_right and self._brings(number, T)):
+                if has_place or (is_right and self._brings(arm, number, T)):
                     return Reason.OK
         return Reason.NO_PLACE if is_reached else Reason.OUT_OF_REACH
 
@@ -197,10 +202,10 @@ class _Reach:
         every = [T_world_tcp * T for T in grips(self._arm.tool, grasp)]
         return [T for T, is_free in zip(every, fits, strict=True) if is_free] or every
 
-    def _brings(self, number: int, T_world_tcp: pin.SE3) -> bool:
+    def _brings(self, arm: Arm, number: int, T_world_tcp: pin.SE3) -> bool:
         """Whether the arm gets a part that is held so to a place where its kind has to lie."""
         T_part_tcp = self._world.detections[number].T_world_part.actInv(T_world_tcp)
-        ways = ways_at_places(self._world, self._arm, number)
+        ways = ways_at_places(self._world, arm, number)
         return any(self._reaches(T * T_part_tcp) for T in ways if not isinstance(T, Verdict))
 
     def _reaches(self, T_world_tcp: pin.SE3) -> bool:

@@ -57,7 +57,7 @@ def read_places(
         free = place.number("free_rotation_deg", 0, low=0, high=180)
         far = place.number("tolerance_mm", 2, low=FINEST_MM, high=50) / 1000
         turn = place.number("tolerance_deg", 3, low=FINEST_DEG, high=45)
-        approach, name = _direction(place), place.text("name", "", empty=True)
+        approach, name = read_direction(place, "approach", DOWN), place.text("name", "", empty=True)
         shifts, layers, height = _grid(place)
         if layers > 1:
             _check_layers(place, is_of_part, T_part)
@@ -165,13 +165,19 @@ def _part_pose(table: Table) -> pin.SE3:
     )
 
 
-def _direction(table: Table) -> tuple[float, float, float]:
-    """The unit direction in the world in which a part comes to a place: from above if not told."""
-    approach = table.numbers("approach", 3, list(DOWN), low=-1000, high=1000)
-    length = float(np.linalg.norm(approach))
+def read_direction(
+    table: Table, key: str, default: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """A unit direction of a key, which may state it with any length but 0.
+
+    Raises:
+        FileError: it has no length, or is none.
+    """
+    direction = table.numbers(key, 3, list(default), low=-1000, high=1000)
+    length = float(np.linalg.norm(direction))
     if length < 1e-6:
-        raise table.error("approach", "has no length; a direction like [1, 0, 0] is expected")
-    x, y, z = (float(v) for v in approach / length + 0.0)
+        raise table.error(key, "has no length; a direction like [1, 0, 0] is expected")
+    x, y, z = (float(v) for v in direction / length + 0.0)
     return x, y, z
 
 

@@ -2,12 +2,26 @@
 
 from collections.abc import Iterable, Iterator
 
-from workbench.formats.files.toml_documents import number, text
+import numpy as np
+
+from workbench.formats.cells.places import read_direction
+from workbench.formats.files.toml_documents import number, numbers, text
 from workbench.formats.files.toml_keys import Table
 from workbench.model.cell import Cell
 from workbench.model.derived.by_recipe import recipe_problem
-from workbench.model.recipes.kit import MOST_ITEMS, MOST_OF_ITEM, KitItem
+from workbench.model.part import DOWN
+from workbench.model.recipes.kit import MOST_ITEMS, MOST_OF_ITEM, Insertion, KitItem
 from workbench.model.recipes.recipe import HIGHEST, MOST_RECIPES, Recipe
+
+LEAST_CLEARANCE_MM = 0.05
+"""What is proven of two parts is exact to this."""
+
+OF_INSERTION = ("position_mm", "insert_mm", "clearance_mm")
+ABOUT_INSERTION = ("rpy_deg", "insert_along")
+"""Keys that an item with `on` needs, and others that it can have."""
+
+FAR_MM = 2000.0
+"""No part of a kit is farther from the one it comes onto."""
 
 
 def read_recipes(table: Table) -> tuple[Recipe, ...]:
@@ -52,12 +66,35 @@ def _items(recipe: Table) -> tuple[KitItem, ...]:
     """What belongs in a kit, no kind twice."""
     found: list[KitItem] = []
     for item in recipe.tables("item"):
-        found.append(KitItem(item.text("part"), item.whole("count", 1, low=1, high=MOST_OF_ITEM)))
+        kind, count = item.text("part"), item.whole("count", 1, low=1, high=MOST_OF_ITEM)
+        found.append(KitItem(kind, count, _insertion(item)))
         item.finish()
     if len(found) > MOST_ITEMS:
         raise recipe.error("item", f"{len(found)} items, {MOST_ITEMS} are allowed")
     recipe.once("item.part", (item.part for item in found))
     return tuple(found)
+
+
+def _insertion(item: Table) -> Insertion | None:
+    """How a part of a kit comes onto another one; None where it comes onto none."""
+    base = item.text("on", "", empty=True)
+    for key in (*OF_INSERTION, *ABOUT_INSERTION):
+        if item.has(key) and not base:
+            raise item.error(key, "is about a part that comes onto another one: `on` is expected")
+        if base and key in OF_INSERTION and not item.has(key):
+            raise item.error(key, "is missing; it is expected beside `on`")
+    if not base:
+        return None
+    x, y, z = (item.numbers("position_mm", 3, [0, 0, 0], low=-FAR_MM, high=FAR_MM) / 1000).tolist()
+    a, b, c = np.deg2rad(item.numbers("rpy_deg", 3, [0, 0, 0], low=-360, high=360)).tolist()
+    return Insertion(
+        base,
+        (x, y, z),
+        (a, b, c),
+        read_direction(item, "insert_along", DOWN),
+        item.number("insert_mm", 50, low=1, high=500) / 1000,
+        item.number("clearance_mm", 0.5, low=LEAST_CLEARANCE_MM, high=100) / 1000,
+    )
 
 
 def check_recipes(table: Table, cell: Cell) -> None:
@@ -90,6 +127,17 @@ def recipe_lines(recipe: Recipe) -> Iterator[str]:
         yield "in_order = true"
     for item in recipe.items:
         yield from ("", "[[recipe.item]]", f"part = {text(item.part)}", f"count = {item.count}")
+        if item.insertion is not None:
+            yield from _insertion_lines(item.insertion)
+
+
+def _insertion_lines(insertion: Insertion) -> Iterator[str]:
+    yield f"on = {text(insertion.base)}"
+    yield f"position_mm = {numbers(np.array(insertion.position) * 1000)}"
+    yield f"rpy_deg = {numbers(np.rad2deg(insertion.rpy))}"
+    yield f"insert_along = {numbers(insertion.along)}"
+    yield f"insert_mm = {number(insertion.length * 1000)}"
+    yield f"clearance_mm = {number(insertion.clearance * 1000)}"
 
 
 def _names(table: Table, key: str) -> tuple[str, ...]:

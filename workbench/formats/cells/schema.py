@@ -16,7 +16,7 @@ from workbench.formats.cells.calibrations import read_record
 from workbench.formats.cells.devices import read_localizer
 from workbench.formats.cells.places import read_bin, read_stations
 from workbench.formats.cells.reading import read_cell, read_poses_folder
-from workbench.formats.cells.recipes import read_recipes
+from workbench.formats.cells.recipes import OF_INSERTION, read_recipes
 from workbench.formats.cells.tools import LOAD_KEYS
 from workbench.formats.files.shipped import find
 from workbench.formats.files.toml_keys import NOTES, Notes, Table
@@ -65,7 +65,16 @@ A_RECIPE = {
     "name": "caps",
     "threshold_mm": 100,
     "speed": 0.3,
-    "item": [{"part": "cap", "count": 2}],
+    "item": [
+        {"part": "cap"},
+        {
+            "part": "ring",
+            "on": "cap",
+            "position_mm": [0, 0, 0],
+            "insert_mm": 50,
+            "clearance_mm": 0.5,
+        },
+    ],
 }
 
 A_BIN = {
@@ -115,6 +124,7 @@ DEPENDS = frozenset(
     + ("friction", "tolerance_mm", "arm[].place[].part_position_mm", "grasp[].retreat")
     + ("recipe[].parts", "recipe[].grasps", "recipe[].places", "recipe[].strategy")
     + ("recipe[].threshold_mm", "recipe[].speed")
+    + tuple(f"recipe[].item[].{key}" for key in ("on", *OF_INSERTION))
     + ("policy.tcp_speed_mm", "policy.point_speed_mm", "policy.held_speed_mm")
 )
 """Keys without which something else counts than a value: their meaning says what."""

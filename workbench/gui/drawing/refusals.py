@@ -11,16 +11,21 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.gui.shared.look import Placed, Pose
-from workbench.model.candidate import Candidate, Stage
+from workbench.model.candidate import Candidate, Stage, Verdict
 from workbench.model.geometry import Floats
 from workbench.model.messages.verdicts import VerdictText
 from workbench.planning.collision.bodies import part_label, tool_shapes
-from workbench.planning.collision.legs import grips, hand_turns
+from workbench.planning.collision.legs import (
+    approach_phase,
+    grips,
+    hand_turns,
+    holding_phase,
+)
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import lifts
 from workbench.planning.picking.put_down import ways_at_places
-from workbench.planning.picking.resolve import approach_phase, holding_phase
+from workbench.planning.placing.assembling import arm_placing
 
 MOST_GRIPS = 48
 """This many ways in which a hand may hold a part are tried, to find the one of a verdict."""
@@ -124,8 +129,11 @@ def _way_to_contact(world: World, candidate: Candidate) -> Floats:
 
 def _put(world: World, candidate: Candidate) -> pin.SE3:
     """Where the part stands in what the verdict names, at the first such place of its arm."""
-    number, arm = candidate.detection, world.arm(candidate.arm)
+    number = candidate.detection
+    arm = arm_placing(world, world.arm(candidate.arm), number)
     T_world_part = world.detections[number].T_world_part
+    if isinstance(arm, Verdict):
+        return T_world_part
     T_tcp_part = candidate.T_world_tcp.actInv(T_world_part)
     ways = [place for place in ways_at_places(world, arm, number) if isinstance(place, pin.SE3)]
     turns = hand_turns(arm.tool)

@@ -55,5 +55,5 @@ class ApprovalText(Text, subject="page-approval"):
     CLEAR_OF_BIN = "cell and the whole bin, as no scan shows it yet"
     CLEAR_OF_BIN_AND = "{clear}, {things}"
     UNKNOWN_THINGS = "{count} unknown {count:thing|things} in the scan"
-    ON_PALLETS = "{count} {count:part|parts} on pallets"
+    ON_PALLETS = "{count} {count:part|parts} already put down"
     AS_LEFT = "{clear}, each plan with what those before it leave"

@@ -5,6 +5,7 @@ from dataclasses import replace
 from itertools import cycle, islice
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembly_checks import assembly_problem
 from workbench.model.derived.by_bin import with_bin
 from workbench.model.errors import InputError
 from workbench.model.messages.cells import RecipeText
@@ -113,7 +114,9 @@ def wanted_parts(cell: Cell, counts: Mapping[str, int] | None = None) -> Wanted 
     items = kit_of(cell)
     if not items:
         return None
-    return Wanted(lacking(items, counts or {}), recipe_of(cell, cell.recipe).in_order)
+    # A part is put onto another one only when that is there.
+    in_order = recipe_of(cell, cell.recipe).in_order or any(item.insertion for item in items)
+    return Wanted(lacking(items, counts or {}), in_order)
 
 
 def parts_in_turn(cell: Cell, kind: str, count: int) -> tuple[Part, ...]:
@@ -150,6 +153,8 @@ def recipe_problem(cell: Cell, recipe: Recipe) -> tuple[str, Message] | None:
     bins = tuple(box.name for box in cell.bins)
     if recipe.bin and recipe.bin not in bins:
         return "bin", RecipeText.NO_BIN(bin=recipe.bin, known=bins)
+    if problem := assembly_problem(cell, recipe):
+        return "item", problem
     return _grasp_problem(cell, recipe) or _place_problem(cell, recipe)
 
 

@@ -15,6 +15,7 @@ from workbench.model.messages.calibration import (
     ScanText,
 )
 from workbench.model.messages.cells import (
+    AssemblyText,
     BinChoiceText,
     CellText,
     CommissioningText,
@@ -133,6 +134,7 @@ SUBJECTS: tuple[type[Text], ...] = (
     LoadText,
     RecipeText,
     BinChoiceText,
+    AssemblyText,
     KitText,
     InventoryText,
     CommandText,

@@ -84,6 +84,17 @@ class BinChoiceText(Text, subject="bin_choice"):
     CELL_FIXED = "{command} has to wait while bin {name} is chosen; choose bin {first} first"
 
 
+class AssemblyText(Text, subject="assembly"):
+    """Assemblies: why a recipe cannot put a part onto another one of its kit."""
+
+    NOT_EARLIER = "{part} is on {base}, and no earlier item of the recipe is {base}"
+    CIRCLE = "{part} is on {base}, which is itself on {part}"
+    COUNT = "the recipe has {count} {part}; of a part that is assembled it can have 1"
+    NO_PLACE = "no arm has a place with part_position_mm for {base}, which another item is on"
+    FROM_BELOW = "insert_along brings {part} to {base} from below"
+    PASSED_ON = "the {arm} arm passes parts on, so that nothing can be assembled"
+
+
 class KitText(Text, subject="kit"):
     """Kits: what they have and lack, and what follows from that."""
 

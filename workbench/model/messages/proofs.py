@@ -105,6 +105,14 @@ class ProofText(Text, subject="proof"):
         "the part is put down {far:mm} and {turn:deg1} from its target pose; {tolerance:mm} and "
         "{turn_tolerance:deg1} are allowed"
     )
+    NO_BASE = "{part} comes onto {base}, and no {base} is known to stand in the assembly"
+    IN_ASSEMBLY = "the assembly has its {part} already"
+    ASSEMBLY_ROLL = "a part of unknown roll cannot be assembled"
+    NOT_SEATED = "a point of the part ends {far:mm} from its seat; {most:mm} are allowed"
+    OFF_INSERTION = (
+        "a point of the part is {far:mm} beside the straight line to its seat, {most:mm} at most"
+    )
+    INSERTION_LENGTH = "the straight motion to the seat is {length:mm} long instead of {wanted:mm}"
     NO_STATION = "the cell has no station {station}"
     STATION_ROLL = "a part of unknown roll must not be put on a station"
     OFF_STATION = (

@@ -91,6 +91,7 @@ class VerdictNote(Text, subject="note"):
     NO_PLACE_FOR_PART = "{count} {count:place|places}, none for {part}"
     PLACES_UNREACHABLE = "the arm reaches none of its places"
     PLACE_NEEDS_ROLL = "the place needs the roll, which the scan does not show"
+    NO_BASE = "no {base} is known to stand in the assembly; begin a new kit if it is missing"
     TARGET_POSES = (
         "{count} target {count:pose|poses}: part in collision {blocked}, unreachable {far}, "
         "arm too close {close}"

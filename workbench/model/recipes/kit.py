@@ -2,8 +2,12 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
+import pinocchio as pin
+
+from workbench.model.digest import LATER
+from workbench.model.geometry import pose_from_rpy
 from workbench.model.messages.cells import KitText
 from workbench.model.messages.message import Message
 
@@ -11,11 +15,34 @@ MOST_ITEMS, MOST_OF_ITEM = 16, 99
 
 
 @dataclass(frozen=True, slots=True)
+class Insertion:
+    """How a part comes onto another one of the kit, its base: straight, until it is seated.
+
+    `position` (3,) [m] and `rpy` (3,) [rad] are its pose in the base when the hand lets go of it.
+    It comes there along the unit direction `along` (3,) in the base, over `length` [m].  On this
+    motion the two parts keep at least `clearance` [m] between them; all else keeps its margin.
+    """
+
+    base: str
+    position: tuple[float, float, float]
+    rpy: tuple[float, float, float]
+    along: tuple[float, float, float]
+    length: float
+    clearance: float
+
+    @property
+    def T_base_part(self) -> pin.SE3:
+        """The part where it is seated, in the frame of its base."""
+        return pose_from_rpy(self.position, self.rpy)
+
+
+@dataclass(frozen=True, slots=True)
 class KitItem:
-    """`count` parts of one kind that belong in a kit."""
+    """`count` parts of one kind that belong in a kit; with an `insertion` it is one, on another."""
 
     part: str
     count: int
+    insertion: Insertion | None = field(default_factory=lambda: None, metadata=LATER)
 
 
 @dataclass(frozen=True, slots=True)

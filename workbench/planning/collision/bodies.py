@@ -28,16 +28,16 @@ from workbench.model.scan import Detection
 from workbench.planning.collision.bounds import Boxes, box_of
 from workbench.planning.kinematics.robot import Kinematics
 
-BodyKind = Literal["link", "tool", "fixture", "bin", "part"]
+BodyKind = Literal["link", "tool", "fixture", "bin", "assembled", "part"]
 
 
 @dataclass(slots=True)
 class Body:
     """One solid in the world.
 
-    `owner` is the link, the arm (tools), the fixture, or the number of the part; `arm` the
-    index of the arm that carries it, -1 when none does; `finger` the travel direction of a
-    finger in the frame of its joint, shape (3,).
+    `owner` is the link, the arm (tools), the fixture, the kind of an assembled part, or the number
+    of a part found; `arm` the index of the arm that carries it, -1 when none does; `finger` the
+    travel direction of a finger in the frame of its joint, shape (3,).
     """
 
     label: str
@@ -201,7 +201,7 @@ def _owner_of(body: Body) -> tuple[str, str]:
     match body.kind:
         case "tool":
             return body.kind, f"{body.owner}_tool"
-        case "link" | "fixture" | "bin" | "part":
+        case "link" | "fixture" | "bin" | "assembled" | "part":
             return body.kind, body.owner
 
 

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
-from workbench.model.cell import Tool
+from workbench.model.candidate import Candidate
+from workbench.model.cell import Arm, Tool
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.part import Grasp
 from workbench.model.plan import ArmPlan, Leg, LegName, Plan
@@ -125,7 +126,33 @@ def phase_of(runs: Sequence[Run], waiting: Sequence[Run] = ()) -> LegPhase:
         },
         targets={plan.arm: plan.detection for plan, name, _ in runs if name in TARGETED},
         straight=frozenset(plan.arm for plan, name, _ in runs if name in STRAIGHT),
+        inserts=frozenset(plan.arm for plan, name, _ in runs if name == "place"),
     )
+
+
+def approach_phase(candidate: Candidate, arm: Arm) -> LegPhase:
+    """The phase in which an arm comes to the candidate's part with its fingers open."""
+    return LegPhase(
+        moving=frozenset({arm.name}),
+        openings={arm.name: candidate.grasp.opening},
+        targets={arm.name: candidate.detection},
+        straight=frozenset({arm.name}),
+    )
+
+
+def holding_phase(
+    candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool
+) -> LegPhase:
+    """The phase of a leg with the candidate's part in the hand."""
+    moving, held = frozenset({arm.name}), {arm.name: (candidate.detection, T_tcp_part)}
+    line = moving if straight else frozenset[str]()
+    return LegPhase(moving, {arm.name: candidate.grasp.grip}, held=held, straight=line)
+
+
+def placing_phase(candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3) -> LegPhase:
+    """The phase of the last linear motion of the candidate's part to its place."""
+    phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+    return replace(phase, inserts=phase.moving)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

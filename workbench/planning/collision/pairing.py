@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell, Policy
+from workbench.model.derived.assembling import insertion_of
 from workbench.model.geometry import Bools, Floats, Ints
 from workbench.planning.collision.bodies import Body, pairs_of
 from workbench.planning.kinematics.robot import Kinematics
@@ -40,7 +41,8 @@ class LegPhase:
     were left.  `held`: arm -> (detection, `T_tcp_part`).  `placed`: arm -> (detection,
     `T_tcp_part`, configuration (n,) [rad] in which it has let go of it); there the part stays.
     `targets`: arm -> the part that its tool is about to take.  `straight`: arms whose tool and held
-    part may come as near as the policy's `near_margin`.
+    part may come as near as the policy's `near_margin`.  `inserts`: arms on the last linear motion
+    to a place, whose part may come as near to the one it is assembled onto as their clearance.
     """
 
     moving: frozenset[str]
@@ -49,6 +51,7 @@ class LegPhase:
     placed: Mapping[str, tuple[int, pin.SE3, Floats]] = field(default_factory=dict)
     targets: Mapping[str, int] = field(default_factory=dict)
     straight: frozenset[str] = frozenset()
+    inserts: frozenset[str] = frozenset()
 
     @property
     def key(self) -> tuple[object, ...]:
@@ -56,7 +59,7 @@ class LegPhase:
         holders = tuple(sorted((arm, number) for arm, (number, _) in self.held.items()))
         placers = tuple(sorted((arm, number) for arm, (number, _, _) in self.placed.items()))
         targets = tuple(sorted(self.targets.items()))
-        return (self.moving, holders, placers, targets, self.straight)
+        return (self.moving, holders, placers, targets, self.straight, self.inserts)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -144,8 +147,15 @@ class Pairing:
     """
 
     def __init__(
-        self, cell: Cell, policy: Policy, kinematics: Kinematics, bodies: list[Body]
+        self,
+        cell: Cell,
+        policy: Policy,
+        parts: tuple[str, ...],
+        kinematics: Kinematics,
+        bodies: list[Body],
     ) -> None:
+        self._insertions = tuple(insertion_of(cell, part) for part in parts)
+        self._assembled = np.array([b.owner if b.kind == "assembled" else "" for b in bodies])
         self.meets = pairs_of(cell, bodies)
         # One after the other in memory: compiled code is made once for arrays that lie like that.
         self.first, self.second = (k.copy() for k in np.nonzero(self.meets))
@@ -203,6 +213,11 @@ class Pairing:
                 tool = self._tool & (self._carrier == self._arm[name])
                 target = self._part == number
                 margins[(tool[a] & target[b]) | (tool[b] & target[a])] = -self._press[name]
+        for name in phase.inserts & phase.held.keys():
+            number, _ = phase.held[name]
+            if (insertion := self._insertions[number]) is not None:
+                part, base = self._part == number, self._assembled == insertion.base
+                margins[(part[a] & base[b]) | (part[b] & base[a])] = insertion.clearance
         both = self._ancestors[joint[a]] & self._ancestors[joint[b]]
         commons = np.where(both, np.arange(both.shape[1]), 0).max(axis=1)
         carriers = np.stack([carrier[a], carrier[b]], axis=1)
@@ -225,7 +240,7 @@ class Pairing:
         )
 
 
-_PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int], Pairing] = {}
+_PAIRINGS: dict[tuple[str, Policy, tuple[str, ...], int, tuple[str, ...]], Pairing] = {}
 _CHANGES = threading.Lock()
 
 
@@ -234,14 +249,15 @@ def pairing_of(
 ) -> Pairing:
     """The pairing of all worlds of this cell with found parts of these names, in this order.
 
-    Worlds with as many bodies differ in nothing that counts here.
+    Worlds with as many bodies, and the same ones assembled, differ in nothing that counts here.
 
     Concurrency: any thread; several of them make worlds for the page.
     """
-    key = (cell.digest, policy, parts, len(bodies))
+    assembled = tuple(body.owner for body in bodies if body.kind == "assembled")
+    key = (cell.digest, policy, parts, len(bodies), assembled)
     with _CHANGES:
         if key not in _PAIRINGS:
             while len(_PAIRINGS) >= MOST_PAIRINGS:
                 del _PAIRINGS[next(iter(_PAIRINGS))]
-            _PAIRINGS[key] = Pairing(cell, policy, kinematics, bodies)
+            _PAIRINGS[key] = Pairing(cell, policy, parts, kinematics, bodies)
         return _PAIRINGS[key]

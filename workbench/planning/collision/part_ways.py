@@ -207,12 +207,14 @@ class PartWays:
     def standing_in(self, number: int, T_world_part: pin.SE3, margin: float) -> str | None:
         """What a part, put elsewhere, is nearer to than the margin [m]; None where nothing.
 
-        Other parts found do not count: they may be gone by then.
+        Other parts found do not count: they may be gone by then.  Nor does what it comes onto in
+        an assembly: how near these come is asked of the whole motion.
         """
         around = self._of(number)
         if not around.cores.known.all():
             return None
-        fixed = around._replace(owner=np.where(around.owner < 0, around.owner, number))
+        counts = (around.owner < 0) & ~self._still.bases_of(number)
+        fixed = around._replace(owner=np.where(counts, around.owner, number))
         R, p = np.array(T_world_part.rotation), np.array(T_world_part.translation)[None]
         _, code = first_contact(R, p, 0.0, number, margin, fixed)
         return None if code == NOTHING else self._label(code)

@@ -6,8 +6,9 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Cell
+from workbench.model.derived.assembling import assembled_kinds, insertion_of, rest_pose
 from workbench.model.derived.by_bin import barriers
-from workbench.model.geometry import Box, Floats, Shape, Solid
+from workbench.model.geometry import Bools, Box, Floats, Shape, Solid
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.around import Around
 from workbench.planning.collision.bodies import (
@@ -42,12 +43,20 @@ class Surroundings:
         )
         # The bin first: where several things are met, that one is named.
         self.bodies = tuple(
-            [*_of_cell(cell), *_of_parts(detections, self.pieces), *_of_obstacles(obstacles)]
+            [*_of_cell(cell), *_of_parts(detections, self.pieces), *_of_obstacles(cell, obstacles)]
         )
         self.boxes = boxes_of(self.bodies)
         self.owner = np.array(
             [int(body.owner) if body.kind == "part" else -1 for body in self.bodies]
         )
+
+    def bases_of(self, number: int) -> Bools:
+        """Which bodies (b,), no unit, are of the part that one found comes onto in an assembly."""
+        insertion = insertion_of(self.cell, self.detections[number].part)
+        if insertion is None:
+            return np.zeros(len(self.bodies), bool)
+        base = ("assembled", insertion.base)
+        return np.array([(body.kind, body.owner) == base for body in self.bodies], bool)
 
     def around(self, moving: Sequence[tuple[Shape, pin.SE3, Floats]]) -> Around:
         """The same around solids that move together, for compiled code.
@@ -92,8 +101,14 @@ def _of_parts(detections: Sequence[Detection], pieces: Sequence[Sequence[Solid]]
             yield _still(solid, detection.T_world_part, "part", str(number), part_label(number))
 
 
-def _of_obstacles(obstacles: Sequence[Obstacle]) -> Iterator[Body]:
+def _of_obstacles(cell: Cell, obstacles: Sequence[Obstacle]) -> Iterator[Body]:
+    assembled = assembled_kinds(cell)
     for number, obstacle in enumerate(obstacles):
+        if (kind := obstacle.part) in assembled:
+            T_world_part = rest_pose(cell, obstacle)
+            for solid in cell.part(kind).pieces:
+                yield _still(solid, T_world_part, "assembled", kind, kind)
+            continue
         label = obstacle_label(number)
         yield Body(label, "fixture", "seen", -1, 0, obstacle.T_world_box, Box(obstacle.size))
 

@@ -1,13 +1,19 @@
 """How a hand comes away from the part it has let go of: nearer than the margin only at first."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from workbench.model.cell import Arm
 from workbench.model.geometry import Floats, Ints
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.motion import bound_curves, chain_contact
+from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.world import World
+
+CLOSING = 0.001
+"""[m] Fingers that close are checked this often; they are thicker."""
 
 ROOM = 0.0005
 """[m] By so much more than its margin a hand has to be away from a part to have left it.  Fingers
@@ -47,6 +53,28 @@ def find_contact_after_release(
         curves = bound_curves(path[number:], world.motion, world.policy.zone)
         found = chain_contact(world, columns, base, curves, among=pairs)
     return None if found is None else (found[0], found[1], found[2] + number)
+
+
+def is_around(world: World, arm: Arm, phase: LegPhase, q: Floats) -> bool:
+    """Whether fingers that closed at `q` (n,) [rad] would meet the part they have let go of.
+
+    However wide they are open, the hand has not left it then.
+
+    Args:
+        world: is put into the phase, with the fingers anywhere.
+        arm: that has let go of something.
+        phase: in which it goes away.
+        q: see there.
+    """
+    opening, whole = phase.openings[arm.name], world.configuration({arm.name: q})
+    while arm.tool.fingers and opening > 0.0:
+        world.enter(replace(phase, openings={**phase.openings, arm.name: opening}))
+        distance = world.nearest(whole, world.pairs.left_behind(arm.name)).distance
+        if distance <= 0.0:
+            return True
+        # Each finger moves by half of that.
+        opening -= max(2 * distance, CLOSING)
+    return False
 
 
 def _first_clear(

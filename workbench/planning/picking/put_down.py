@@ -11,9 +11,10 @@ import pinocchio as pin
 
 from workbench.model.candidate import Pick, Reason, Stage, Verdict
 from workbench.model.cell import Arm
+from workbench.model.derived.assembling import insertion_of
 from workbench.model.geometry import Floats
 from workbench.model.messages.verdicts import VerdictNote
-from workbench.model.part import DOWN, PartPlace
+from workbench.model.part import DOWN, PLACE_LIFT, PartPlace
 from workbench.planning.collision.bodies import part_label
 from workbench.planning.collision.legs import hand_turns
 from workbench.planning.collision.motion import path_contact
@@ -24,15 +25,16 @@ from workbench.planning.grasps.put_poses import suits_any_roll, ways_to_lie
 from workbench.planning.kinematics.inverse import configurations
 from workbench.planning.kinematics.quickness import between, draw_towards, pace_of
 from workbench.planning.kinematics.straight import follow
-from workbench.planning.picking.leaving import find_contact_after_release
+from workbench.planning.picking.leaving import find_contact_after_release, is_around
+from workbench.planning.placing.assembling import arm_placing
 from workbench.planning.placing.pallets import open_places, why_full
 from workbench.planning.planners.clock import processor_time
 
-PLACE_LIFT = 0.05
-"""[m] The last linear motion to the place."""
-
 DRAWN = 4
 """The soonest configurations at a place that are moved in their null space to come sooner."""
+
+FARTHER = 2.0
+"""Times the last motion to a place: so far a hand goes back whose fingers reach around a part."""
 
 LATE = Verdict(Reason.OUT_OF_TIME, Stage.PLACE)
 
@@ -75,10 +77,13 @@ def plan_straight_descents(
 
 
 class _Hands(NamedTuple):
-    """Where a hand may be at a place, and the direction (3,) in the world in which it comes."""
+    """Where a hand may be at a place.
+
+    It comes there by so much `way` (3,) [m] in the world.
+    """
 
     Ts_world_tcp: Sequence[pin.SE3]
-    approach: Floats = np.array(DOWN)
+    way: Floats = PLACE_LIFT * np.array(DOWN)
 
 
 def _hands(world: World, arm: Arm, phase: LegPhase) -> Iterator[_Hands | Verdict]:
@@ -94,7 +99,7 @@ def _hands(world: World, arm: Arm, phase: LegPhase) -> Iterator[_Hands | Verdict
                 continue
             T_world_tcp = T_world_part * T_tcp_part.inverse()
             stood = _standing_in(world, phase, arm, T_world_tcp)
-            yield stood or _Hands([T_world_tcp], np.array(place.approach))
+            yield stood or _Hands([T_world_tcp], place.length * np.array(place.approach))
     for _, turned in groupby(arm.Ts_world_place, key=lambda T: tuple(T.translation)):
         free: list[pin.SE3] = []
         for T_world_tcp in (T * T_turn for T in turned for T_turn in hand_turns(arm.tool)):
@@ -134,7 +139,7 @@ def _straight(
     That comes first which is soonest reached from where the arm comes from, the first of the
     `starts`, and left for home.
     """
-    policy, base = world.policy, world.configuration({})
+    policy, base, number = world.policy, world.configuration({}), phase.held[arm.name][0]
     chain, columns = world.chains[arm.name], world.kinematics.columns[arm.name]
     pace, stops = pace_of(chain, policy.speed), np.stack([starts[0], arm.home])
     found: list[tuple[float, Floats, pin.SE3]] = []
@@ -149,7 +154,7 @@ def _straight(
         nearer = draw_towards(chain, T_world_tcp, q[None], stops, pace)
         soonest.append((float(between(nearer, stops, pace)[0]), nearer[0], T_world_tcp))
     for _, q, T_world_tcp in sorted(soonest + found, key=lambda found_pose: found_pose[0]):
-        T_world_before = _back(T_world_tcp, hands.approach)
+        T_world_before = _back(T_world_tcp, hands.way)
         path, share = follow(chain, world.motion.rounded(q), T_world_before, policy.straight_points)
         if share < 1.0:
             note = VerdictNote.LINE_ENDS(share=share)
@@ -158,6 +163,11 @@ def _straight(
         path = world.motion.rounded(path[::-1])
         world.enter(phase)
         met = path_contact(world, columns, base, path)
+        if met is None and insertion_of(world.cell, world.detections[number].part) is not None:
+            # Where it begins, the part keeps its whole margin to what it comes onto, too.
+            world.enter(replace(phase, inserts=frozenset()))
+            contact = world.contact(world.configuration({arm.name: path[0]}))
+            met = None if contact is None else (contact, path[0], 0)
         if met is None:
             yield path
         else:
@@ -255,7 +265,10 @@ def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
         pick: what is to be put down.
         others: what is true of the other arms meanwhile.
     """
-    arm, grasp = world.arm(pick.candidate.arm), pick.candidate.grasp
+    arm = arm_placing(world, world.arm(pick.candidate.arm), pick.candidate.detection)
+    if isinstance(arm, Verdict):
+        return arm
+    grasp = pick.candidate.grasp
     held = (pick.candidate.detection, pick.T_tcp_part)
     moving = frozenset({arm.name})
     brings = replace(
@@ -263,6 +276,7 @@ def put_down(world: World, pick: Pick, others: LegPhase) -> PutDown | Verdict:
         moving=moving,
         openings={**others.openings, arm.name: grasp.grip},
         held={arm.name: held},
+        inserts=moving,
     )
     refusal: Verdict | None = None
     for down in one_by_one(
@@ -301,9 +315,9 @@ def posture_of(world: World, arm: Arm, q: Floats) -> Floats:
     return np.clip(world.motion.rounded(q), chain.lower, chain.upper)
 
 
-def _back(T_world_tcp: pin.SE3, approach: Floats) -> pin.SE3:
-    """Where a hand is that has still to come to a place, in a direction (3,)."""
-    return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - PLACE_LIFT * approach)
+def _back(T_world_tcp: pin.SE3, way: Floats) -> pin.SE3:
+    """Where a hand is that has still to come to a place, by so much (3,) [m]."""
+    return pin.SE3(T_world_tcp.rotation, T_world_tcp.translation - way)
 
 
 def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
@@ -322,7 +336,8 @@ def _find_contact(world: World, arm: Arm, path: Floats) -> Verdict | None:
 def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) -> Floats | Verdict:
     """The linear motion (m, n) of the open hand out of where it has put the part `down`.
 
-    It goes out as it had come to the part in the bin; where that is not possible, straight back.
+    It goes out as it had come to the part in the bin; where that is not possible, straight back,
+    and farther where its fingers would still be around the part.
     """
     q_place = down[-1]
     policy, base = world.policy, world.configuration({})
@@ -330,9 +345,10 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) 
     T_grasp_pregrasp = chain.pose(pick.q_grasp).actInv(chain.pose(np.asarray(pick.approach[0])))
     T_world_tcp = chain.pose(q_place)
     came = T_world_tcp.translation - chain.pose(down[0]).translation
-    T_world_back = _back(T_world_tcp, came / np.linalg.norm(came))
+    way = PLACE_LIFT * came / np.linalg.norm(came)
+    back = [_back(T_world_tcp, far * way) for far in (1.0, FARTHER)]
     refusal: Verdict | None = None
-    for T_world_out in (T_world_tcp * T_grasp_pregrasp, T_world_back):
+    for T_world_out in (T_world_tcp * T_grasp_pregrasp, *back):
         path, share = follow(chain, q_place, T_world_out, policy.straight_points)
         if share < 1.0:
             note = VerdictNote.RETREAT_ENDS(share=share)
@@ -343,8 +359,10 @@ def _way_out(world: World, pick: Pick, arm: Arm, phase: LegPhase, down: Floats) 
         world.allow_start_contacts(world.configuration({arm.name: q_place}))
         found = path_contact(world, columns, base, path)
         found = found or find_contact_after_release(world, (arm.name,), columns, base, path)
-        if found is None:
+        if found is None and not is_around(world, arm, phase, path[-1]):
             return path
+        if found is None:
+            continue
         contact, q, _ = found
         note = VerdictNote.ON_RETREAT()
         refusal = refusal or Verdict(

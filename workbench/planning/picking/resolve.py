@@ -13,7 +13,12 @@ from workbench.model.messages.message import all_of
 from workbench.model.messages.verdicts import VerdictNote
 from workbench.planning.collision.contact import Contact
 from workbench.planning.collision.hands import turns_of
-from workbench.planning.collision.legs import grips
+from workbench.planning.collision.legs import (
+    approach_phase,
+    grips,
+    holding_phase,
+    placing_phase,
+)
 from workbench.planning.collision.motion import path_contact
 from workbench.planning.collision.pairing import LegPhase
 from workbench.planning.collision.part_ways import Caught
@@ -33,6 +38,7 @@ from workbench.planning.picking.put_down import (
     find_configurations_at_places,
     plan_straight_descents,
 )
+from workbench.planning.placing.assembling import arm_placing
 
 TRIES = 3
 """Grasp configurations of one candidate that are followed to the end."""
@@ -66,7 +72,9 @@ def resolve(world: World, candidate: Candidate, *, seed: int) -> Pick | Verdict:
 
 
 def _find_best(world: World, candidate: Candidate, seed: int) -> Pick | Verdict:
-    arm = world.arm(candidate.arm)
+    arm = arm_placing(world, world.arm(candidate.arm), candidate.detection)
+    if isinstance(arm, Verdict):
+        return arm
     if candidate.grasp.retreat is None:
         # The part's own way out does not depend on the arm: looked at first, it is cheap.
         _, blocked = find_lifts_clear_for_part(world, candidate, candidate.T_world_tcp)
@@ -140,14 +148,15 @@ def _that_can_be_put(
     detection = world.detections[candidate.detection]
     if not arm.places_for(detection.part):
         return solutions, {}, None
-    starts, near = starts_of(world.chains[arm.name], arm, seed), dict[bytes, Floats]()
+    chain, near = world.chains[arm.name], dict[bytes, Floats]()
+    starts = starts_of(chain, world.arm(arm.name), seed)
     refusals: dict[bytes, Verdict | None] = {}
     for _, T_world_tcp, _ in solutions:
         key = T_world_tcp.homogeneous.tobytes()
         if key in near or key in refusals:
             continue
         T_tcp_part = T_world_tcp.actInv(detection.T_world_part)
-        phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+        phase = placing_phase(candidate, arm, T_tcp_part)
         found = find_configurations_at_places(world, arm, phase, starts)
         if found.near:
             near[key] = np.array(found.near)
@@ -167,7 +176,8 @@ def _grasp_solutions(
 ) -> tuple[list[Solution], Verdict | None]:
     """Clear grasp configurations with hand pose and clearance, best first; or the refusal."""
     chain = world.chains[arm.name]
-    starts, pace = starts_of(chain, arm, seed), pace_of(chain, world.policy.speed)
+    starts = starts_of(chain, world.arm(arm.name), seed)
+    pace = pace_of(chain, world.policy.speed)
     home = np.asarray(arm.home)[None]
     found: list[tuple[Floats, pin.SE3]] = []
     every = [configurations(chain, T_world_tcp, starts) for T_world_tcp in hands]
@@ -206,25 +216,6 @@ def _out_of_reach(every: Sequence[Answers]) -> Verdict:
     if not all(answers.is_complete for answers in every):
         note = VerdictNote.NO_CONFIGURATION(starts=sum(answers.starts for answers in every))
     return Verdict(Reason.OUT_OF_REACH, Stage.GRASP, None, nearest.shortfall, nearest.nearest, note)
-
-
-def approach_phase(candidate: Candidate, arm: Arm) -> LegPhase:
-    """The phase in which an arm comes to the candidate's part with its fingers open."""
-    return LegPhase(
-        moving=frozenset({arm.name}),
-        openings={arm.name: candidate.grasp.opening},
-        targets={arm.name: candidate.detection},
-        straight=frozenset({arm.name}),
-    )
-
-
-def holding_phase(
-    candidate: Candidate, arm: Arm, T_tcp_part: pin.SE3, *, straight: bool
-) -> LegPhase:
-    """The phase of a leg with the candidate's part in the hand."""
-    moving, held = frozenset({arm.name}), {arm.name: (candidate.detection, T_tcp_part)}
-    line = moving if straight else frozenset[str]()
-    return LegPhase(moving, {arm.name: candidate.grasp.grip}, held=held, straight=line)
 
 
 def _refuse(reason: Reason, stage: Stage, contact: Contact, q: Floats) -> Verdict:
@@ -381,7 +372,7 @@ def _place(
 ) -> Floats | Verdict:
     """The linear motion down to the first place that works, shape (m, n)."""
     refusal = _no_place(world, candidate, arm)
-    phase = holding_phase(candidate, arm, T_tcp_part, straight=False)
+    phase = placing_phase(candidate, arm, T_tcp_part)
     for way in plan_straight_descents(world, arm, phase, q_from, near):
         if not isinstance(way, Verdict):
             return way

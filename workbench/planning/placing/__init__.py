@@ -1,4 +1,4 @@
 """Placing error, and what the grip removes from it.
 
-Also: free places of pallets.  Imports `grasps` and `collision`.
+Also: free places of pallets, seats of assemblies.  Imports `grasps` and `collision`.
 """

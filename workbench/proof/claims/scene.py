@@ -1,12 +1,14 @@
 """Everything in a cell that has a shape, and where it is while a plan runs."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembling import assembled_kinds, rest_pose
 from workbench.model.derived.by_bin import barriers
 from workbench.model.geometry import Box, Cylinder, Floats, Mesh, Shape, Solid
 from workbench.model.part import Part
@@ -79,11 +81,15 @@ def still_of(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
             yield still(solid.name, fixture.T_world_fixture, solid)
     for solid in cell.bin.solids:
         yield still(solid.name, cell.bin.T_world_bin, solid)
+    assembled = assembled_kinds(cell)
     for number, seen in enumerate(scene.obstacles):
-        shape = Box(seen.size)
-        yield CheckedBody(
-            "still", f"seen-{number + 1}", "still", "", -1, 0, seen.T_world_box, shape
-        )
+        if seen.part in assembled:
+            T_world_part = rest_pose(cell, seen)
+            for piece in cell.part(seen.part).pieces:
+                yield replace(still(seen.part, T_world_part, piece), of_kind=seen.part)
+        else:
+            box = Solid("box", Box(seen.size), pin.SE3.Identity())
+            yield still(f"seen-{number + 1}", seen.T_world_box, box)
 
 
 def _parts(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
@@ -95,7 +101,16 @@ def _parts(cell: Cell, scene: Scene) -> Iterator[CheckedBody]:
                 room, T_part_room = room_of(piece, roll_axis(part, detection))
                 shape, T = room, detection.T_world_part * T_part_room
             yield CheckedBody(
-                "part", label, label, "", number, 0, T, shape, is_rolled=not detection.roll_known
+                "part",
+                label,
+                label,
+                "",
+                number,
+                0,
+                T,
+                shape,
+                is_rolled=not detection.roll_known,
+                of_kind=detection.part,
             )
 
 

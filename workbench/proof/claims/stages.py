@@ -169,6 +169,7 @@ def situation_of(tree: Tree, step: MovingStep, *ones: MovingArm) -> Situation:
         now,
         straight=arm_motion.arm.name if arm_motion.leg.name in NEAR_MARGIN_LEGS else "",
         target=arm_motion.plan.detection if arm_motion.leg.name == "approach" else -1,
+        placed_now=arm_motion.plan.detection if arm_motion.leg.name == "place" else -1,
     )
 
 

@@ -12,6 +12,7 @@
 | lifted part and what it lies on, over the first `release` | as at the start, less 0.5 mm |
 | the same, at every turn of a part whose roll is not known | see `grasps.rolls` |
 | hand and the part it has let go of, until it has left it once | as at the start, less 0.5 mm |
+| part that is assembled, on its last straight motion, and the one it comes onto | `clearance` |
 | everything else | `margin` |
 
 `least_distance_allowed` says what that is for bodies that do not touch at the start; it is
@@ -25,6 +26,7 @@ from itertools import product
 import numpy as np
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembling import insertion_of
 from workbench.model.geometry import Bools, Ints
 from workbench.proof.engine.bodies import CheckedBody, is_round
 from workbench.proof.engine.pairs import BodyPairs, Pairs
@@ -54,7 +56,7 @@ class Situation:
     that holds it; `placed`: detection -> arm that has put it where it lies.  `straight`: the arm
     on a straight leg, empty for none.  `target`: the detection that its tool is about to take.
     `lets_go`: the detection around which fingers close or open now; contacts with it are not
-    compared then.
+    compared then.  `placed_now`: the detection that is on its last straight motion to its place.
     """
 
     moves: Bools
@@ -63,6 +65,7 @@ class Situation:
     straight: str = ""
     target: int = -1
     lets_go: int = -1
+    placed_now: int = -1
 
 
 class PairTable(BodyPairs):
@@ -93,6 +96,7 @@ class PairTable(BodyPairs):
         self._arm_numbers = {arm.name: k for k, arm in enumerate(cell.arms)}
         self.rounds = np.array([is_round(body, tree) for body in bodies])
         self._carrier = np.array([self._arm_numbers.get(b.arm, -1) for b in bodies])
+        self._kind = np.array([b.of_kind for b in bodies])
 
     def pairs(self, now: Situation, joints: Ints) -> Pairs:
         """The pairs of a situation, in which these joints (b,), by index, carry the bodies."""
@@ -140,7 +144,22 @@ class PairTable(BodyPairs):
         shown = ~own & ~beds
         if now.target >= 0:
             shown &= (self._part[a] != now.target) & (self._part[b] != now.target)
+        if now.placed_now >= 0:
+            mates, clearance = self._mates(now.placed_now)
+            are_mates = mates[a, b] | mates[b, a]
+            margins[are_mates] = clearance
+            shown &= ~are_mates
         return Pairs(rows, margins, commons, beds, left, arms, shown)
+
+    def _mates(self, number: int) -> tuple[Bools, float]:
+        """Pairs of bodies (b, b) of a part and the one it comes onto, and what they keep [m]."""
+        part = self._part == number
+        kind = next((str(kind) for kind in self._kind[part]), "")
+        insertion = insertion_of(self._cell, kind)
+        if insertion is None:
+            return np.zeros((len(part), len(part)), bool), 0.0
+        base = (self._part < 0) & (self._kind == insertion.base)
+        return part[:, None] & base, insertion.clearance
 
     def between_hands(self, pairs: Pairs, joints: Ints) -> Bools:
         """Which pairs (p,) are of two arms, True, except for two shoulders: these stay near.

@@ -21,6 +21,10 @@ PLACED = 0.001
 """[m] Any point of a part: where the hand lets go of it, and a place that the cell states for the
 hand."""
 
+INSERTED = 0.0005
+"""[m] Any point of a part: on its way onto another one, and on the straight line to its seat there;
+at the end of the way, and at the seat."""
+
 OPENING = 1e-6
 """[m] The opening of fingers, and that of the grasp."""
 

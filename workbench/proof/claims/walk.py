@@ -152,7 +152,7 @@ class Walk:
 
     def _pairs(self, now: Situation) -> Pairs:
         """The pairs of a situation of the step that was put last; the same are asked for often."""
-        key = now.moves.tobytes(), now.straight, now.target, now.lets_go
+        key = now.moves.tobytes(), now.straight, now.target, now.lets_go, now.placed_now
         if key not in self._known:
             self._known[key] = self._table.pairs(now, self._space.joints)
         return self._known[key]

@@ -20,6 +20,7 @@ class CheckedBody:
     compared.  `arm` carries it, empty where none does.  `part` is the number of the detection, -1
     for what is none.  `joint` and `T_joint_body`: where it hangs as long as no hand holds it.
     `is_rolled`: it is the room of a piece of a part at every turn, since its roll is not known.
+    `of_kind`: the kind of part that it is a piece of, found or assembled; empty for what is none.
     """
 
     kind: Kind
@@ -32,6 +33,7 @@ class CheckedBody:
     shape: Shape
     is_finger: bool = False
     is_rolled: bool = False
+    of_kind: str = ""
 
 
 def is_round(body: CheckedBody, tree: Tree) -> bool:

@@ -5,16 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from workbench.model.cell import Arm, Cell
-from workbench.model.geometry import Floats, Ints
+from workbench.model.geometry import Floats
 from workbench.model.messages.proofs import ProofText
 from workbench.model.plan import ArmPlan, Plan, Violation
+from workbench.proof.claims.motion import dense_path
 from workbench.proof.claims.stages import in_hand, tcp
 from workbench.proof.claims.tolerances import OFF_ARC, OFF_LINE, farthest, largest_turn
 from workbench.proof.engine.robot import Tree
-
-OFTEN = 0.044
-"""[rad] The sum of all joints' turns after which a hand is checked again: within 1.2 m of an axis
-its chord is then less than 0.3 mm off, by L^2 / 8 times that."""
 
 STRETCH = 256
 """Places of a hand that are checked together."""
@@ -39,7 +36,7 @@ def straight_violations(
     Joints between two waypoints (m, n) [rad] move in proportion, and the hand then on a curve: it
     is checked so finely that it is less than 0.3 mm off the chord of two neighbours.
     """
-    rows, at = _dense(path)
+    rows, at = dense_path(path)
     start = tcp(tree, tree.rest, arm, rows[0])
     gone = tcp(tree, tree.rest, arm, rows[-1]).translation - start.translation
     if way is not None and np.linalg.norm(gone - way) > OFF_LINE:
@@ -68,13 +65,3 @@ def part_reach(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> float:
     """How far [m] the part in a hand extends from the TCP."""
     points = np.asarray(cell.part(plan.detections[arm_plan.detection].part).mesh.points)
     return farthest(points, in_hand(cell, tree, plan, arm_plan).inverse().translation)
-
-
-def _dense(path: Floats) -> tuple[Floats, Ints]:
-    """Configurations (k, n) [rad] along waypoints (m, n), and the waypoint (k,) before each."""
-    steps = np.diff(path, axis=0)
-    counts = np.ceil(np.abs(steps).sum(axis=1) / OFTEN).astype(int).clip(min=1)
-    at = np.repeat(np.arange(len(steps)), counts)
-    shares = np.concatenate([np.arange(count) / count for count in counts])
-    rows = path[at] + shares[:, None] * steps[at]
-    return np.vstack([rows, path[-1]]), np.append(at, len(steps) - 1)

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.derived.policies import LEAST_AIR
 from workbench.model.geometry import Floats, pose_from_rpy
 from workbench.model.messages.message import Message
@@ -14,6 +15,7 @@ from workbench.model.part import Grasp, Part
 from workbench.model.plan import ArmPlan, Leg, Plan, Violation
 from workbench.proof.claims.form import HOLDING
 from workbench.proof.claims.grasps.straight import part_reach, straight_violations
+from workbench.proof.claims.places.assembled import assembly_violations
 from workbench.proof.claims.places.placed_poses import lying_violations
 from workbench.proof.claims.places.standing import standing_violations
 from workbench.proof.claims.stages import in_hand, tcp
@@ -58,6 +60,8 @@ def grasp_violations(cell: Cell, tree: Tree, plan: Plan, arm_plan: ArmPlan) -> I
         yield from straight_violations(tree, arm, name, q, way, reach=reach)
     if arm_plan.station:
         yield from standing_violations(cell, tree, plan, arm_plan)
+    elif found.part in assembled_kinds(cell):
+        yield from assembly_violations(cell, tree, plan, arm_plan)
     else:
         yield from _place_violations(cell, tree, plan, arm_plan, T_tcp_part)
 

@@ -1,4 +1,4 @@
-"""Proof of places, stations and pallets.
+"""Proof of places, stations, pallets and assemblies.
 
 Imports `model`, `engine`, and of the claims the scene and stages.
 """

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 
 from workbench.model.cell import Arm, Cell
+from workbench.model.derived.assembling import assembled_kinds
 from workbench.model.geometry import Floats
 from workbench.model.messages.message import Message
 from workbench.model.messages.proofs import ProofText
@@ -184,8 +185,9 @@ def kept_box(
 ) -> Obstacle:
     """The box around a part that was put down: later plans keep clear of it.
 
-    On a pallet in layers it is where it has fallen to; it counts as what others stand on, as long
-    as it `is_sure` that it is there.  Elsewhere it is where the hand has let go of it.
+    On a pallet in layers, and in an assembly, it is where it has fallen to; it counts as what
+    others stand on, as long as it `is_sure` that it is there.  Elsewhere it is where the hand has
+    let go of it.
 
     Args:
         cell: as it is.
@@ -196,6 +198,10 @@ def kept_box(
     """
     part = cell.part(found.part)
     T_part_box, size = _box_of(part, found)
+    if is_sure and found.roll_known and found.part in assembled_kinds(cell):
+        T_world_part = T_world_put.copy()
+        T_world_part.translation -= [0.0, 0.0, fall(cell, known, found, T_world_put)]
+        return Obstacle(T_world_part * T_part_box, size, found.part, T_world_put)
     places = [place_at(arm, part, T_world_put) for arm in cell.arms] if is_sure else []
     place = next((part_place for part_place in places if part_place is not None), None)
     if place is None:

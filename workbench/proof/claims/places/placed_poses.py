@@ -70,7 +70,17 @@ def lying_violations(
 def place_offs(
     place: PartPlace, symmetry: Symmetry, T_world_put: pin.SE3
 ) -> Iterator[tuple[float, float]]:
-    """How far [m, rad] a part is from poses that are right at a place, the nearest among them.
+    """How far [m, rad] a part is from poses that are right at a place, the nearest among them."""
+    off = place.T_world_part.actInv(T_world_put)
+    for right in right_poses(place, symmetry, T_world_put):
+        yield (
+            float(np.linalg.norm(right.translation - off.translation)),
+            float(np.linalg.norm(pin.log3(right.rotation.T @ off.rotation))),
+        )
+
+
+def right_poses(place: PartPlace, symmetry: Symmetry, T_world_put: pin.SE3) -> Iterator[pin.SE3]:
+    """Poses in the frame of a place that are right there, those nearest to a part among them.
 
     What is right is T_world_part * Rz(a) * S with |a| up to the free rotation and S of the group.
     Each pose found so is one of these, so that one within the tolerances proves the part right;
@@ -100,11 +110,7 @@ def place_offs(
                 if symmetry.form != BALL:
                     a = float(np.clip(_angle(z, R @ S.T), -free, free))
             Z = pin.exp3(a * z)
-            right = pin.SE3(Z @ S, Z @ (point - S @ point))
-            yield (
-                float(np.linalg.norm(right.translation - off.translation)),
-                float(np.linalg.norm(pin.log3(right.rotation.T @ R))),
-            )
+            yield pin.SE3(Z @ S, Z @ (point - S @ point))
 
 
 def _angle(axis: Floats, R: Floats) -> float:

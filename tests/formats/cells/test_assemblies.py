@@ -1,0 +1,102 @@
+"""What a cell file says of parts that come onto others: read, written, and every mistake named."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from workbench.formats.cells.reading import read_cell
+from workbench.formats.cells.writer import write_cell
+from workbench.formats.files.shipped import find
+from workbench.model.derived.assembling import assembled_kinds, insertion_of
+from workbench.model.derived.by_recipe import wanted_parts, with_recipe
+from workbench.model.errors import FileError
+from workbench.model.recipes.kit import Insertion, Wanted
+
+SPACER = '[[recipe.item]]\npart = "spacer"\non = "bolt"\n'
+INSERT = "position_mm = [0, 0, 0]\ninsert_mm = 60\nclearance_mm = 0.5\n"
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """A copy of the cell that assembles, with a text in it changed; its path."""
+
+    def made(was: str = "", becomes: str = "", add: str = "") -> Path:
+        shutil.copytree(find("robots", "yumi"), tmp_path / "robots" / "yumi", dirs_exist_ok=True)
+        shutil.copytree(find("parts", "bolt").parent, tmp_path / "parts", dirs_exist_ok=True)
+        path = tmp_path / "robots" / "yumi" / "assembly.toml"
+        text = path.read_text(encoding="utf-8")
+        assert was in text
+        path.write_text(text.replace(was, becomes, 1) + add, encoding="utf-8")
+        return path
+
+    return made
+
+
+def test_a_recipe_says_how_a_part_comes_onto_another_one(changed, tmp_path):
+    cell = read_cell(changed())
+    down = (0.0, 0.0, -1.0)
+    said = Insertion("bolt", (0.0, 0.0, -0.014), (0.0, 0.0, 0.0), down, 0.065, 0.0005)
+    chosen = with_recipe(cell, 1)
+    assert (insertion_of(chosen, "spacer"), insertion_of(chosen, "bolt")) == (said, None)
+    assert assembled_kinds(chosen) == {"bolt", "spacer"} and assembled_kinds(cell) == set()
+    assert wanted_parts(chosen) == Wanted({"bolt": 1, "spacer": 1}, in_order=True)
+    assert read_cell(write_cell(tmp_path / "written", cell, {})).recipes == cell.recipes
+
+
+def test_a_direction_of_any_length_will_do_and_down_is_meant_where_there_is_none(changed):
+    long = read_cell(changed("insert_along = [0, 0, -1]", "insert_along = [0, 0, -20]"))
+    none = read_cell(changed("insert_along = [0, 0, -1]\n", ""))
+    assert long.recipes == none.recipes
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "add", "says"),
+    [
+        ('on = "bolt"', 'on = "nut"', "", "spacer is on nut, and no earlier item of the recipe is"),
+        ('on = "bolt"', 'on = "spacer"', "", "spacer is on spacer, which is itself on spacer"),
+        ('part = "bolt"\n\n', f'part = "bolt"\non = "spacer"\n{INSERT}', "",
+         "bolt is on spacer, which is itself on bolt"),
+        ('[[recipe.item]]\npart = "bolt"', "", '\n[[recipe.item]]\npart = "bolt"\n',
+         "spacer is on bolt, and no earlier item"),
+        ('part = "bolt"\n\n', 'part = "bolt"\ncount = 2\n\n', "", "the recipe has 2 bolt"),
+        ('on = "bolt"', 'on = "bolt"\ncount = 3', "", "the recipe has 3 spacer"),
+        ("insert_along = [0, 0, -1]", "insert_along = [0, 0, 0]", "", "insert_along.*no length"),
+        ("insert_along = [0, 0, -1]", "insert_along = [0, 0, 1]", "",
+         "insert_along brings spacer to bolt from below"),
+        ("insert_along = [0, 0, -1]", "insert_along = [1, 0, 0.1]", "", "from below"),
+        ("insert_along = [0, 0, -1]", "insert_along = [1, 0]", "", "3 numbers are expected"),
+        ("clearance_mm = 0.5", "clearance_mm = -0.5", "", "clearance_mm.*-0.5 .*0.05"),
+        ("clearance_mm = 0.5", "clearance_mm = 0", "", "clearance_mm"),
+        ("clearance_mm = 0.5\n", "", "", "clearance_mm.*missing"),
+        ("insert_mm = 65", "insert_mm = 0", "", "insert_mm.*0 .*1 .*500"),
+        ("insert_mm = 65", 'insert_mm = "far"', "", "insert_mm.*a number"),
+        ("position_mm = [0, 0, -14]\n", "", "", "position_mm.*missing"),
+        ('on = "bolt"\n', "", "", "position_mm"),
+        ('acceleration_deg = 600', "acceleration_deg = 600\npasses_parts_on = true", "",
+         "the right arm passes parts on"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_assembled_is_refused_in_one_sentence(changed, was, becomes, add, says):
+    with pytest.raises(FileError) as caught:
+        read_cell(changed(was, becomes, add))
+    message = str(caught.value)
+    assert re.search(says, message), message
+    assert "\n" not in message
+
+
+def test_a_base_needs_a_place_that_says_how_it_stands(changed):
+    path = changed()
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('part = "bolt"\npart_pos', 'part = "spacer"\npart_pos'), "utf-8")
+    with pytest.raises(FileError, match="no arm has a place with part_position_mm for bolt"):
+        read_cell(path)
+
+
+def test_what_stands_on_a_part_that_lies_may_come_from_the_side(changed):
+    """Whether an insertion comes from below depends on how the base lies in the world."""
+    path = changed("insert_along = [0, 0, -1]", "insert_along = [0, 0, 1]")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("part_rpy_deg = [0, 0, 0]", "part_rpy_deg = [180, 0, 0]"), "utf-8")
+    assert read_cell(path).recipes[0].items[1].insertion is not None
