@@ -173,7 +173,6 @@ class GraspLibrary:
 
 
 DOWN = (0.0, 0.0, -1.0)
-
 PLACE_LIFT = 0.05
 """[m] The last linear motion to a place."""
 
@@ -190,8 +189,8 @@ class PartPlace:
 
     Places of one `pallet` in layers have its number, counted from 1 in their arm, and 0 where a
     place is of none.  `layer` counts from 1, the lowest; parts of the next one stand on those of
-    it.  So it takes parts only when every place beneath has one, and none when one lies above.
-    `name` is for recipes; several places may share it.
+    it: it takes them when every place beneath has one, none when one lies above.  `name` is for
+    recipes; several places may share it.
     """
 
     T_world_part: pin.SE3
@@ -316,9 +315,8 @@ class Part(Shared, FactsRepr):
     """A part: its surface, convex solids for collision and physics, symmetry and grasps.
 
     `grasps` are those of the library and what the symmetry makes of them, no grip twice.
-    `friction`, no unit, is that between it and what it is held with; None where nobody has said it.
-    `colours` (m, 3) are red, green and blue of the mesh's triangles, 0 to 255 as sRGB has them: its
-    kind and turn are told by them where shape leaves them open, None where shape alone counts.
+    `friction`, no unit, is that against what holds it, None where it is not stated.  `colours`
+    (m, 3) of the mesh's triangles, 0 to 255 in sRGB, decide where shape leaves kind or turn open.
     """
 
     name: str
