@@ -22,7 +22,7 @@ MOST_REFERENCES = 5000
 """Points that collect votes: a part that is small in its bin makes a hundred thousand points, and
 each proposes up to 80 poses."""
 
-MOST_SCORED, GLANCED = 1000, 4
+MOST_SCORED, GLANCED = 2500, 4
 """Voted poses that are scored with all points of the part; of more the best by every fourth."""
 
 MOST_VOTED, MOST_FITTED = 60, 30

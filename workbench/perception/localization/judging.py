@@ -96,6 +96,7 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
                 others(k, i),
                 least=brought[k].least_ends,
                 eaten=brought[k].eaten,
+                filled=brought[k].filled,
             )
         }
         if not ending:

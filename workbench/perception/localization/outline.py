@@ -37,6 +37,7 @@ def has_visible_boundary(
     *,
     least: float = LEAST_ENDS,
     eaten: int = 0,
+    filled: float = 1.0,
 ) -> bool:
     """Whether a part ends along its outline, as far as that is seen.
 
@@ -53,17 +54,19 @@ def has_visible_boundary(
         is_other: (pixels,) which of them other parts found explain.
         least: share of the outline at which the part must end.
         eaten: [pixels] of the part along its outline that show the background.
+        filled: points of the map for each one that was measured: surfaces end between two of these.
     """
     others = is_other.reshape(depth_map.depth.shape)
+    beyond = BEYOND if filled == 1.0 else BEYOND + round(float(np.sqrt(filled)))
     ends, goes_on = _outline(
-        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others, eaten
+        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), others, eaten, beyond
     )
     return ends + goes_on < FEWEST or ends >= least * (ends + goes_on)
 
 
 @njit(cache=True)
 def _outline(
-    drawing: Drawing, T: Floats, is_other: Bools, eaten: int
+    drawing: Drawing, T: Floats, is_other: Bools, eaten: int, reach: int
 ) -> tuple[int, int]:  # pragma: no cover (compiled)
     """Pixels along the outline in which the part ends, and in which its surface goes on."""
     seen, tolerance = drawing.seen, drawing.tolerance
@@ -87,7 +90,7 @@ def _outline(
             for side in range(4):
                 dj, di = (0, 1, 0, -1)[side], (1, 0, -1, 0)[side]
                 outside = (j + (eaten + 1) * dj, i + (eaten + 1) * di)
-                beyond = (j + (eaten + BEYOND) * dj, i + (eaten + BEYOND) * di)
+                beyond = (j + (eaten + reach) * dj, i + (eaten + reach) * di)
                 if eaten > 0 and not _is_drawn(shown, (j + eaten * dj, i + eaten * di)):
                     continue
                 if _is_drawn(shown, outside) or _is_drawn(shown, beyond):

@@ -28,6 +28,9 @@ POINTS_A_PIXEL = 2.0
 
 MOST_PIXELS = 600_000
 
+MIXED = 2
+"""[pixels] From the edge of a thing: so far measurements of both sides are mixed."""
+
 COUNTED, MOST_COUNTED = 8.0, 50_000
 """Points that the squares in which they are counted hold on average, and how many are counted; of
 more every second, third, ..."""
@@ -57,7 +60,7 @@ class DepthMap:
     through its centre; `depth` (rows, columns) [m] is along z, 0 where nothing was measured;
     `normals` (rows, columns, 3) look at the scanner, zero where unknown.  `foreground` marks
     the pixels that see something inside the bin.  `pitch` [m] is the width of a pixel at the
-    bin's floor.
+    bin's floor.  Within `mixed` pixels of a thing's edge measurements of both sides are mixed.
     """
 
     camera: Pinhole
@@ -66,6 +69,7 @@ class DepthMap:
     normals: Floats
     foreground: np.ndarray
     pitch: float
+    mixed: int = MIXED
 
     def __post_init__(self) -> None:
         put(
@@ -95,6 +99,7 @@ class DepthMap:
             self.normals[::2, ::2],
             self.foreground[::2, ::2],
             2 * self.pitch,
+            self.mixed,
         )
 
 
