@@ -25,7 +25,7 @@ PLAUSIBLE = 0.75
 """Of what is seen in the part's place, the part must explain this share to be checked closely."""
 
 HOPELESS = -0.6
-"""[nat] A log likelihood ratio below which a close look mends nothing.  Of 570 that were taken in
+"""[nat] A log likelihood ratio below which a close look mends nothing.  Of 520 that were taken in
 simulated and real scans, none had less than -0.31 before it."""
 
 LEAST_PIXELS = 40

@@ -98,7 +98,6 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
                 # Cameras that smooth, and points drawn between others, make steps even.
                 most_bent=1.0 if brought[k].is_loose or brought[k].filled > 1.0 else MOST_BENT,
                 eaten=brought[k].eaten,
-                filled=brought[k].filled,
             )
         }
         if not ending:

@@ -29,7 +29,7 @@ POINTS_A_PIXEL = 2.0
 MOST_PIXELS = 600_000
 
 MIXED = 2
-"""[pixels] From the edge of a thing: so far measurements of both sides are mixed."""
+"""[pixels] Within this distance of a thing's edge measurements of both sides are mixed."""
 
 COUNTED, MOST_COUNTED = 8.0, 50_000
 """Points that the squares in which they are counted hold on average, and how many are counted; of
