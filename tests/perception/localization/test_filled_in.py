@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.app.runtime.work import find_parts
+from workbench.formats.parts.reading import read_part
+from workbench.model.scan import ALL_KINDS
+from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.localize import begin_search
+from workbench.perception.localization.outline import has_visible_boundary
+from workbench.perception.matching.maps import MIXED
+from workbench.perception.parts.part_surface import prepare
 from workbench.perception.scene.scene_model import scene_model
+from workbench.perception.simulation.piles import pile_of
+from workbench.perception.simulation.synthesize import synthesize, visible_shares
 from workbench.perception.views.filling import densify, spacing_of
 from workbench.plugins.progress import never, silent
 from workbench.studies.localization import compare
@@ -59,3 +68,29 @@ def test_parts_are_found_in_a_scan_of_which_a_thirtieth_is_left(cell, scan, pile
     found, are_found = compare(cell.parts, pile, result.detections)
     assert all(are_found)
     assert all(detection.is_right for detection in found)
+
+
+def test_right_brackets_end_where_few_points_have_them_end(cell):
+    bracket = read_part("bracket")
+    cell = replace(cell, parts=(bracket,))
+    pile = pile_of(cell, ALL_KINDS, 8, seed=8801)
+    sparse = thinned(synthesize(cell, pile, seed=8801), 10_000)
+    scene = scene_model(sparse, cell, smallest=prepare(bracket).diameter)
+    search = begin_search(sparse, bracket, cell, detail=1.0, scene=scene)
+    assert isinstance(search, PartSearch) and search.filled > 2.0
+    T_scanner_world = sparse.T_world_scanner.inverse()
+    nothing = np.zeros(search.depth_map.depth.size, np.bool_)
+    poses = [
+        (T_scanner_world * true.T_world_part).homogeneous
+        for true, visible in zip(pile, visible_shares(cell, pile), strict=True)
+        if visible > 0.6
+    ]
+
+    def ending(depth_map):
+        """How many parts end, if nothing is known of the others."""
+        return sum(
+            has_visible_boundary(depth_map, search.surface, pose, search.tolerance, nothing)
+            for pose in poses
+        )
+
+    assert ending(search.depth_map) > ending(replace(search.depth_map, mixed=MIXED))

@@ -10,9 +10,14 @@ from searching import searched
 from workbench.formats.parts.reading import read_part
 from workbench.model.geometry import Mesh, pose_from_rpy
 from workbench.model.scan import Detection, Objection
+from workbench.perception.localization.judging import PartSearch
+from workbench.perception.localization.localize import begin_search
+from workbench.perception.localization.outline import has_visible_boundary
+from workbench.perception.parts.part_surface import prepare
+from workbench.perception.scene.scene_model import scene_model
 from workbench.perception.simulation.piles import drop_parts
 from workbench.perception.simulation.synthesize import synthesize
-from workbench.studies.localization import compare
+from workbench.studies.localization import BUILDS, compare
 
 
 @pytest.mark.extensive
@@ -48,3 +53,35 @@ def test_parts_a_millimetre_apart_are_both_found(cell, block):
     found = searched(synthesize(cell, truth, seed=1), block, cell, seed=0).detections
     judged, is_found = compare((block,), truth, found)
     assert all(is_found) and all(one.is_right for one in judged)
+
+
+def test_a_bolt_does_not_end_on_the_side_of_a_cylinder_that_bends_away(cell):
+    cylinder, bolt = read_part("keyed_cylinder"), read_part("bolt")
+    build = BUILDS["time_of_flight"]
+    scanner = replace(cell.scanner, depth_noise=build.deviation)
+    cell = replace(cell, parts=(bolt,), scanner=scanner)
+    lying = (pose_from_rpy((0.0, y, 0.019), (0.0, np.pi / 2, 0.0)) for y in (-0.04, 0.0, 0.04))
+    truth = tuple(Detection(cylinder.name, cell.bin.T_world_bin * pose) for pose in lying)
+    scan = synthesize(replace(cell, parts=(cylinder,)), truth, seed=3, noise=build.noise)
+    scene = scene_model(scan, cell, smallest=prepare(bolt).diameter)
+    search = begin_search(scan, bolt, cell, detail=1.0, scene=scene)
+    assert isinstance(search, PartSearch)
+    nobody = np.zeros(search.depth_map.depth.size, np.bool_)
+    T_scanner_world = scan.T_world_scanner.inverse()
+
+    def ending(**limits):
+        """How many bolts end that are thought to lie on the cylinders."""
+        return sum(
+            has_visible_boundary(
+                search.depth_map,
+                search.surface,
+                (T_scanner_world * report.T_world_part).homogeneous,
+                search.tolerance,
+                nobody,
+                **limits,
+            )
+            for report in searched(scan, bolt, cell, seed=3).detections
+        )
+
+    assert ending(most_bent=1.0) >= 2
+    assert ending() == 0

@@ -24,6 +24,10 @@ LEAST_VISIBLE = 0.3
 PLAUSIBLE = 0.75
 """Of what is seen in the part's place, the part must explain this share to be checked closely."""
 
+HOPELESS = -0.6
+"""[nat] A log likelihood ratio below which a close look mends nothing.  Of 520 that were taken in
+simulated and real scans, none had less than -0.31 before it."""
+
 LEAST_PIXELS = 40
 
 DEEP, MOST_DEEP = 0.03, 0.02
@@ -77,10 +81,13 @@ def are_in_bin(
     surface: PartSurface, poses: Floats, T_scanner_bin: pin.SE3, bin: Bin, seen: SeenBin
 ) -> np.ndarray:
     """Which poses (k, 4, 4) [m] do not reach through floor or walls; they may stick out above."""
+    points = surface.table.model.points
+    # What lies far from the middle reaches out first: then few points have to be moved.
+    distances = np.sum((points - surface.middle) ** 2, axis=1)
     return _are_in_bin(
         np.ascontiguousarray(T_scanner_bin.inverse().homogeneous),
         np.ascontiguousarray(poses),
-        surface.table.model.points,
+        points[np.argsort(-distances, kind="stable")],
         bin.size,
         seen.floor,
         seen.walls,
@@ -138,7 +145,15 @@ def take(
     Returns:
         What was taken, None if it was not.
     """
+
+    def ratio(sighting: Sighting) -> float:
+        return log_likelihood_ratio(
+            sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
+        )
+
     rejected = _objection(choice, surface, hypothesis)
+    if rejected is None and ratio(hypothesis.sighting) < HOPELESS:
+        rejected = Rejection(hypothesis.pose, hypothesis.sighting, Objection.UNKNOWN)
     if rejected is None:
         assessment = assess(hypothesis)
         rejected = _objection(choice, surface, assessment) or _overlap(choice, surface, assessment)
@@ -146,13 +161,7 @@ def take(
             rejected = Rejection(assessment.pose, assessment.sighting, Objection.OUTSIDE)
         if rejected is None and not assessment.is_constrained:
             rejected = Rejection(assessment.pose, assessment.sighting, Objection.NOT_HELD)
-        if (
-            rejected is None
-            and log_likelihood_ratio(
-                assessment.sighting, choice.claimed >= 0, spread, tolerance, is_all_known=False
-            )
-            < 0.0
-        ):
+        if rejected is None and ratio(assessment.sighting) < 0.0:
             rejected = Rejection(assessment.pose, assessment.sighting, Objection.UNKNOWN)
         if rejected is None:
             choice.claimed[assessment.sighting.explained] = len(choice.chosen)

@@ -47,15 +47,12 @@ Compete = Callable[[Sequence[PartSearch], Sequence[list[Hypothesis]]], None]
 def allow_eaten_outlines(found: list[PartSearch], compete: Compete) -> list[PartSearch]:
     """The searches in a scan without the background that eats outlines, where it does.
 
-    Kept only if more of what lies in the bin is explained; otherwise the searches stay as they are,
-    and so do those that tolerate more already.
+    Kept only if more of what lies in the bin is explained; otherwise the searches stay as they are.
 
     Args:
         found: the searches of all kinds, after the first vote.
         compete: see there.
     """
-    if any(search.is_loose for search in found):
-        return found
     widths = [width for search in found for width in _widths(search)]
     if len(widths) < FEWEST_PARTS or min(widths) <= NOT_EATEN:
         return found

@@ -16,7 +16,7 @@ from workbench.model.part import Part
 from workbench.model.scan import Objection
 from workbench.perception.localization.choice import Choice, Hypothesis, Rejection
 from workbench.perception.localization.likelihood import MOST, log_likelihood_ratio, looked_through
-from workbench.perception.localization.outline import LEAST_ENDS, has_visible_boundary
+from workbench.perception.localization.outline import LEAST_ENDS, MOST_BENT, has_visible_boundary
 from workbench.perception.matching.maps import DepthMap
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface
@@ -95,6 +95,8 @@ def judge_choices(brought: Sequence[PartSearch]) -> list[JudgedChoice]:
                 brought[k].tolerance,
                 others(k, i),
                 least=brought[k].least_ends,
+                # Cameras that smooth, and points drawn between others, make steps even.
+                most_bent=1.0 if brought[k].is_loose or brought[k].filled > 1.0 else MOST_BENT,
                 eaten=brought[k].eaten,
             )
         }

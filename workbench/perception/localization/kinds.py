@@ -109,8 +109,8 @@ def localize_parts(
     closely = partial(look_closely, step)
     for number, turns in _rounds(found, seed, step):
         if number == 1:
-            found = relax_tolerance(found, partial(compete, closely=closely))
             found = allow_eaten_outlines(found, partial(compete, closely=closely))
+            found = relax_tolerance(found, partial(compete, closely=closely))
         elif number > 1 and any(search.is_loose for search in found):
             # Little that is hidden can be told in such a scan, and this takes most of the time.
             break

@@ -44,7 +44,7 @@ from workbench.perception.localization.hypotheses import (
 )
 from workbench.perception.localization.judging import JudgedChoice, PartSearch, judge_choices
 from workbench.perception.localization.likelihood import LEAST_SPREAD, SPREAD_OVER_NOISE
-from workbench.perception.matching.maps import DepthMap, make_map
+from workbench.perception.matching.maps import MIXED, POINTS_A_PIXEL, DepthMap, make_map
 from workbench.perception.matching.poses import distinct
 from workbench.perception.matching.sightings import look
 from workbench.perception.parts.part_surface import PartSurface, prepare
@@ -132,6 +132,10 @@ def begin_search(
     )
     if depth_map is None:
         return surface
+    if scene.filled > 1.0:
+        # A surface ends anywhere between its last point and the next one.
+        between = np.sqrt(scene.filled * POINTS_A_PIXEL) / POINTS_A_PIXEL
+        depth_map = replace(depth_map, mixed=MIXED + round(float(between)))
     noise = _noise(cell, scan, scene)
     tolerance = max(TOLERANCE * surface.diameter, TOLERANCE_OVER_NOISE * noise)
     spread = max(SPREAD_OVER_NOISE * noise, LEAST_SPREAD * tolerance)

@@ -28,8 +28,12 @@ POINTS_A_PIXEL = 2.0
 
 MOST_PIXELS = 600_000
 
-COUNTED = 8.0
-"""Points that the squares in which they are counted hold on average."""
+MIXED = 2
+"""[pixels] Within this distance of a thing's edge measurements of both sides are mixed."""
+
+COUNTED, MOST_COUNTED = 8.0, 50_000
+"""Points that the squares in which they are counted hold on average, and how many are counted; of
+more every second, third, ..."""
 
 
 class Seen(NamedTuple):
@@ -56,7 +60,7 @@ class DepthMap:
     through its centre; `depth` (rows, columns) [m] is along z, 0 where nothing was measured;
     `normals` (rows, columns, 3) look at the scanner, zero where unknown.  `foreground` marks
     the pixels that see something inside the bin.  `pitch` [m] is the width of a pixel at the
-    bin's floor.
+    bin's floor.  Within `mixed` pixels of a thing's edge measurements of both sides are mixed.
     """
 
     camera: Pinhole
@@ -65,6 +69,7 @@ class DepthMap:
     normals: Floats
     foreground: np.ndarray
     pitch: float
+    mixed: int = MIXED
 
     def __post_init__(self) -> None:
         put(
@@ -94,6 +99,7 @@ class DepthMap:
             self.normals[::2, ::2],
             self.foreground[::2, ::2],
             2 * self.pitch,
+            self.mixed,
         )
 
 
@@ -157,13 +163,16 @@ def _density(points: Floats, low: Floats, high: Floats) -> float:
         low: (2,) corner of the picture, on the plane z = 1.
         high: (2,) the opposite one.
     """
-    side = np.sqrt(float(np.prod(high - low)) * COUNTED / len(points))
-    at = np.floor((points[:, :2] / points[:, 2:] - low) / side).astype(np.int64)
-    shape = np.ceil((high - low) / side).astype(np.int64) + 1
-    at = at[(at >= 0).all(axis=1) & (at < shape).all(axis=1)]
-    held = np.bincount(at[:, 0] * shape[1] + at[:, 1])
+    few = points[:: -(-len(points) // MOST_COUNTED)]
+    side = np.sqrt(float(np.prod(high - low)) * COUNTED / len(few))
+    columns, rows = np.ceil((high - low) / side).astype(np.int64) + 1
+    u, v = (np.floor((few[:, k] / few[:, 2] - low[k]) / side).astype(np.int64) for k in (0, 1))
+    is_shown = (u >= 0) & (u < columns) & (v >= 0) & (v < rows)
+    at = u[is_shown] * rows + v[is_shown]
+    if len(at) == 0:
+        return 1.0
     # Half of the points are in squares with more.
-    return float(np.median(held[at[:, 0] * shape[1] + at[:, 1]])) / side**2 if len(at) else 1.0
+    return float(np.median(np.bincount(at)[at])) / side**2 * len(points) / len(few)
 
 
 def _corners(size: Floats, T_scanner_bin: pin.SE3) -> Floats:

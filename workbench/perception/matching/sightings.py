@@ -37,9 +37,6 @@ AGAINST = 2.0
 EXPLAINED, VIOLATED, HIDDEN = 1, 2, 3
 """What a pixel says of a pose; see `Sighting`."""
 
-RIM = 2
-"""[pixels] From the edge of a part's picture: so far measurements of both sides are mixed."""
-
 ROUGHLY = 0.025
 """From this tolerance on, over the diameter, the part's rough surface is drawn."""
 
@@ -112,7 +109,7 @@ def look(depth_map: DepthMap, surface: PartSurface, pose: Floats, tolerance: flo
         tolerance: [m] how far from the predicted surface a measured point may lie.
     """
     pixels, states, off, is_rim = _look(
-        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose)
+        drawing(depth_map, surface, tolerance), np.ascontiguousarray(pose), depth_map.mixed
     )
     explained, violated, hidden = (states == k for k in (EXPLAINED, VIOLATED, HIDDEN))
     return Sighting(
@@ -183,7 +180,7 @@ def predicted(
 
 @njit(cache=True)
 def _look(
-    drawing: Drawing, T: Floats
+    drawing: Drawing, T: Floats, mixed: int
 ) -> tuple[Ints, Ints, Floats, Bools]:  # pragma: no cover (compiled)
     """Pixels (n,) that show the part, what each says, how far off it is [m], and which are rim."""
     rays, depths, measured, foreground = drawing.seen[:4]
@@ -208,16 +205,16 @@ def _look(
                     foreground[v, u],
                     drawing.tolerance,
                 )
-                is_rim[n] = states[n] == VIOLATED and _is_rim(shown, j, i)
+                is_rim[n] = states[n] == VIOLATED and _is_rim(shown, j, i, mixed)
                 n += 1
     return pixels[:n], states[:n], off[:n], is_rim[:n]
 
 
 @njit(cache=True)
-def _is_rim(shown: Floats, j: int, i: int) -> bool:  # pragma: no cover (compiled)
-    """Whether the picture (h, w) [m] ends within `RIM` pixels."""
-    for b in range(j - RIM, j + RIM + 1):
-        for a in range(i - RIM, i + RIM + 1):
+def _is_rim(shown: Floats, j: int, i: int, width: int) -> bool:  # pragma: no cover (compiled)
+    """Whether the picture (h, w) [m] ends within that many pixels."""
+    for b in range(j - width, j + width + 1):
+        for a in range(i - width, i + width + 1):
             is_in = 0 <= b < shown.shape[0] and 0 <= a < shown.shape[1]
             if not is_in or shown[b, a] == np.inf:
                 return True

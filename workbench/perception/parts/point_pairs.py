@@ -26,6 +26,15 @@ ANGLES = 15
 TURNS = 30
 """Bins for the distance up to the diameter, for each angle, and for the turn."""
 
+LIMITS = np.append(np.cos(np.arange(1, ANGLES) * np.pi / ANGLES), -np.inf)
+"""Cosines of the angles at which a bin ends."""
+
+CELLS = 64
+"""Cells between the cosines -1 and 1, each narrower than any bin."""
+
+BIN_AT = np.array([np.count_nonzero(2.0 * (k + 1) / CELLS - 1.0 <= LIMITS) for k in range(CELLS)])
+"""The bin of the largest cosine in each cell: what is smaller is in this one or in the next."""
+
 FEWEST_VOTES = 3.0
 
 
@@ -95,9 +104,10 @@ def vote(
 
 @njit(cache=True)
 def _angle(cosine: float) -> int:  # pragma: no cover (compiled)
-    """The bin of an angle between 0 and 180 degrees."""
-    angle = np.arccos(min(1.0, max(-1.0, cosine)))
-    return min(int(angle / np.pi * ANGLES), ANGLES - 1)
+    """The bin of an angle between 0 and 180 degrees; looked up, as an arc cosine takes longer."""
+    cell = min(max(int((cosine + 1.0) * (CELLS / 2)), 0), CELLS - 1)
+    found = BIN_AT[uint64(cell)]
+    return found + (1 if cosine <= LIMITS[uint64(found)] else 0)
 
 
 @njit(cache=True)
@@ -204,13 +214,18 @@ def _vote(
             before, after = counts[first, turn - 1], counts[first, (turn + 1) % TURNS]
             angle = (turn + (after - before) / (before + height + after)) / TURNS * 2.0 * np.pi
             c, s = np.cos(angle), np.sin(angle)
-            turned = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-            rotation = frame @ turned @ _frame(model_normals[first]).T
-            moved = rotation @ model_points[first]
+            model_frame = _frame(model_normals[first])
+            # The frame turned about its first axis, times the other one's inverse.
             for i in range(3):
+                second = c * frame[i, 1] + s * frame[i, 2]
+                third = c * frame[i, 2] - s * frame[i, 1]
+                place = point[i]
                 for k in range(3):
-                    poses[number, peak, i, k] = rotation[i, k]
-                poses[number, peak, i, 3] = point[i] - moved[i]
+                    share = frame[i, 0] * model_frame[k, 0]
+                    share += second * model_frame[k, 1] + third * model_frame[k, 2]
+                    poses[number, peak, i, k] = share
+                    place -= share * model_points[first, k]
+                poses[number, peak, i, 3] = place
                 poses[number, peak, 3, i] = 0.0
             poses[number, peak, 3, 3] = 1.0
             votes[number, peak] = height

@@ -153,8 +153,8 @@ def inside_by(
 def _floor(near: Floats, size: Floats, gate: float, slack: float) -> tuple[Floats, float, float]:
     """Coefficients (6,), share seen, and deviation [m] of what is on it."""
     inner = size[:2] / 2 - CORNER
-    there = (np.abs(near[:, :2]) < inner).all(axis=1) & (np.abs(near[:, 2]) < slack)
-    points = _thin(near[there])
+    x, y, z = np.abs(near).T
+    points = _thin(near[(x < inner[0]) & (y < inner[1]) & (z < slack)])
     u, v = (2 * points[:, :2] / size[:2]).T
     rows = _quadratic(u, v)
     tilts = np.tan(STEEPEST) * size[:2] / 2

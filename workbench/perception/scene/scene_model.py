@@ -23,6 +23,9 @@ from workbench.perception.views.filling import densify, spacing_of
 FEWEST_ACROSS, WANTED_ACROSS = 45, 100
 """Points across a part below which a sparse scan is filled in, and how many there are then."""
 
+MOST_COUNTED = 50_000
+"""Points by which a scan is found sparse; of more every second, third, ..."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneModel:
@@ -67,17 +70,25 @@ def _filled(
     points: Floats, T_bin_scanner: pin.SE3, bin: Bin, smallest: float
 ) -> tuple[Floats, float]:
     """The points (n, 3) [m] around the bin, a sparse cloud filled in, and by how many times."""
-    p_bin = points @ T_bin_scanner.rotation.T + T_bin_scanner.translation
-    near = (np.abs(p_bin[:, :2]) < bin.size[:2] / 2 + REACH).all(axis=1) & (points[:, 2] > 0)
-    around = points[near]
+    few = points[:: -(-len(points) // MOST_COUNTED) or 1]
+    around = _around(few, T_bin_scanner, bin)
     if not smallest > 0.0 or len(around) < FEWEST_POINTS:
         return points, 1.0
     spacing, _, _ = spacing_of(around)
     distance = float(np.median(around[:, 2]))
+    spacing *= float(np.sqrt(len(few) / len(points)))
     if not spacing * distance > smallest / FEWEST_ACROSS / np.sqrt(2):
         return points, 1.0
+    around = _around(points, T_bin_scanner, bin)
     dense = densify(around, smallest / WANTED_ACROSS)
     return dense, len(dense) / len(around)
+
+
+def _around(points: Floats, T_bin_scanner: pin.SE3, bin: Bin) -> Floats:
+    """Those of the points (n, 3) [m] that lie before the scanner, over the bin or close to it."""
+    x, y, _ = (points @ T_bin_scanner.rotation.T + T_bin_scanner.translation).T
+    reach = bin.size[:2] / 2 + REACH
+    return points[(np.abs(x) < reach[0]) & (np.abs(y) < reach[1]) & (points[:, 2] > 0)]
 
 
 def _by_rim(seen: SeenBin, T_bin_rim: pin.SE3 | None, bin: Bin) -> SeenBin:
