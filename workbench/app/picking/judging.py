@@ -14,7 +14,7 @@ from workbench.model.plan import Plan
 from workbench.model.scan import Detection, Obstacle
 from workbench.planning.collision.world import World
 from workbench.planning.picking.lifts import lift_message
-from workbench.planning.picking.propose import is_spare, propose, search_candidates
+from workbench.planning.picking.propose import ROUNDS, is_spare, propose, search_candidates
 from workbench.planning.picking.resolve import resolve
 from workbench.planning.planners.clock import processor_time
 from workbench.plugins.progress import Cancelled, Report, never, silent
@@ -177,5 +177,6 @@ def judge(
     taken = {pick.candidate.detection for pick in looked.picks}
     for number, detection in enumerate(detections):
         if number not in taken and cell.part(detection.part).library.searches:
-            look(world, search_candidates(world, number, looked=count), looked)
+            for round in range(len(ROUNDS)):
+                look(world, search_candidates(world, number, round, looked=count), looked)
     return tuple(looked.candidates)

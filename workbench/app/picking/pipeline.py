@@ -30,7 +30,13 @@ from workbench.model.scan import Detection, Obstacle, Scene
 from workbench.planning.collision.world import World
 from workbench.planning.picking.assign import BOTH, has_enough_picks, plan_first_feasible
 from workbench.planning.picking.least_time import least_cycle
-from workbench.planning.picking.propose import HandsLooked, levels_of, propose, search_candidates
+from workbench.planning.picking.propose import (
+    ROUNDS,
+    HandsLooked,
+    levels_of,
+    propose,
+    search_candidates,
+)
 from workbench.planning.planners.clock import processor_time, working_time
 from workbench.plugins.misfit import misfit
 from workbench.plugins.progress import Cancelled, Report, never, silent, within
@@ -157,7 +163,7 @@ def _library_levels(cell: Cell) -> list[Level]:
 def _search_levels(
     cell: Cell, detections: Sequence[Detection], avoided: Container[int]
 ) -> list[Level]:
-    """Grips of one part after the other, from the top, where libraries leave it to a search."""
+    """Grips of one part after the other, from the top, in rounds; for parts that permit it."""
     searching = {part.name for part in cell.parts if part.library.searches}
     lying = [
         (float(detection.T_world_part.translation[2]), number)
@@ -165,7 +171,10 @@ def _search_levels(
         if detection.part in searching and number not in avoided
     ]
     return [
-        lambda world, looked, number=number: search_candidates(world, number, looked=looked)
+        lambda world, looked, number=number, round=round: search_candidates(
+            world, number, round, looked=looked
+        )
+        for round in range(len(ROUNDS))
         for _, number in sorted(lying, reverse=True)
     ]
 

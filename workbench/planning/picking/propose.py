@@ -32,8 +32,9 @@ HandsLooked = Callable[[int, int], object]
 ENOUGH = 2
 """Grasps of a priority below 0 that work for an arm and a part, before the others are left out."""
 
-MOST_FOUND = 8
-"""Grips of a part that are found for each arm where its library has none."""
+ROUNDS = ((0, 3), (3, 10))
+"""The first and the last of the grips of a part that are proposed in each round of a search: most
+parts that come out do so by one of a few."""
 
 
 def propose(
@@ -96,20 +97,21 @@ def candidate_of(world: World, number: int, grasp: Grasp, arm: Arm) -> Candidate
 
 
 def search_candidates(
-    world: World, number: int, *, looked: HandsLooked = lambda count, of: None
+    world: World, number: int, round: int, *, looked: HandsLooked = lambda count, of: None
 ) -> tuple[Candidate, ...]:
     """Candidates of one part by grips that are in no library, ordered as those of `propose`.
 
-    They are among all grips of the tools: those that fit among the neighbours and hold the part,
-    at most `MOST_FOUND` for each arm.
+    They are among all grips of the tools: some that fit among the neighbours and hold the part.
 
     Args:
         world: of the cell with the parts found.
         number: of the part among them.
+        round: which of the `ROUNDS`.
         looked: is called with the progress, and may end it by raising.
     """
     part = world.cell.part(world.detections[number].part)
     known: dict[str, tuple[Grasp, ...]] = {}
+    first, most = ROUNDS[round]
     found: list[Candidate] = []
     for count, arm in enumerate(world.cell.arms):
         looked(count, len(world.cell.arms))
@@ -117,7 +119,7 @@ def search_candidates(
             grips = grips_of(part, arm.tool, tool_acceleration(world.cell, arm.tool))
             fit = partial(world.tool_check.free, arm, number)
             clear = clear_grips(world.cell, part, arm)
-            known[arm.tool.name] = grips.search(fit, clear, MOST_FOUND)
+            known[arm.tool.name] = grips.search(fit, clear, most)[first:]
         if known[arm.tool.name]:
             found += _candidates(world, [number], known[arm.tool.name], arm)
     return tuple(sorted(found, key=lambda c: (not c.verdict.is_ok, c.rank)))
