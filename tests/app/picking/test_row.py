@@ -7,7 +7,6 @@ import pinocchio as pin
 import pytest
 
 import workbench.app.picking.row as row_module
-from workbench.app.picking.numbers import label_in, renumber
 from workbench.app.picking.pipeline import plan_pick
 from workbench.app.picking.row import (
     check_picks,
@@ -17,7 +16,7 @@ from workbench.app.picking.row import (
 from workbench.formats.cells.reading import read_cell
 from workbench.model.candidate import Reason, Stage, Verdict
 from workbench.model.cell import MOST_PICKS
-from workbench.model.derived.row_parts import parts_taken
+from workbench.model.derived.row_parts import label_in, parts_taken, renumber
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, InputError, JobCancelled
 from workbench.model.geometry import pose_from_rpy

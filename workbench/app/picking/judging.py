@@ -31,7 +31,7 @@ ROOM = 0.0001
 
 @dataclass(slots=True)
 class Looked:
-    """What was checked so far: candidates with their final verdicts, picks of those that work."""
+    """What was checked: candidates with their final verdicts, picks of those that work."""
 
     candidates: list[Candidate] = field(default_factory=list[Candidate])
     picks: list[Pick] = field(default_factory=list[Pick])

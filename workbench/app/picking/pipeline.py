@@ -51,7 +51,7 @@ TWO_ARMS = (*BOTH, "both")
 """Strategies that only two arms can follow."""
 
 PROVEN_TRIES = 2
-"""Plans with found grips that are proven before the next part is looked at."""
+"""Plans with found grips that are proven before the next part is searched."""
 
 NOTHING: Mapping[int, Message] = MappingProxyType({})
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from workbench.app.picking.numbers import renumber
 from workbench.app.picking.pipeline import NOTHING, best_of, plan_pick
 from workbench.app.picking.proving import prove
 from workbench.app.picking.regrasp import plan_regrasp
 from workbench.model.cell import MOST_PICKS, Cell, picks_problem
+from workbench.model.derived.row_parts import renumber
 from workbench.model.errors import CommandRefused, InputError
 from workbench.model.messages.message import Message
 from workbench.model.messages.plans import PlanNote, RowEnd, strategy_message

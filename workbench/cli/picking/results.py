@@ -4,10 +4,9 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from workbench.app.picking.numbers import renumber
 from workbench.cli.terminal import milliseconds, print_table
 from workbench.model.candidate import Candidate, Verdict
-from workbench.model.derived.row_parts import parts_taken
+from workbench.model.derived.row_parts import parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message
 from workbench.model.messages.plans import cycle_words
 from workbench.model.plan import Plan, Proof, Violation

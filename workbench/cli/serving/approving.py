@@ -5,10 +5,9 @@ import threading
 from collections.abc import Mapping, Sequence
 
 from workbench.app.core.cycle.standing import moved_away
-from workbench.app.picking.numbers import label_in
 from workbench.app.records.approvals import SHORTEST
 from workbench.model.cell import Cell
-from workbench.model.derived.row_parts import parts_taken
+from workbench.model.derived.row_parts import label_in, parts_taken
 from workbench.model.digest import digest_of
 from workbench.model.errors import CommandRefused, LinkError, ProtocolError
 from workbench.model.messages.message import FoundPart

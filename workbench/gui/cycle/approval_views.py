@@ -5,13 +5,12 @@ from collections.abc import Mapping, Sequence
 from workbench.app.core.cycle.approval import standing_votes
 from workbench.app.core.cycle.standing import moved_away
 from workbench.app.core.state import Phase, State
-from workbench.app.picking.numbers import renumber
 from workbench.gui.drawing.nearest import certificates_of, free_message, straight_lines
 from workbench.gui.shared.views import NOTHING_MADE, clock, line, sentence, short, table_html
 from workbench.gui.texts.approval import ApprovalText
 from workbench.gui.texts.labels import LabelText
 from workbench.model.cell import Cell
-from workbench.model.derived.row_parts import parts_taken
+from workbench.model.derived.row_parts import parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, Others, all_of
 from workbench.model.messages.plans import cycle_words, guarantee_message, strategy_message
 from workbench.model.motion import MotionModel

@@ -9,7 +9,6 @@ import numpy as np
 
 from workbench.app.core.state import Phase, State
 from workbench.app.picking.facts import nearest_of, nearest_place
-from workbench.app.picking.numbers import label_in
 from workbench.formats.plans.certificates import certificate_bytes
 from workbench.gui.scene.measure import clear_way
 from workbench.gui.shared.own import Visited
@@ -21,6 +20,7 @@ from workbench.gui.texts.cycle import CyclePageText
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.scene import NearestText
 from workbench.model.cell import MOST_PICKS
+from workbench.model.derived.row_parts import label_in
 from workbench.model.messages.message import Message, found_part
 from workbench.model.messages.plans import leg_message
 from workbench.model.plan import Plan, Proof, Proven, floor_distance

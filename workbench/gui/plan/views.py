@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from html import escape
 
 from workbench.app.core.state import Outline, State
-from workbench.app.picking.numbers import renumber
 from workbench.gui.shared.colours import arm_colour
 from workbench.gui.shared.tables import clickable
 from workbench.gui.shared.views import line, mm, sentence, short
 from workbench.gui.texts.labels import LabelText
 from workbench.gui.texts.plan import PlanText
-from workbench.model.derived.row_parts import count_taken, parts_taken
+from workbench.model.derived.row_parts import count_taken, parts_taken, renumber
 from workbench.model.messages.message import FoundPart, Message, all_of, as_message, plain
 from workbench.model.messages.plans import guarantee_message, strategy_message
 from workbench.model.plan import ArmPlan, Plan, Strategy, floor_distance

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from workbench.model.messages.message import FoundPart, Message, found_part
 from workbench.model.plan import Plan
 from workbench.model.scan import Detection
 
@@ -29,3 +30,20 @@ def parts_taken(first: Plan, plan: Plan) -> tuple[int, ...]:
 def count_taken(plans: Sequence[Plan]) -> int:
     """How many parts plans in a row take; one that goes over a station counts once."""
     return len({number for plan in plans for number in parts_taken(plans[0], plan)})
+
+
+def renumber(message: Message, first: Plan, detections: Sequence[Detection]) -> Message:
+    """A message about a later plan, of its own `detections`, by the numbers of the row's first."""
+    return message.renumber(lambda index: _index_in(first, detections, index))
+
+
+def label_in(label: str, first: Plan, detections: Sequence[Detection]) -> str:
+    """What a body of a later plan, of its own `detections`, is called in the row's first."""
+    part = found_part(label)
+    if isinstance(part, str):
+        return label
+    return str(FoundPart(_index_in(first, detections, part.index)))
+
+
+def _index_in(first: Plan, detections: Sequence[Detection], index: int) -> int:
+    return number_in(first, detections[index]) if index < len(detections) else index

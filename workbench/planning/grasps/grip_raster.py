@@ -137,7 +137,7 @@ def grips_of(part: Part, tool: Tool, acceleration: float | None = None) -> Grips
 
 @lru_cache(maxsize=8)
 def clear_grips(cell: Cell, part: Part, arm: Arm) -> Ints:
-    """Numbers (n,) of the grips of an arm's tool whose open fingers do not cut into the part.
+    """Numbers (n,) of the grips, no unit, of an arm's tool whose open fingers do not cut the part.
 
     Args:
         cell: with the arm.
